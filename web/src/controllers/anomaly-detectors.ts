@@ -1,18 +1,18 @@
 /** Ties the anomaly detectors of a site to an element: asked for once, and then told. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { DetectorBook } from "../state/anomaly-detectors.js";
+import { AnomalyDetectors } from "../state/anomaly-detectors.js";
 import type { AnomalyList } from "../wire/api-types.js";
-import { LinkController } from "./connection-state.js";
+import { ConnectionStateController } from "./connection-state.js";
 import { LoadController } from "./load.js";
 
 /** What this needs of the hub's HTTP interface. */
-export interface Watchers {
+export interface AnomalySource {
   anomalies(site: string): Promise<AnomalyList>;
 }
 
-export class DetectorsController implements ReactiveController {
-  book = new DetectorBook();
+export class AnomalyDetectorsController implements ReactiveController {
+  book = new AnomalyDetectors();
   private readonly load: LoadController<AnomalyList>;
   private site = "";
   private taken: AnomalyList | undefined;
@@ -20,7 +20,7 @@ export class DetectorsController implements ReactiveController {
   constructor(host: ReactiveControllerHost & HTMLElement) {
     host.addController(this);
     this.load = new LoadController(host);
-    new LinkController(host, (connection) => [
+    new ConnectionStateController(host, (connection) => [
       connection.onMessage("anomaly", (news) => {
         if (news.site === this.site && this.book.applyUpdate(news)) host.requestUpdate();
       }),
@@ -45,10 +45,10 @@ export class DetectorsController implements ReactiveController {
   }
 
   /** Call it from `willUpdate`. @param edition names the site's description: another one has other detectors */
-  loadDetectors(api: Watchers, site: string, edition: string): void {
+  loadDetectors(api: AnomalySource, site: string, edition: string): void {
     if (site !== this.site) {
       this.site = site;
-      this.book = new DetectorBook();
+      this.book = new AnomalyDetectors();
       this.taken = undefined;
     }
     this.load.load(`${site} ${edition}`, () => {

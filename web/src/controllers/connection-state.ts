@@ -10,7 +10,7 @@ import type { Connection, LinkState } from "../wire/connection.js";
  * `attach` is called each time the element and a connection come together; what it returns is
  * called when they part. It is the place for `connection.on(…)`.
  */
-export class LinkController implements ReactiveController {
+export class ConnectionStateController implements ReactiveController {
   private found: Connection | undefined;
   private stops: (() => void)[] = [];
 

@@ -8,7 +8,7 @@ export interface Watchable {
   subscribe(watcher: () => void): () => void;
 }
 
-export class StoreController<S extends Watchable> implements ReactiveController {
+export class ContextStoreController<S extends Watchable> implements ReactiveController {
   private found: S | undefined;
   private stop: (() => void) | undefined;
 

@@ -10,7 +10,7 @@ const EVERY_MS = 3000;
 const SELDOM_MS = 30_000;
 
 /** One site; asks while somebody listens. */
-class Watched {
+class SiteRecording {
   readonly listeners = new Set<() => void>();
   list: FilmList | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -32,7 +32,7 @@ class Watched {
       // The page says by itself that the hub is away; here the next answer counts.
       if (run !== this.run) return;
     }
-    for (const each of this.listeners) each();
+    for (const listener of this.listeners) listener();
     this.stopPolling();
   }
 
@@ -46,10 +46,10 @@ class Watched {
   }
 }
 
-const sites = new Map<string, Watched>();
+const sites = new Map<string, SiteRecording>();
 
-export class FilmingController implements ReactiveController {
-  private watched: Watched | null = null;
+export class FilmRecordingController implements ReactiveController {
+  private watched: SiteRecording | null = null;
   private site = "";
 
   constructor(private readonly host: ReactiveControllerHost) {
@@ -66,7 +66,7 @@ export class FilmingController implements ReactiveController {
     this.hostDisconnected();
     this.site = site;
     let watched = sites.get(site);
-    if (watched === undefined) sites.set(site, (watched = new Watched(api, site)));
+    if (watched === undefined) sites.set(site, (watched = new SiteRecording(api, site)));
     this.watched = watched;
     watched.listeners.add(this.requestHostUpdate);
     if (watched.listeners.size === 1) void watched.loadStatus();

@@ -4,7 +4,7 @@ import type { ReactiveController, ReactiveControllerHost } from "lit";
 
 const TYPING_MS = 400;
 
-type Host = ReactiveControllerHost & { readonly renderRoot: ParentNode };
+type FilterFormHost = ReactiveControllerHost & { readonly renderRoot: ParentNode };
 
 export class FilterForm<F> implements ReactiveController {
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -15,7 +15,7 @@ export class FilterForm<F> implements ReactiveController {
    * @param none the filter that lets everything through
    */
   constructor(
-    private readonly host: Host,
+    private readonly host: FilterFormHost,
     private readonly read: (said: FormData) => F,
     private readonly go: (filter: F) => void,
     private readonly none: F,

@@ -1,19 +1,19 @@
 /** Ties endless rows to an element: older ones are asked for when its `.end` comes into view. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { EndlessRows, type Found, type Row } from "./infinite-rows.js";
+import { InfiniteRows, type RowsPage, type IdentifiedRow } from "./infinite-rows.js";
 
-type Host = ReactiveControllerHost & { readonly renderRoot: ParentNode };
+type InfiniteListHost = ReactiveControllerHost & { readonly renderRoot: ParentNode };
 
-export class EndlessList<R extends Row> extends EndlessRows<R> implements ReactiveController {
+export class InfiniteList<R extends IdentifiedRow> extends InfiniteRows<R> implements ReactiveController {
   private readonly watcher = new IntersectionObserver((entries) => {
     if (entries.some(({ isIntersecting }) => isIntersecting)) void this.loadOlder();
   });
 
   /** `find` and `fits` are as those of `EndlessRows`. */
   constructor(
-    private readonly host: Host,
-    find: (before: string) => Promise<Found<R>>,
+    private readonly host: InfiniteListHost,
+    find: (before: string) => Promise<RowsPage<R>>,
     fits?: (row: R) => boolean,
   ) {
     super(

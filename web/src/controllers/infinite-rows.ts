@@ -3,17 +3,17 @@
 /** What is new is in the hub's list this soon after it was told (ms). */
 const SOON_MS = 600;
 
-export interface Row {
+export interface IdentifiedRow {
   readonly id: string;
 }
 
-export interface Found<R> {
+export interface RowsPage<R> {
   readonly rows: readonly R[];
   /** There are older ones. */
   readonly more: boolean;
 }
 
-export class EndlessRows<R extends Row> {
+export class InfiniteRows<R extends IdentifiedRow> {
   private held: readonly R[] = [];
   private left = true;
   private asking = false;
@@ -32,7 +32,7 @@ export class EndlessRows<R extends Row> {
    * @param fits tells whether a row is still to be shown, once newer ones have come
    */
   constructor(
-    private readonly find: (before: string) => Promise<Found<R>>,
+    private readonly find: (before: string) => Promise<RowsPage<R>>,
     private readonly changed: () => void,
     private readonly fits: (row: R) => boolean = () => true,
   ) {}
@@ -77,7 +77,7 @@ export class EndlessRows<R extends Row> {
     try {
       const found = await this.find(this.held.at(-1)?.id ?? "");
       if (run !== this.run) return;
-      this.held = joined(found.rows, this.held, false) ?? this.held;
+      this.held = mergedRows(found.rows, this.held, false) ?? this.held;
       this.left = found.more;
     } catch (error) {
       if (run === this.run) this.wrong = error;
@@ -151,8 +151,8 @@ export class EndlessRows<R extends Row> {
   }
 
   /** Gives the run that goes on: another where more than a page is new, and all begins with that. */
-  private mergeNewest(found: Found<R>): number {
-    const rows = this.held.length === 0 ? null : joined(this.held, found.rows, found.more);
+  private mergeNewest(found: RowsPage<R>): number {
+    const rows = this.held.length === 0 ? null : mergedRows(this.held, found.rows, found.more);
     if (rows === null) this.setRows(found.rows, found.more);
     else this.held = rows;
     this.held = this.held.filter(this.fits);
@@ -163,7 +163,7 @@ export class EndlessRows<R extends Row> {
 }
 
 /** The newest page put before the rows that are shown; null when there is a hole between them. */
-export function joined<R extends Row>(rows: readonly R[], newest: readonly R[], more: boolean): readonly R[] | null {
+export function mergedRows<R extends IdentifiedRow>(rows: readonly R[], newest: readonly R[], more: boolean): readonly R[] | null {
   const ids = new Set(newest.map(({ id }) => id));
   if (more && rows.length > 0 && !rows.some(({ id }) => ids.has(id))) return null;
   return [...newest, ...rows.filter(({ id }) => !ids.has(id))];

@@ -4,8 +4,8 @@ import { ContextConsumer } from "@lit/context";
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import { liveContext, reachContext } from "../state/contexts.js";
 import type { LiveValues, Reading } from "../state/live-values.js";
-import type { Reach } from "../state/device-reachability.js";
-import { StoreController } from "./context-store.js";
+import type { DeviceReachability } from "../state/device-reachability.js";
+import { ContextStoreController } from "./context-store.js";
 
 /** How a value stands: nothing has come, it is fresh, older than its limit, or its device is not reached. */
 export type Freshness = "unknown" | "live" | "stale" | "unreached";
@@ -16,7 +16,7 @@ export type Freshness = "unknown" | "live" | "stale" | "unreached";
  */
 export class LiveValuesController implements ReactiveController {
   private live: LiveValues | undefined;
-  private readonly reach: StoreController<Reach>;
+  private readonly reach: ContextStoreController<DeviceReachability>;
   private site = "";
   private channels: readonly string[] = [];
   private stops: (() => void)[] = [];
@@ -24,7 +24,7 @@ export class LiveValuesController implements ReactiveController {
 
   constructor(private readonly host: ReactiveControllerHost & HTMLElement) {
     host.addController(this);
-    this.reach = new StoreController(host, reachContext);
+    this.reach = new ContextStoreController(host, reachContext);
     new ContextConsumer(host, {
       context: liveContext,
       callback: (live) => {
@@ -35,7 +35,7 @@ export class LiveValuesController implements ReactiveController {
   }
 
   /** Says what to watch; call it from `willUpdate`. The same again changes nothing. */
-  observe(site: string, channels: readonly string[]): void {
+  observeChannels(site: string, channels: readonly string[]): void {
     const same =
       site === this.site &&
       channels.length === this.channels.length &&
@@ -47,18 +47,18 @@ export class LiveValuesController implements ReactiveController {
     this.subscribeAll();
   }
 
-  reading(channel: string): Reading | undefined {
-    return this.live?.latest(this.site, channel);
+  readingOf(channel: string): Reading | undefined {
+    return this.live?.latestReading(this.site, channel);
   }
 
   /** Age of the newest reading (s); NaN when there is none. */
   ageS(channel: string): number {
-    const reading = this.reading(channel);
+    const reading = this.readingOf(channel);
     return reading === undefined || this.live === undefined ? Number.NaN : this.live.ageS(reading);
   }
 
   /** @param maxAge the signal's limit (s) */
-  freshness(channel: string, maxAge: number): Freshness {
+  freshnessOf(channel: string, maxAge: number): Freshness {
     // What a device last said is not true any more, however young it is.
     if (this.reach.store?.unreachableSince(this.site, deviceOf(channel)) !== undefined) return "unreached";
     const age = this.ageS(channel);
@@ -83,7 +83,7 @@ export class LiveValuesController implements ReactiveController {
     const live = this.live;
     if (live === undefined || this.stops.length > 0 || !this.host.isConnected) return;
     this.stops = this.channels.map((channel) =>
-      live.watch(this.site, channel, () => {
+      live.watchChannel(this.site, channel, () => {
         this.host.requestUpdate();
       }),
     );

@@ -3,7 +3,7 @@
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { Watchable } from "./context-store.js";
 
-export class WatchController implements ReactiveController {
+export class StoreController implements ReactiveController {
   private watched: Watchable | null = null;
   private stop: (() => void) | null = null;
 

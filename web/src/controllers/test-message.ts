@@ -4,7 +4,7 @@ import type { ReactiveControllerHost } from "lit";
 import type { WentShape } from "../wire/alarms-api.js";
 import type { ActionController } from "./action.js";
 
-export class Tester {
+export class TestMessageController {
   private last: { readonly id: string; readonly how: WentShape } | null = null;
 
   /**

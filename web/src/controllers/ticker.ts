@@ -2,7 +2,7 @@
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 
-export class TickController implements ReactiveController {
+export class TickerController implements ReactiveController {
   private timer: ReturnType<typeof setInterval> | undefined;
 
   constructor(

@@ -9,9 +9,9 @@ export function formatDuration(seconds: number): string {
   if (!Number.isFinite(seconds)) return "–";
   const whole = Math.max(0, Math.floor(seconds));
   if (whole < MINUTE) return `${String(whole)} s`;
-  if (whole < HOUR) return pair(whole, MINUTE, "min", 1, "s");
-  if (whole < DAY) return pair(whole, HOUR, "h", MINUTE, "min");
-  return pair(whole, DAY, "d", HOUR, "h");
+  if (whole < HOUR) return twoUnits(whole, MINUTE, "min", 1, "s");
+  if (whole < DAY) return twoUnits(whole, HOUR, "h", MINUTE, "min");
+  return twoUnits(whole, DAY, "d", HOUR, "h");
 }
 
 /** `just now`, `12 s ago`, `3 min ago`: one unit, for a text that stands beside others. */
@@ -37,7 +37,7 @@ export function formatWholeMs(ms: number): string {
   return ms < 10 ? `${Math.max(1, Math.round(ms)).toFixed(0)}\u202fms` : formatMs(ms);
 }
 
-function pair(seconds: number, large: number, largeName: string, small: number, smallName: string): string {
+function twoUnits(seconds: number, large: number, largeName: string, small: number, smallName: string): string {
   const rest = Math.floor((seconds % large) / small);
   const head = `${String(Math.floor(seconds / large))} ${largeName}`;
   return rest === 0 ? head : `${head} ${String(rest)} ${smallName}`;

@@ -8,7 +8,7 @@ export interface Advice {
 }
 
 /** The part of a refusal that this needs; see `wire/http.ts`. */
-interface Said {
+interface HubRefusal {
   readonly status: number;
   readonly code: string;
   readonly retryAfter: number;
@@ -36,17 +36,17 @@ export function adviceFor(error: unknown, asked: string): Advice {
 export function actionAdvice(error: unknown, asked: string): Advice {
   if (!isRefusal(error)) return UNREACHABLE;
   const what = `The hub did not ${asked}.`;
-  if (error.status === 429) return { what, how: `Too many tries. Try again ${waitWords(error.retryAfter)}.` };
-  return { what, how: sentence(error.message) };
+  if (error.status === 429) return { what, how: `Too many tries. Try again ${waitText(error.retryAfter)}.` };
+  return { what, how: asSentence(error.message) };
 }
 
 /** How long to wait, where the hub said it (s). */
-export function waitWords(seconds: number): string {
+export function waitText(seconds: number): string {
   return seconds > 0 ? `in ${formatDuration(Math.ceil(seconds))}` : "in a little while";
 }
 
 /** The hub's words for programs begin small and end without a point. */
-function sentence(text: string): string {
+function asSentence(text: string): string {
   const first = text.charAt(0).toUpperCase() + text.slice(1);
   return first === "" || /[.!?]$/.test(first) ? first : `${first}.`;
 }
@@ -55,10 +55,10 @@ function sentence(text: string): string {
 export function signInAdvice(error: unknown): Advice {
   if (!isRefusal(error)) return UNREACHABLE;
   if (error.status === 429) {
-    return { what: "Too many tries.", how: `The hub slows down whoever guesses. Try again ${waitWords(error.retryAfter)}.` };
+    return { what: "Too many tries.", how: `The hub slows down whoever guesses. Try again ${waitText(error.retryAfter)}.` };
   }
   if (isFactor(error)) {
-    return { what: "This code does not fit.", how: `${sentence(error.message)} Each code works once; wait for the next one.` };
+    return { what: "This code does not fit.", how: `${asSentence(error.message)} Each code works once; wait for the next one.` };
   }
   if (error.status === 401 || error.status === 403) {
     return { what: "Name or password is wrong.", how: "Check both; capital letters count." };
@@ -81,6 +81,6 @@ export function isForbidden(error: unknown): boolean {
   return isRefusal(error) && error.status === 403;
 }
 
-function isRefusal(error: unknown): error is Said {
+function isRefusal(error: unknown): error is HubRefusal {
   return error instanceof Error && "status" in error && "retryAfter" in error;
 }

@@ -1,7 +1,7 @@
 /** What stands in a form. */
 
 /** The text of a field, without blanks around it; empty where there is none. */
-export function typedText(said: FormData, name: string): string {
+export function formText(said: FormData, name: string): string {
   const value = said.get(name);
   return typeof value === "string" ? value.trim() : "";
 }

@@ -20,12 +20,12 @@ export function formatNumber(value: number, decimals: number): string {
   if (Number.isNaN(value)) return NOTHING;
   if (!Number.isFinite(value)) return value > 0 ? "∞" : `${MINUS}∞`;
   const size = Math.abs(value);
-  const text = size >= LARGEST ? size.toExponential(3) : grouped(size.toFixed(Math.min(decimals, 20)));
+  const text = size >= LARGEST ? size.toExponential(3) : groupedDigits(size.toFixed(Math.min(decimals, 20)));
   return value < 0 && /[1-9]/.test(text) ? MINUS + text : text;
 }
 
 // A narrow space between thousands, from five digits on.
-function grouped(text: string): string {
+function groupedDigits(text: string): string {
   const [whole = "", rest] = text.split(".");
   const spaced = whole.length < 5 ? whole : whole.replace(/\B(?=(\d{3})+$)/g, "\u202f");
   return rest === undefined ? spaced : `${spaced}.${rest}`;

@@ -26,7 +26,7 @@ export function objectKind(label: string): ObjectKind {
 }
 
 /** `1 person`, `2 persons`, `3 wine glasses`. */
-export function countWords(many: number, label: string): string {
+export function countText(many: number, label: string): string {
   return `${String(many)} ${many === 1 ? label : pluralOf(label)}`;
 }
 
@@ -41,6 +41,6 @@ function pluralOf(label: string): string {
 }
 
 /** `87 %`, with a space that no line is broken at. */
-export function sureWords(part: number): string {
+export function confidenceText(part: number): string {
   return `${String(Math.round(part * 100))}\u00a0%`;
 }

@@ -1,6 +1,6 @@
 /** What a new password has to be, as rules that one can see kept or not; never a score. */
 
-export interface Rule {
+export interface PasswordRule {
   readonly words: string;
   readonly kept: boolean;
   /** It has to be kept; the others are advice. */
@@ -14,7 +14,7 @@ const ADVISED = 15;
  * @param name whose password it is
  * @param again the password, typed once more
  */
-export function passwordRules(password: string, name: string, again: string): readonly Rule[] {
+export function passwordRules(password: string, name: string, again: string): readonly PasswordRule[] {
   // People count characters, not the pieces that an emoji is made of.
   const length = Array.from(password).length;
   const plain = password.toLowerCase();
@@ -27,7 +27,7 @@ export function passwordRules(password: string, name: string, again: string): re
 }
 
 /** What stands in the way; empty when nothing that can be told without the hub. */
-export function passwordTrouble(rules: readonly Rule[]): string {
+export function passwordProblem(rules: readonly PasswordRule[]): string {
   const broken = rules.find(({ kept, must }) => must && !kept);
   return broken === undefined ? "" : `It has to be: ${broken.words.charAt(0).toLowerCase()}${broken.words.slice(1)}.`;
 }

@@ -1,18 +1,18 @@
 /** Permissions in words. */
 
-interface Given {
+interface GivenPermission {
   readonly right: string;
   readonly site: string;
   readonly device: string;
 }
 
 /** `view every site, use agv base`; `nothing` for none. */
-export function permissionWords(permissions: readonly Given[]): string {
+export function permissionText(permissions: readonly GivenPermission[]): string {
   if (permissions.length === 0) return "nothing";
-  return permissions.map((one) => `${one.right} ${placeWords(one)}`).join(", ");
+  return permissions.map((permission) => `${permission.right} ${placeText(permission)}`).join(", ");
 }
 
-export function placeWords(place: { readonly site: string; readonly device: string }): string {
+export function placeText(place: { readonly site: string; readonly device: string }): string {
   const { site, device } = place;
   if (site === "*") return device === "*" ? "every site" : `${device} of every site`;
   return device === "*" ? `all of ${site}` : `${site} ${device}`;

@@ -14,7 +14,7 @@ export interface TimeText {
 const formats = new Map<string, Intl.DateTimeFormat>();
 
 // Building one takes far longer than using it.
-function format(zone: string, options: Intl.DateTimeFormatOptions): Intl.DateTimeFormat {
+function formatterOf(zone: string, options: Intl.DateTimeFormatOptions): Intl.DateTimeFormat {
   const key = `${zone} ${JSON.stringify(options)}`;
   let made = formats.get(key);
   if (made === undefined) {
@@ -49,30 +49,30 @@ const DAY = { year: "numeric", month: "short", day: "numeric" } as const;
 const CLOCK = { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" } as const;
 
 export function formatClock(us: number, zone: string): string {
-  return format(zone, CLOCK).format(us / 1000);
+  return formatterOf(zone, CLOCK).format(us / 1000);
 }
 
 export function formatDate(us: number, zone: string): string {
-  return format(zone, DAY).format(us / 1000);
+  return formatterOf(zone, DAY).format(us / 1000);
 }
 
 /** What the zone is called at a moment: it changes with summer time. */
 export function zoneName(us: number, zone: string): string {
-  const parts = format(zone, { timeZoneName: "short" }).formatToParts(us / 1000);
+  const parts = formatterOf(zone, { timeZoneName: "short" }).formatToParts(us / 1000);
   return parts.find((part) => part.type === "timeZoneName")?.value ?? "UTC";
 }
 
 /** @param nowUs to leave the date away when it is today's */
 export function timeText(us: number, zone: string, nowUs: number): TimeText {
-  const text = (where: string): string => {
+  const clockText = (where: string): string => {
     const day = formatDate(us, where);
     const clock = formatClock(us, where);
     return day === formatDate(nowUs, where) ? clock : `${day}, ${clock}`;
   };
   return {
-    local: text(zone),
+    local: clockText(zone),
     zone: zoneName(us, zone),
-    utc: `${text("UTC")} UTC`,
+    utc: `${clockText("UTC")} UTC`,
     machine: new Date(us / 1000).toISOString(),
   };
 }

@@ -33,14 +33,14 @@ export function differenceLines(lines: readonly string[]): DifferenceLine[] {
 }
 
 /** How many lines came and went, in words. */
-export function differenceWords(lines: readonly DifferenceLine[]): string {
+export function differenceText(lines: readonly DifferenceLine[]): string {
   const added = lines.filter((line) => line.kind === "added").length;
   const removed = lines.filter((line) => line.kind === "removed").length;
   if (added + removed === 0) return "no line differs";
-  const said = [added > 0 ? `${counted(added)} added` : "", removed > 0 ? `${counted(removed)} removed` : ""];
-  return said.filter((each) => each !== "").join(", ");
+  const said = [added > 0 ? `${lineCount(added)} added` : "", removed > 0 ? `${lineCount(removed)} removed` : ""];
+  return said.filter((address) => address !== "").join(", ");
 }
 
-function counted(count: number): string {
+function lineCount(count: number): string {
   return count === 1 ? "1 line" : `${String(count)} lines`;
 }

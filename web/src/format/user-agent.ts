@@ -21,7 +21,7 @@ const SYSTEMS: readonly (readonly [RegExp, string])[] = [
 const LONGEST = 60;
 
 /** `Firefox on Linux`; the text itself where it is no browser that we know. */
-export function agentWords(agent: string): string {
+export function browserName(agent: string): string {
   const browser = BROWSERS.find(([pattern]) => pattern.test(agent))?.[1];
   const system = SYSTEMS.find(([pattern]) => pattern.test(agent))?.[1];
   if (browser !== undefined) return system === undefined ? browser : `${browser} on ${system}`;

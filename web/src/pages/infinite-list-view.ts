@@ -2,13 +2,13 @@
 
 import { html, nothing, type TemplateResult } from "lit";
 import { repeat } from "lit/directives/repeat.js";
-import type { EndlessRows, Row } from "../controllers/infinite-rows.js";
+import type { InfiniteRows, IdentifiedRow } from "../controllers/infinite-rows.js";
 import { adviceFor } from "../format/error-advice.js";
 import "../elements/feedback/loading.js";
 import "../elements/feedback/problem.js";
 
 /** The words about a list, and what it is made of. */
-interface Listed<R> {
+interface InfiniteListOptions<R> {
   /** Of its sheet, for who hears the page. */
   readonly label: string;
   /** What it is a list of, as the object of a sentence: `the logbook`. */
@@ -19,7 +19,7 @@ interface Listed<R> {
   readonly nothing: () => TemplateResult;
 }
 
-export function renderListed<R extends Row>(list: EndlessRows<R>, { label, what, row, nothing: none }: Listed<R>): TemplateResult {
+export function renderInfiniteList<R extends IdentifiedRow>(list: InfiniteRows<R>, { label, what, row, nothing: none }: InfiniteListOptions<R>): TemplateResult {
   const { rows, hasMore: more, loading } = list;
   return html`${rows.length === 0 && !more ? none() : nothing}
     ${rows.length === 0
@@ -29,10 +29,10 @@ export function renderListed<R extends Row>(list: EndlessRows<R>, { label, what,
             ${repeat(rows, ({ id }) => id, row)}
           </ul>
         </section>`}
-    ${renderEnding(list, what)}`;
+    ${renderListEnd(list, what)}`;
 }
 
-function renderEnding<R extends Row>(list: EndlessRows<R>, what: string): TemplateResult {
+function renderListEnd<R extends IdentifiedRow>(list: InfiniteRows<R>, what: string): TemplateResult {
   const advice = list.renderFailure === null ? null : adviceFor(list.renderFailure, what);
   return html`${advice === null
       ? nothing

@@ -29,7 +29,7 @@ export class AlarmMarks {
 
   /** Takes in events, in whatever order and also twice; those that are none of alarms are left out. */
   add(events: readonly AlarmEvent[]): void {
-    const fresh = events.filter((event) => SHOWN.has(event.kind) && !this.events.some((one) => alike(one, event)));
+    const fresh = events.filter((event) => SHOWN.has(event.kind) && !this.events.some((known) => isSameEvent(known, event)));
     if (fresh.length === 0) return;
     this.events = [...this.events, ...fresh].sort((a, b) => a.time_us - b.time_us).slice(-MOST);
     this.lists.clear();
@@ -54,6 +54,6 @@ export class AlarmMarks {
   }
 }
 
-function alike(a: AlarmEvent, b: AlarmEvent): boolean {
+function isSameEvent(a: AlarmEvent, b: AlarmEvent): boolean {
   return a.time_us === b.time_us && a.kind === b.kind && a.device === b.device;
 }

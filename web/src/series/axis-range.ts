@@ -1,17 +1,17 @@
 /** The lower and upper end of a value axis. */
 
-export interface Range {
+export interface AxisRange {
   readonly low: number;
   readonly high: number;
 }
 
 /** What is known of a signal besides its samples. */
-export interface Limits {
+export interface RangeLimits {
   readonly minimum: number | null;
   readonly maximum: number | null;
 }
 
-export const NO_LIMITS: Limits = { minimum: null, maximum: null };
+export const NO_LIMITS: RangeLimits = { minimum: null, maximum: null };
 
 const PADDING = 0.06;
 /** What the axis covers when all data are one value (a share of it), and when all are zero. */
@@ -27,10 +27,10 @@ const WORTH = 0.4;
  *
  * @param least the axis covers at least this much, so that noise in the last digit stays small
  */
-export function niceRange(min: number, max: number, limits: Limits = NO_LIMITS, least = 0): Range {
+export function niceRange(min: number, max: number, limits: RangeLimits = NO_LIMITS, least = 0): AxisRange {
   const low = Math.min(min, limits.minimum ?? Infinity);
   const high = Math.max(max, limits.maximum ?? -Infinity);
-  if (!(low <= high)) return fallback(limits);
+  if (!(low <= high)) return fallbackRange(limits);
   const flat = high === low ? Math.abs(high) * FLAT || FLAT_ZERO : 0;
   const size = Math.max(high - low, least, flat, Math.abs(high) * 1e-9);
   const middle = (low + high) / 2;
@@ -63,14 +63,14 @@ export function decimalsOf(step: number): number {
 
 /** Keeps an axis still while it still fits, so that it does not jump with every sample. */
 export class SteadyRange {
-  private held: Range | null = null;
+  private held: AxisRange | null = null;
 
   constructor(
-    private readonly limits: Limits = NO_LIMITS,
+    private readonly limits: RangeLimits = NO_LIMITS,
     private readonly least = 0,
   ) {}
 
-  nextRange(min: number, max: number): Range {
+  nextRange(min: number, max: number): AxisRange {
     const fresh = niceRange(min, max, this.limits, this.least);
     const held = this.held;
     if (held === null || min < held.low || max > held.high || !(min <= max)) return (this.held = fresh);
@@ -79,7 +79,7 @@ export class SteadyRange {
   }
 }
 
-function fallback(limits: Limits): Range {
+function fallbackRange(limits: RangeLimits): AxisRange {
   const low = limits.minimum ?? (limits.maximum === null ? 0 : limits.maximum - 1);
   return { low, high: limits.maximum ?? low + 1 };
 }

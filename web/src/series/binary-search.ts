@@ -1,13 +1,13 @@
 /** Binary search in ascending times. */
 
 /** Sorted numbers, of which only the first `length` count. */
-export interface Sorted {
+export interface SortedTimes {
   readonly length: number;
   readonly [index: number]: number;
 }
 
 /** Index of the first time that is not before `at`; `length` when all are. */
-export function firstFrom(times: Sorted, at: number, length: number = times.length): number {
+export function firstIndexFrom(times: SortedTimes, at: number, length: number = times.length): number {
   let low = 0;
   let high = length;
   while (low < high) {
@@ -19,9 +19,9 @@ export function firstFrom(times: Sorted, at: number, length: number = times.leng
 }
 
 /** Index of the time nearest to `at`; -1 when there is none. Of two equally near, the earlier. */
-export function nearest(times: Sorted, at: number, length: number = times.length): number {
+export function nearestIndex(times: SortedTimes, at: number, length: number = times.length): number {
   if (length === 0) return -1;
-  const after = firstFrom(times, at, length);
+  const after = firstIndexFrom(times, at, length);
   if (after === 0) return 0;
   if (after === length) return length - 1;
   const before = at - (times[after - 1] ?? -Infinity);

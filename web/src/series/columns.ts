@@ -4,15 +4,15 @@
  * Columns are anchored to the epoch, not to the window: while a chart scrolls, a sample stays in
  * its column and the picture moves without shimmering; and a new sample touches the last one only.
  */
-import { firstFrom } from "./binary-search.js";
+import { firstIndexFrom } from "./binary-search.js";
 
 const SMALLEST = 128;
 
-type Row = "first" | "last" | "min" | "max" | "sum" | "count" | "broken";
-const ROWS: readonly Row[] = ["first", "last", "min", "max", "sum", "count", "broken"];
+type ColumnRow = "first" | "last" | "min" | "max" | "sum" | "count" | "broken";
+const ROWS: readonly ColumnRow[] = ["first", "last", "min", "max", "sum", "count", "broken"];
 
 export class Columns {
-  private rows = Object.fromEntries(ROWS.map((row) => [row, new Float64Array(SMALLEST)])) as Record<Row, Float64Array>;
+  private rows = Object.fromEntries(ROWS.map((row) => [row, new Float64Array(SMALLEST)])) as Record<ColumnRow, Float64Array>;
   private start = 0;
   private end = 0;
   private bucket = NaN;
@@ -84,12 +84,12 @@ export class Columns {
 
   /** Forget the columns that end before `timeUs`. */
   dropBefore(timeUs: number): void {
-    this.start += firstFrom(this.rows.last.subarray(this.start, this.end), timeUs);
+    this.start += firstIndexFrom(this.rows.last.subarray(this.start, this.end), timeUs);
   }
 
   /** First column that ends at or after `timeUs`. */
   firstFrom(timeUs: number): number {
-    return firstFrom(this.rows.last.subarray(this.start, this.end), timeUs);
+    return firstIndexFrom(this.rows.last.subarray(this.start, this.end), timeUs);
   }
 
   private openColumn(timeUs: number, value: number, broken: boolean): void {
@@ -105,7 +105,7 @@ export class Columns {
     this.end += 1;
   }
 
-  private valueAt(row: Row, i: number): number {
+  private valueAt(row: ColumnRow, i: number): number {
     return this.rows[row][this.start + i] ?? NaN;
   }
 
@@ -125,7 +125,7 @@ export class Columns {
 }
 
 /** Thin a whole series at once. */
-export function thin(
+export function thinned(
   times: ArrayLike<number>,
   values: ArrayLike<number>,
   widthUs: number,
@@ -137,7 +137,7 @@ export function thin(
 }
 
 /** Least, greatest and mean of the columns within a window; `count` 0 where there is none. */
-export interface Summary {
+export interface ColumnsSummary {
   readonly min: number;
   readonly max: number;
   readonly mean: number;
@@ -145,7 +145,7 @@ export interface Summary {
 }
 
 /** Sum up what is seen between two times (µs), column by column. */
-export function summary(columns: Columns, fromUs: number, toUs: number): Summary {
+export function summarize(columns: Columns, fromUs: number, toUs: number): ColumnsSummary {
   let min = Infinity;
   let max = -Infinity;
   let sum = 0;

@@ -2,7 +2,7 @@
 
 const SMOOTHING = 0.1;
 
-export class Pace {
+export class DrawRate {
   private cost = 0;
   private last = -Infinity;
 

@@ -63,7 +63,7 @@ export class IntervalWatch {
 }
 
 /** The pauses that are longer than `allowedUs`. */
-export function silences(times: ArrayLike<number>, allowedUs: number): Gap[] {
+export function gapsOf(times: ArrayLike<number>, allowedUs: number): Gap[] {
   const found: Gap[] = [];
   for (let i = 1; i < times.length; i += 1) {
     const from_us = times[i - 1] ?? NaN;

@@ -9,7 +9,7 @@ import type { Outliers } from "./outliers.js";
  * @param exact every sample of the window was looked at; otherwise what the chart holds of them, or
  *   of so many (about) an even part
  */
-export function outlierWords(found: Outliers, unit: string, decimals: number, exact: boolean | number): string {
+export function outlierText(found: Outliers, unit: string, decimals: number, exact: boolean | number): string {
   const { samples, count, low, high } = found;
   const of = exact === true ? "samples" : exact === false ? "points on the chart" : `samples spread evenly among about ${formatNumber(exact, 0)}`;
   if (Number.isNaN(low)) return `Too few ${of} for quartiles`;

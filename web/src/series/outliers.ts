@@ -3,7 +3,7 @@
  * below the first or above the third. With `k` 1.5 these are Tukey's fences.
  */
 
-import type { Span } from "./time-window.js";
+import type { TimeSpan } from "./time-window.js";
 
 /** Tukey's. */
 export const USUAL_K = 1.5;
@@ -31,7 +31,7 @@ export function quantile(sorted: ArrayLike<number>, part: number): number {
   return low + (high - low) * (place - Math.floor(place));
 }
 
-export function outliersOf(times: ArrayLike<number>, values: ArrayLike<number>, span: Span, k: number): Outliers {
+export function outliersOf(times: ArrayLike<number>, values: ArrayLike<number>, span: TimeSpan, k: number): Outliers {
   const places: number[] = [];
   for (let i = 0; i < times.length; i += 1) {
     const time = times[i] ?? NaN;
@@ -47,7 +47,7 @@ export function outliersOf(times: ArrayLike<number>, values: ArrayLike<number>, 
 }
 
 /** What the hub found in all samples of a window; see `OutlierShape`. */
-export interface Fences {
+export interface OutlierFences {
   readonly samples: number;
   readonly count: number;
   readonly low: number | null;
@@ -55,7 +55,7 @@ export interface Fences {
 }
 
 /** Points on a chart that lie beyond fences; counted are the samples that the hub has counted. */
-export function outliersBeyond(times: ArrayLike<number>, values: ArrayLike<number>, span: Span, fences: Fences): Outliers {
+export function outliersBeyond(times: ArrayLike<number>, values: ArrayLike<number>, span: TimeSpan, fences: OutlierFences): Outliers {
   const { samples, count } = fences;
   const [low, high] = [fences.low ?? NaN, fences.high ?? NaN];
   const places: number[] = [];
@@ -67,20 +67,20 @@ export function outliersBeyond(times: ArrayLike<number>, values: ArrayLike<numbe
 }
 
 /** What the outliers of one channel were found in; the same again costs nothing. */
-interface Asked {
+interface OutlierQuery {
   readonly of: object;
   readonly version: number;
-  readonly span: Span;
-  readonly by: number | Fences;
+  readonly span: TimeSpan;
+  readonly by: number | OutlierFences;
 }
 
 /** Keeps the last answer for as long as the question is the same. */
 export class OutlierMemo {
-  private asked: Asked | null = null;
+  private asked: OutlierQuery | null = null;
   private found: Outliers | null = null;
 
   /** @param by so many times the distance of the samples' own quartiles, or fences that are known */
-  outliersOf(samples: { readonly times: ArrayLike<number>; readonly values: ArrayLike<number>; readonly version: number }, span: Span, by: number | Fences): Outliers {
+  outliersOf(samples: { readonly times: ArrayLike<number>; readonly values: ArrayLike<number>; readonly version: number }, span: TimeSpan, by: number | OutlierFences): Outliers {
     const { asked, found } = this;
     const same =
       asked?.of === samples &&

@@ -4,11 +4,11 @@
  * Samples stand side by side in two arrays that are filled to the end and then moved back, so a
  * reader always sees one unbroken stretch (a wrapped ring would need two).
  */
-import { firstFrom } from "./binary-search.js";
+import { firstIndexFrom } from "./binary-search.js";
 
 const SMALLEST = 256;
 
-export class Ring {
+export class RingBuffer {
   private time = new Float64Array(SMALLEST);
   private value = new Float64Array(SMALLEST);
   private start = 0;
@@ -90,8 +90,8 @@ export class Ring {
   }
 
   /** An independent copy that later samples do not change. */
-  copy(): Ring {
-    const twin = new Ring(this.spanUs, this.most);
+  copy(): RingBuffer {
+    const twin = new RingBuffer(this.spanUs, this.most);
     twin.time = this.times.slice();
     twin.value = this.values.slice();
     twin.end = twin.time.length;
@@ -99,11 +99,11 @@ export class Ring {
   }
 
   private insertSorted(timeUs: number, value: number): "inside" | "refused" {
-    const at = this.start + firstFrom(this.times, timeUs);
+    const at = this.start + firstIndexFrom(this.times, timeUs);
     if (this.time[at] === timeUs) return "refused";
     if (this.length >= this.most && at === this.start) return "refused";
     this.makeRoom();
-    const place = this.start + firstFrom(this.times, timeUs);
+    const place = this.start + firstIndexFrom(this.times, timeUs);
     this.time.copyWithin(place + 1, place, this.end);
     this.value.copyWithin(place + 1, place, this.end);
     this.time[place] = timeUs;

@@ -41,10 +41,10 @@ export function tickText(us: number, step: number, clock: ZoneClock): string {
   if (step >= DAY_US || (intoDay === 0 && step >= MINUTE_US)) return shortDate(us, clock);
   const text = formatClock(us, clock.zone);
   if (step >= MINUTE_US) return text.slice(0, 5);
-  return step >= SECOND_US ? text : `${text}.${millis(us)}`;
+  return step >= SECOND_US ? text : `${text}.${milliseconds(us)}`;
 }
 
-function millis(us: number): string {
+function milliseconds(us: number): string {
   return String(Math.floor((us % SECOND_US) / 1000)).padStart(3, "0");
 }
 

@@ -2,10 +2,10 @@
 
 import { Columns } from "./columns.js";
 import { IntervalWatch, pauseAllowed, typicalInterval } from "./gaps.js";
-import { Ring } from "./ring-buffer.js";
+import { RingBuffer } from "./ring-buffer.js";
 
 export class Trace {
-  private ring: Ring;
+  private ring: RingBuffer;
   private columns: Columns | null = null;
   private readonly watch = new IntervalWatch();
   private changes = 0;
@@ -19,7 +19,7 @@ export class Trace {
     private readonly maxAgeUs: number,
     most?: number,
   ) {
-    this.ring = new Ring(spanUs, most);
+    this.ring = new RingBuffer(spanUs, most);
   }
 
   get times(): Float64Array {

@@ -1,7 +1,7 @@
 /** A target over one night: how high it stands when, and what that means in words. Pure. */
 
 import { sunFrom } from "./sun-and-moon.js";
-import { horizontal, type Equatorial, type Horizontal, type Place } from "./coordinates.js";
+import { toHorizontal, type Equatorial, type Horizontal, type GeoPlace } from "./coordinates.js";
 
 const DAY_MS = 86_400_000;
 const STEP_MS = 600_000;
@@ -29,7 +29,7 @@ export interface NightPoint {
   readonly sun: number;
 }
 
-export interface Night {
+export interface NightTrack {
   /** From the Sun's highest to the next one, about. */
   readonly from: number;
   readonly to: number;
@@ -45,17 +45,17 @@ export function noonBefore(ms: number, longitude: number): number {
 }
 
 /** Follows a target of fixed coordinates of date from noon to noon. */
-export function nightOf(target: Equatorial, place: Place, ms: number): Night {
+export function nightTrack(target: Equatorial, place: GeoPlace, ms: number): NightTrack {
   const from = noonBefore(ms, place.longitude);
   const to = from + DAY_MS;
   const points: NightPoint[] = [];
   for (let at = from; at <= to; at += STEP_MS) {
-    points.push({ ms: at, alt: horizontal(target, place, at).alt, sun: sunFrom(place, at).alt });
+    points.push({ ms: at, alt: toHorizontal(target, place, at).alt, sun: sunFrom(place, at).alt });
   }
   return { from, to, points, bands: bandsOf(points) };
 }
 
-function bandsOf(points: readonly NightPoint[]): Night["bands"] {
+function bandsOf(points: readonly NightPoint[]): NightTrack["bands"] {
   const bands: { id: Darkness; from: number; to: number }[] = [];
   for (const { ms, sun } of points) {
     const id = darknessOf(sun);
@@ -84,9 +84,9 @@ export interface Visibility {
 }
 
 /** @param horizon - the telescope may not point lower (°) */
-export function visibilityOf(night: Night, horizon: number): Visibility {
+export function visibilityOf(night: NightTrack, horizon: number): Visibility {
   const dark = night.points.filter(({ sun }) => sun < SUNSET);
-  const best = dark.reduce<NightPoint | null>((top, one) => (top === null || one.alt > top.alt ? one : top), null);
+  const best = dark.reduce<NightPoint | null>((top, point) => (top === null || point.alt > top.alt ? point : top), null);
   const up = dark.filter(({ alt }) => alt >= horizon);
   const all = night.points.map(({ alt }) => alt);
   return {
@@ -105,7 +105,7 @@ export function visibilityOf(night: Night, horizon: number): Visibility {
  *
  * @param clock - a time (ms) as it is written at the site
  */
-export function visibilityWords(
+export function visibilityText(
   now: Horizontal, sun: number, seen: Visibility, horizon: number, clock: (ms: number) => string,
 ): string {
   const limit = `${horizon.toFixed(0)}°`;

@@ -4,7 +4,7 @@ import type { AlarmNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "onMessage" | "onState">;
+type AlarmsLine = Pick<Connection, "onMessage" | "onState">;
 
 /** What the bar on every page says. */
 export interface AlarmSummary {
@@ -26,7 +26,7 @@ export class Alarms extends Store {
 
   /** Listens for as long as the connection lives. */
   constructor(
-    line: Line,
+    line: AlarmsLine,
     private readonly nowUs: () => number = () => Date.now() * 1000,
   ) {
     super();
@@ -62,7 +62,7 @@ export class Alarms extends Store {
   }
 
   get summary(): AlarmSummary {
-    const shown = this.list.filter((one) => !this.isShelved(one));
+    const shown = this.list.filter((alarm) => !this.isShelved(alarm));
     return {
       unseen: shown.filter(({ phase }) => phase === "active" || phase === "cleared"),
       undelivered: shown.filter(({ undelivered, phase }) => undelivered !== "" && phase !== "normal"),
@@ -78,14 +78,14 @@ export class Alarms extends Store {
     return this.known.get(`${site}\n${alarm}`);
   }
 
-  isShelved(one: AlarmNews): boolean {
-    return one.shelved_until_us > this.nowUs();
+  isShelved(alarm: AlarmNews): boolean {
+    return alarm.shelved_until_us > this.nowUs();
   }
 
   /** What cannot be judged stands before what is well. */
-  private sortKey(one: AlarmNews): number {
-    if (this.isShelved(one)) return 5;
-    if (one.phase === "normal" && !one.known) return 3;
-    return PHASES[one.phase] ?? 4;
+  private sortKey(alarm: AlarmNews): number {
+    if (this.isShelved(alarm)) return 5;
+    if (alarm.phase === "normal" && !alarm.known) return 3;
+    return PHASES[alarm.phase] ?? 4;
   }
 }

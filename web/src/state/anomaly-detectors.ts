@@ -42,7 +42,7 @@ const MOST = 50;
 /**
  * Puts the list and the news together: what was told while the list was on its way is newer than it.
  */
-export class DetectorBook {
+export class AnomalyDetectors {
   mayForgive = false;
   private known: ReadonlyMap<string, Detector> = new Map();
   private listed: readonly Detector[] = [];
@@ -55,7 +55,7 @@ export class DetectorBook {
   }
 
   detectorsOf(address: string): readonly Detector[] {
-    return this.list.filter((one) => one.address === address);
+    return this.list.filter((detector) => detector.address === address);
   }
 
   /** The anomalies of a signal that this page knows of, in order of time. */
@@ -71,8 +71,8 @@ export class DetectorBook {
 
   setList(list: AnomalyList): void {
     this.mayForgive = list.may_forgive;
-    this.setDetectors(new Map(list.detectors.map((one) => [one.scores, fromList(one)])));
-    for (const one of this.known.values()) this.recordAnomaly(one);
+    this.setDetectors(new Map(list.detectors.map((detector) => [detector.scores, detectorOf(detector)])));
+    for (const detector of this.known.values()) this.recordAnomaly(detector);
     for (const news of this.since.values()) this.replaceDetector(news);
   }
 
@@ -108,10 +108,10 @@ function scoresOf({ address, detector }: AnomalyNews): string {
   return `${address}~${detector}`;
 }
 
-function fromList(one: AnomalyInfo): Detector {
-  const { address, detector, name, bar, score, scores, learns, learning, began_us } = one;
+function detectorOf(anomaly: AnomalyInfo): Detector {
+  const { address, detector, name, bar, score, scores, learns, learning, began_us } = anomaly;
   const on = began_us >= 0;
-  return { address, detector, name, bar, score, scores, learns, learning, on, anomaly: anomalyOf(scores, { ...one, on }) };
+  return { address, detector, name, bar, score, scores, learns, learning, on, anomaly: anomalyOf(scores, { ...anomaly, on }) };
 }
 
 function anomalyOf(scores: string, said: Pick<AnomalyNews, "from_us" | "to_us" | "why" | "forgiven" | "on">): Anomaly | null {

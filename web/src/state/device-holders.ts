@@ -4,7 +4,7 @@ import type { CommandNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "onMessage" | "onState">;
+type HoldersLine = Pick<Connection, "onMessage" | "onState">;
 
 /** One who acts: in words, and since when by this page's monotonic clock (ms). */
 export interface DeviceHolder {
@@ -21,7 +21,7 @@ export class DeviceHolders extends Store {
 
   /** Listens for as long as the connection lives. */
   constructor(
-    line: Line,
+    line: HoldersLine,
     private readonly now: () => number = () => performance.now(),
   ) {
     super();
@@ -30,7 +30,7 @@ export class DeviceHolders extends Store {
     });
     line.onMessage("site", (news) => {
       // Without its gateway nobody knows, and it tells anew when it is back.
-      if (!news.online) this.removeWhere((one) => one.site === news.site);
+      if (!news.online) this.removeWhere((holder) => holder.site === news.site);
     });
     line.onState((state) => {
       if (state !== "open") this.removeWhere(() => true);
@@ -40,13 +40,13 @@ export class DeviceHolders extends Store {
   /** All who act on a device, the newest first: that one a refusal names. */
   holdersOf(site: string, device: string): readonly DeviceHolder[] {
     return [...this.known.values()]
-      .filter((one) => one.site === site && one.device === device)
+      .filter((holder) => holder.site === site && holder.device === device)
       .sort((a, b) => b.since - a.since);
   }
 
   private applyCommandUpdate({ id, site, device, acting, acting_s: seconds }: CommandNews): void {
     if (acting === "") {
-      this.removeWhere((one) => one.site === site && one.id === id);
+      this.removeWhere((holder) => holder.site === site && holder.id === id);
       return;
     }
     const key = `${site}\n${id}`;
@@ -56,7 +56,7 @@ export class DeviceHolders extends Store {
     this.notifyWatchers();
   }
 
-  private removeWhere(which: (one: DeviceHolder) => boolean): void {
+  private removeWhere(which: (holder: DeviceHolder) => boolean): void {
     const before = this.known.size;
     for (const [key, one] of this.known) {
       if (which(one)) this.known.delete(key);

@@ -4,23 +4,23 @@ import type { DeviceNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "onMessage" | "onState">;
+type ReachabilityLine = Pick<Connection, "onMessage" | "onState">;
 
-export class Reach extends Store {
+export class DeviceReachability extends Store {
   private readonly away = new Map<string, DeviceNews>();
 
   /** Listens for as long as the connection lives. */
-  constructor(line: Line) {
+  constructor(line: ReachabilityLine) {
     super();
     line.onMessage("device_news", (news) => {
-      const id = key(news.site, news.device);
+      const id = deviceKey(news.site, news.device);
       if (news.reached) this.away.delete(id);
       else this.away.set(id, news);
       this.notifyWatchers();
     });
     line.onMessage("site", (news) => {
       // Without its gateway all of it is stale anyway, and the gateway tells anew when it is back.
-      if (!news.online) this.removeWhere((one) => one.site === news.site);
+      if (!news.online) this.removeWhere((device) => device.site === news.site);
     });
     line.onState((state) => {
       if (state !== "open") this.removeWhere(() => true);
@@ -29,10 +29,10 @@ export class Reach extends Store {
 
   /** Why a device is not reached and since when; undefined while it is. */
   unreachableSince(site: string, device: string): DeviceNews | undefined {
-    return this.away.get(key(site, device));
+    return this.away.get(deviceKey(site, device));
   }
 
-  private removeWhere(which: (one: DeviceNews) => boolean): void {
+  private removeWhere(which: (news: DeviceNews) => boolean): void {
     const before = this.away.size;
     for (const [id, one] of this.away) {
       if (which(one)) this.away.delete(id);
@@ -41,6 +41,6 @@ export class Reach extends Store {
   }
 }
 
-function key(site: string, device: string): string {
+function deviceKey(site: string, device: string): string {
   return `${site}\n${device}`;
 }

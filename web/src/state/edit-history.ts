@@ -2,7 +2,7 @@
 
 const MOST = 200;
 
-export class Edits {
+export class EditHistory {
   private before: string[] = [];
   private after: string[] = [];
 

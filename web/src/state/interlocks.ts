@@ -4,7 +4,7 @@ import type { InterlockNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
-type Line = Pick<Connection, "onMessage" | "onState">;
+type InterlocksLine = Pick<Connection, "onMessage" | "onState">;
 
 /** What was said of an interlock, and when by this page's monotonic clock (ms). */
 export interface Interlock {
@@ -17,7 +17,7 @@ export class Interlocks extends Store {
 
   /** Listens for as long as the connection lives. */
   constructor(
-    line: Line,
+    line: InterlocksLine,
     private readonly now: () => number = () => performance.now(),
   ) {
     super();
@@ -27,7 +27,7 @@ export class Interlocks extends Store {
     });
     line.onMessage("site", (news) => {
       // Without its gateway nobody knows how they stand; that it is offline is shown instead.
-      if (!news.online) this.removeWhere((one) => one.news.site === news.site);
+      if (!news.online) this.removeWhere((interlock) => interlock.news.site === news.site);
     });
     line.onState((state) => {
       if (state !== "open") this.removeWhere(() => true);
@@ -38,7 +38,7 @@ export class Interlocks extends Store {
   get list(): readonly Interlock[] {
     return [...this.known.values()]
       .filter(({ news }) => news.locked || news.overridden_by !== "")
-      .sort((a, b) => rank(a) - rank(b) || a.news.name.localeCompare(b.news.name));
+      .sort((a, b) => interlockRank(a) - interlockRank(b) || a.news.name.localeCompare(b.news.name));
   }
 
   /** Whether anything was said of an interlock, locked or not. */
@@ -71,11 +71,11 @@ export class Interlocks extends Store {
   }
 
   /** How much is left of a time (ms) that was told with the news. */
-  remainingMs(one: Interlock, ms: number): number {
-    return Math.max(0, ms - (this.now() - one.heardAt));
+  remainingMs(interlock: Interlock, ms: number): number {
+    return Math.max(0, ms - (this.now() - interlock.heardAt));
   }
 
-  private removeWhere(which: (one: Interlock) => boolean): void {
+  private removeWhere(which: (interlock: Interlock) => boolean): void {
     let changed = false;
     for (const [id, one] of this.known) {
       if (which(one)) changed = this.known.delete(id) || changed;
@@ -84,7 +84,7 @@ export class Interlocks extends Store {
   }
 }
 
-function rank({ news }: Interlock): number {
+function interlockRank({ news }: Interlock): number {
   if (news.overridden_by !== "") return 0;
   return news.unsafe ? 1 : 2;
 }

@@ -13,7 +13,7 @@ export interface Reading {
 }
 
 /** What the store needs of a connection. */
-export interface Feed {
+export interface LiveFeed {
   subscribe(
     site: string,
     channels: readonly string[],
@@ -22,7 +22,7 @@ export interface Feed {
   ): () => void;
 }
 
-interface Group {
+interface ChannelGroup {
   readonly wanted: Map<string, number>;
   asked: readonly string[];
   cancel: (() => void) | null;
@@ -34,19 +34,19 @@ interface Group {
  * times a second: more than an eye reads. Charts subscribe by themselves.
  */
 export class LiveValues {
-  private readonly groups = new Map<string, Group>();
+  private readonly groups = new Map<string, ChannelGroup>();
   private readonly readings = new Map<string, Reading>();
   private readonly watchers = new Map<string, Set<() => void>>();
 
   constructor(
-    private readonly feed: Feed,
+    private readonly feed: LiveFeed,
     private readonly now: () => number = () => performance.now(),
     private readonly everyMs = 200,
   ) {}
 
   /** The newest reading, also when nobody watches any more. */
-  latest(site: string, channel: string): Reading | undefined {
-    return this.readings.get(key(site, channel));
+  latestReading(site: string, channel: string): Reading | undefined {
+    return this.readings.get(channelKey(site, channel));
   }
 
   /** Age of a reading (s). */
@@ -55,17 +55,17 @@ export class LiveValues {
   }
 
   /** Calls `watcher` after each new reading of a channel. Returns the way to end it. */
-  watch(site: string, channel: string, watcher: () => void): () => void {
-    const id = key(site, channel);
+  watchChannel(site: string, channel: string, watcher: () => void): () => void {
+    const id = channelKey(site, channel);
     const watchers = this.watchers.get(id) ?? new Set();
     this.watchers.set(id, watchers);
-    const call = (): void => {
+    const notifyWatcher = (): void => {
       watcher();
     };
-    watchers.add(call);
+    watchers.add(notifyWatcher);
     this.changeInterest(site, channel, 1);
     return () => {
-      if (!watchers.delete(call)) return;
+      if (!watchers.delete(notifyWatcher)) return;
       if (watchers.size === 0) this.watchers.delete(id);
       this.changeInterest(site, channel, -1);
     };
@@ -77,7 +77,7 @@ export class LiveValues {
   }
 
   private changeInterest(site: string, channel: string, change: 1 | -1): void {
-    const fresh: Group = { wanted: new Map<string, number>(), asked: [], cancel: null, scheduled: false };
+    const fresh: ChannelGroup = { wanted: new Map<string, number>(), asked: [], cancel: null, scheduled: false };
     const group = this.groups.get(site) ?? fresh;
     this.groups.set(site, group);
     const count = (group.wanted.get(channel) ?? 0) + change;
@@ -92,7 +92,7 @@ export class LiveValues {
     });
   }
 
-  private subscribeGroup(site: string, group: Group): void {
+  private subscribeGroup(site: string, group: ChannelGroup): void {
     const channels = [...group.wanted.keys()].sort();
     if (channels.length === group.asked.length && channels.every((name, i) => name === group.asked[i])) return;
     const before = group.cancel;
@@ -112,7 +112,7 @@ export class LiveValues {
     for (let i = 0; i < channel.length; i++) {
       const address = batch.channels[channel[i] ?? -1];
       if (address === undefined) continue;
-      const id = key(batch.site, address);
+      const id = channelKey(batch.site, address);
       const time = timeUs[i] ?? 0;
       const held = this.readings.get(id);
       if (held !== undefined && held.timeUs > time) continue;
@@ -130,6 +130,6 @@ export class LiveValues {
   }
 }
 
-function key(site: string, channel: string): string {
+function channelKey(site: string, channel: string): string {
   return `${site}\n${channel}`;
 }

@@ -14,10 +14,10 @@ export const AS_DESCRIBED: ObjectsChoice = { on: true, classes: null, confidence
 export const LEAST_SURE = 0.3;
 const MOST_CLASSES = 1000;
 
-type Notes = Pick<Storage, "getItem" | "setItem" | "removeItem">;
+type BrowserStorage = Pick<Storage, "getItem" | "setItem" | "removeItem">;
 
 /** @param notes - null where this browser keeps nothing: then the choice holds for this page */
-export function readObjects(notes: Notes | null, person: string, site: string, stream: string): ObjectsChoice {
+export function readObjects(notes: BrowserStorage | null, person: string, site: string, stream: string): ObjectsChoice {
   let kept: unknown;
   try {
     kept = JSON.parse(notes?.getItem(keyOf(person, site, stream)) ?? "null");
@@ -28,12 +28,12 @@ export function readObjects(notes: Notes | null, person: string, site: string, s
   const { on, classes, confidence } = kept as Readonly<Record<string, unknown>>;
   return {
     on: on !== false,
-    classes: Array.isArray(classes) ? classes.filter((one) => typeof one === "string").slice(0, MOST_CLASSES) : null,
+    classes: Array.isArray(classes) ? classes.filter((label) => typeof label === "string").slice(0, MOST_CLASSES) : null,
     confidence: typeof confidence === "number" && confidence >= LEAST_SURE && confidence <= 1 ? confidence : null,
   };
 }
 
-export function keepObjects(notes: Notes | null, person: string, site: string, stream: string, choice: ObjectsChoice): void {
+export function keepObjects(notes: BrowserStorage | null, person: string, site: string, stream: string, choice: ObjectsChoice): void {
   const key = keyOf(person, site, stream);
   try {
     if (choice.on && choice.classes === null && choice.confidence === null) notes?.removeItem(key);

@@ -7,50 +7,50 @@ export const ANY = "*";
 
 /** Each includes the ones before it. */
 export const LEVELS = ["none", "view", "use", "admin"] as const;
-export type Level = (typeof LEVELS)[number];
+export type AccessLevel = (typeof LEVELS)[number];
 
 /** A place that a right can be given for. */
-export interface Place {
+export interface AccessPlace {
   readonly site: string;
   readonly device: string;
 }
 
-export const EVERYWHERE: Place = { site: ANY, device: ANY };
+export const EVERYWHERE: AccessPlace = { site: ANY, device: ANY };
 
-export function placeKey(place: Place): string {
+export function placeKey(place: AccessPlace): string {
   return `${place.site}\n${place.device}`;
 }
 
-export function rank(level: Level): number {
+export function levelRank(level: AccessLevel): number {
   return LEVELS.indexOf(level);
 }
 
-export function higher(a: Level, b: Level): Level {
-  return rank(a) >= rank(b) ? a : b;
+export function higherLevel(a: AccessLevel, b: AccessLevel): AccessLevel {
+  return levelRank(a) >= levelRank(b) ? a : b;
 }
 
 /** The level that was given for this very place, whatever wider places give. */
-export function ownLevel(permissions: readonly Permission[], place: Place): Level {
+export function ownLevel(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
   return permissions
     .filter(({ site, device }) => site === place.site && device === place.device)
-    .reduce<Level>((level, { right }) => higher(level, right), "none");
+    .reduce<AccessLevel>((level, { right }) => higherLevel(level, right), "none");
 }
 
 /** The level that holds at a place: its own, or a wider place's where that is higher. */
-export function levelAt(permissions: readonly Permission[], place: Place): Level {
-  return higher(ownLevel(permissions, place), inheritedLevel(permissions, place));
+export function levelAt(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
+  return higherLevel(ownLevel(permissions, place), inheritedLevel(permissions, place));
 }
 
 /** The level that wider places give; `none` for the whole hub, above which nothing is. */
-export function inheritedLevel(permissions: readonly Permission[], place: Place): Level {
+export function inheritedLevel(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
   return permissions
-    .filter((one) => !(one.site === place.site && one.device === place.device))
+    .filter((permission) => !(permission.site === place.site && permission.device === place.device))
     .filter(({ site, device }) => (site === ANY || site === place.site) && (device === ANY || device === place.device))
-    .reduce<Level>((level, { right }) => higher(level, right), "none");
+    .reduce<AccessLevel>((level, { right }) => higherLevel(level, right), "none");
 }
 
 /** The permissions after one place was given another level. One permission for a place says it all. */
-export function withLevel(permissions: readonly Permission[], place: Place, level: Level): readonly Permission[] {
+export function withLevel(permissions: readonly Permission[], place: AccessPlace, level: AccessLevel): readonly Permission[] {
   const rest = permissions.filter(({ site, device }) => site !== place.site || device !== place.device);
   return level === "none" ? rest : [...rest, { right: level satisfies Right, site: place.site, device: place.device }];
 }
@@ -63,7 +63,7 @@ export function samePermissions(a: readonly Permission[], b: readonly Permission
 
 /** Whether somebody may use a device; without one, the whole site. The hub checks it once more. */
 export function mayUse(person: { readonly permissions: readonly Permission[] } | null | undefined, site: string, device: string): boolean {
-  return rank(levelAt(person?.permissions ?? [], { site, device: device || ANY })) >= rank("use");
+  return levelRank(levelAt(person?.permissions ?? [], { site, device: device || ANY })) >= levelRank("use");
 }
 
 /** Whether somebody holds no right at all, and so sees what is public only. */

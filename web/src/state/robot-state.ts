@@ -6,16 +6,16 @@
 import type { LeaseNews, StopNews } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 
-type Line = Pick<Connection, "onMessage" | "onState">;
+type RobotStateLine = Pick<Connection, "onMessage" | "onState">;
 
-export class RobotNews {
+export class RobotState {
   private readonly leases = new Map<string, LeaseNews>();
   private readonly stops = new Map<string, StopNews>();
 
   /** Listens for as long as the connection lives. */
-  constructor(line: Line) {
-    line.onMessage("lease_news", (news) => this.leases.set(key(news.site, news.device), news));
-    line.onMessage("stop_news", (news) => this.stops.set(key(news.site, news.device), news));
+  constructor(line: RobotStateLine) {
+    line.onMessage("lease_news", (news) => this.leases.set(deviceKey(news.site, news.device), news));
+    line.onMessage("stop_news", (news) => this.stops.set(deviceKey(news.site, news.device), news));
     line.onMessage("site", (news) => {
       if (!news.online) this.removeSite(news.site);
     });
@@ -27,7 +27,7 @@ export class RobotNews {
   }
 
   leaseOf(site: string, device: string): LeaseNews | undefined {
-    return this.leases.get(key(site, device));
+    return this.leases.get(deviceKey(site, device));
   }
 
   /** Whether a device is held from this very page. */
@@ -36,7 +36,7 @@ export class RobotNews {
   }
 
   stopOf(site: string, device: string): StopNews | undefined {
-    return this.stops.get(key(site, device));
+    return this.stops.get(deviceKey(site, device));
   }
 
   private removeSite(site: string): void {
@@ -46,6 +46,6 @@ export class RobotNews {
   }
 }
 
-function key(site: string, device: string): string {
+function deviceKey(site: string, device: string): string {
   return `${site}\n${device}`;
 }

@@ -68,8 +68,8 @@ export function routeOf(path: string): Route {
   const plain = PLAIN[path.length > 1 ? path.replace(/\/$/, "") : path];
   if (plain !== undefined) return { page: plain, site: "", device: "" };
   const match = /^\/sites\/([^/]+)\/([a-z]+)(?:\/([^/]+))?\/?$/.exec(path);
-  const site = decoded(match?.[1] ?? "");
-  const device = decoded(match?.[3] ?? "");
+  const site = decodedPart(match?.[1] ?? "");
+  const device = decodedPart(match?.[3] ?? "");
   if (site !== "" && device !== "" && match?.[2] === "devices") return { page: "device", site, device };
   const page = match?.[3] === undefined ? SITE_PAGES.find((name) => name === match?.[2]) : undefined;
   return page === undefined || site === "" ? { page: "missing", site: "", device: "" } : { page, site, device: "" };
@@ -94,8 +94,8 @@ export function archivePath(site: string, device: string): string {
 }
 
 /** The path of the page of alarms at one of them. */
-export function alarmPath(one: { readonly site: string; readonly alarm: string }): string {
-  return `/alarms?alarm=${encodeURIComponent(one.site)}/${encodeURIComponent(one.alarm)}`;
+export function alarmPath(alarm: { readonly site: string; readonly alarm: string }): string {
+  return `/alarms?alarm=${encodeURIComponent(alarm.site)}/${encodeURIComponent(alarm.alarm)}`;
 }
 
 /** The path of a device's own page. */
@@ -108,11 +108,11 @@ export function returnPath(search: string, origin: string): string {
   const asked = new URLSearchParams(search).get("return") ?? "";
   if (!asked.startsWith("/") || !URL.canParse(asked, origin)) return "/home";
   const url = new URL(asked, origin);
-  if (url.origin !== origin || isDoor(routeOf(url.pathname).page)) return "/home";
+  if (url.origin !== origin || isSignInPage(routeOf(url.pathname).page)) return "/home";
   return url.pathname + url.search;
 }
 
-function isDoor(page: PageName): boolean {
+function isSignInPage(page: PageName): boolean {
   return page === "login" || page === "logout";
 }
 
@@ -124,7 +124,7 @@ export function localPath(href: string, origin: string): string | null {
   return ours ? url.pathname + url.search : null;
 }
 
-function decoded(text: string): string {
+function decodedPart(text: string): string {
   try {
     return decodeURIComponent(text);
   } catch {
@@ -133,14 +133,14 @@ function decoded(text: string): string {
 }
 
 /** What the router needs of a window. */
-export interface Address {
+export interface BrowserAddress {
   readonly location: { readonly pathname: string; readonly search: string; readonly hash: string; readonly origin: string };
   readonly history: Pick<History, "pushState" | "replaceState">;
   addEventListener(type: "popstate", listener: () => void): void;
 }
 
 export class Router extends Store {
-  constructor(private readonly address: Address) {
+  constructor(private readonly address: BrowserAddress) {
     super();
     address.addEventListener("popstate", () => {
       this.notifyWatchers();

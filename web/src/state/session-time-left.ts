@@ -6,7 +6,7 @@
  */
 export type EndKind = "idle" | "whole";
 
-export interface TimeLeft {
+export interface SessionTimeLeft {
   readonly kind: EndKind;
   /** Until it ends (s); not below zero. */
   readonly seconds: number;
@@ -17,12 +17,12 @@ export interface TimeLeft {
 const WARN = 300;
 
 /** Which end comes first. */
-export function timeLeft(ends: { readonly idle_ends_us: number; readonly ends_us: number }, nowUs: number): TimeLeft {
+export function sessionTimeLeft(ends: { readonly idle_ends_us: number; readonly ends_us: number }, nowUs: number): SessionTimeLeft {
   const kind: EndKind = ends.idle_ends_us < ends.ends_us ? "idle" : "whole";
   const endsUs = Math.min(ends.idle_ends_us, ends.ends_us);
   return { kind, endsUs, seconds: Math.max(0, (endsUs - nowUs) / 1e6) };
 }
 
-export function isNear(left: TimeLeft): boolean {
+export function isNear(left: SessionTimeLeft): boolean {
   return left.seconds <= WARN;
 }

@@ -96,7 +96,7 @@ export class Session extends Store {
   }
 
   private setPerson(person: Person | null): void {
-    const same = this.asked && alike(person, this.someone);
+    const same = this.asked && isSamePerson(person, this.someone);
     this.asked = true;
     this.someone = person;
     if (person === null) this.notes?.removeItem(NOTE);
@@ -106,7 +106,7 @@ export class Session extends Store {
 }
 
 /** Watchers are told of everything but the idle time, which moves all the time. */
-function alike(a: Person | null, b: Person | null): boolean {
+function isSamePerson(a: Person | null, b: Person | null): boolean {
   return rightsOf(a) === rightsOf(b) && a?.factor === b?.factor;
 }
 

@@ -5,11 +5,11 @@ import type { SiteDetail, SiteRow } from "../wire/api-types.js";
 import type { HubApi } from "../wire/hub-api.js";
 import { Store } from "./store.js";
 
-export type Loading = "idle" | "loading" | "ready" | "failed";
+export type LoadState = "idle" | "loading" | "ready" | "failed";
 
 export class Sites extends Store {
   private rows: readonly SiteRow[] = [];
-  private loading: Loading = "idle";
+  private loading: LoadState = "idle";
   private problem: unknown = null;
   private readonly details = new Map<string, { catalogue: string; detail: Promise<SiteDetail> }>();
   private readonly catalogues = new Map<string, string>();
@@ -22,7 +22,7 @@ export class Sites extends Store {
     return this.rows;
   }
 
-  get status(): Loading {
+  get status(): LoadState {
     return this.loading;
   }
 

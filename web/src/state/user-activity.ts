@@ -2,7 +2,7 @@
 
 const KINDS = ["pointerdown", "pointermove", "keydown", "wheel"] as const;
 
-export class Touched {
+export class UserActivity {
   private seen = false;
 
   constructor(private readonly target: EventTarget) {}

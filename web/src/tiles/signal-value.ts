@@ -1,7 +1,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
-import { levelOf } from "../format/severity.js";
+import { severityOf } from "../format/severity.js";
 import { decimalsFor, formatNumber } from "../format/number.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
 import { base } from "../elements/base/base-style.js";
@@ -42,14 +42,14 @@ export class SignalValue extends LitElement {
   private readonly live = new LiveValuesController(this);
 
   override willUpdate(): void {
-    this.live.observe(this.site, this.signal?.channels ?? []);
+    this.live.observeChannels(this.site, this.signal?.channels ?? []);
   }
 
   override render(): TemplateResult | null {
     const signal = this.signal;
     if (signal === null) return null;
     const channel = signal.channels[0] ?? signal.address;
-    const reading = this.live.reading(channel);
+    const reading = this.live.readingOf(channel);
     const name = this.label === "" ? signal.name : this.label;
     return html`
       ${this.bare ? null : html`<span class="name" title=${name}>${name}</span>`}
@@ -61,18 +61,18 @@ export class SignalValue extends LitElement {
         .unit=${signal.unit}
         .decimals=${signal.decimals}
         .age=${this.live.ageS(channel)}
-        .level=${levelOf(this.stateText(signal))}
+        .level=${severityOf(this.stateText(signal))}
       ></t-value>
     `;
   }
 
   private freshness(signal: SignalInfo, channel: string): ValueState {
-    const now = this.live.freshness(channel, signal.max_age);
-    return now === "live" && outOfRange(signal, this.live.reading(channel)?.value ?? Number.NaN) ? "outside" : now;
+    const now = this.live.freshnessOf(channel, signal.max_age);
+    return now === "live" && outOfRange(signal, this.live.readingOf(channel)?.value ?? Number.NaN) ? "outside" : now;
   }
 
   private stateText(signal: SignalInfo): string {
-    const first = this.live.reading(signal.channels[0] ?? signal.address);
+    const first = this.live.readingOf(signal.channels[0] ?? signal.address);
     if (first === undefined) return "";
     switch (signal.type) {
       case "number":
@@ -87,7 +87,7 @@ export class SignalValue extends LitElement {
   }
 
   private positionText(signal: SignalInfo): string {
-    const [a, b] = signal.channels.map((channel) => this.live.reading(channel)?.value ?? Number.NaN);
+    const [a, b] = signal.channels.map((channel) => this.live.readingOf(channel)?.value ?? Number.NaN);
     const decimals = signal.decimals >= 0 ? signal.decimals : signal.frame === "wgs84" ? 5 : decimalsFor("m");
     const unit = signal.frame === "wgs84" ? "°" : " m";
     return `${formatNumber(a ?? Number.NaN, decimals)}${unit}, ${formatNumber(b ?? Number.NaN, decimals)}${unit}`;

@@ -2,8 +2,8 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../controllers/load.js";
-import { StoreController } from "../controllers/context-store.js";
-import { TickController } from "../controllers/ticker.js";
+import { ContextStoreController } from "../controllers/context-store.js";
+import { TickerController } from "../controllers/ticker.js";
 import { base } from "../elements/base/base-style.js";
 import { formatDuration } from "../format/duration.js";
 import { sitesContext } from "../state/contexts.js";
@@ -141,12 +141,12 @@ export class SiteCard extends LitElement {
   /** It is the only one and has the page to itself: values by device. */
   @property({ type: Boolean, reflect: true }) wide = false;
 
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteDetail>(this);
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override willUpdate(): void {
@@ -167,7 +167,7 @@ export class SiteCard extends LitElement {
           <t-status kind=${row.online ? "online" : "offline"}></t-status>
         </div>
         <p class="facts">
-          ${count(row.devices, "device")}, ${count(row.signals, "signal")}${staleness(row)} ·
+          ${countText(row.devices, "device")}, ${countText(row.signals, "signal")}${staleness(row)} ·
           ${row.online
             ? html`online for ${since}`
             : html`last heard of <t-time .us=${row.last_seen_us} .zone=${row.zone}></t-time>`}
@@ -208,7 +208,7 @@ export class SiteCard extends LitElement {
 
   /** Two devices may both have a "State": then it is said whose. */
   private label(signal: SignalInfo, shown: readonly SignalInfo[]): string {
-    if (shown.filter((each) => each.name === signal.name).length < 2) return "";
+    if (shown.filter((candidate) => candidate.name === signal.name).length < 2) return "";
     const owner = this.detail.value?.devices.find((device) => device.signals.includes(signal));
     return owner === undefined ? "" : `${owner.name}: ${signal.name}`;
   }
@@ -245,7 +245,7 @@ function staleness(row: SiteRow): string {
   return row.online && row.stale > 0 ? `, ${String(row.stale)} of them stale` : "";
 }
 
-function count(number: number, noun: string): string {
+function countText(number: number, noun: string): string {
   return `${String(number)} ${noun}${number === 1 ? "" : "s"}`;
 }
 

@@ -5,13 +5,13 @@ import type { Permission } from "./api-types.js";
 import type { HubApi } from "./hub-api.js";
 
 /** What of a person can be changed; what is left out stays. */
-export interface PersonChange {
+export interface PersonEdit {
   readonly role?: string;
   readonly disabled?: boolean;
   readonly password?: string;
 }
 
-const at = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
+const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
 
 export class AdminApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
@@ -24,20 +24,20 @@ export class AdminApi {
     return this.hub.request("POST", "/api/people", { name, password, role });
   }
 
-  changePerson(person: string, change: PersonChange): Promise<PersonRow> {
-    return this.hub.request("PATCH", at("people", person), change);
+  changePerson(person: string, change: PersonEdit): Promise<PersonRow> {
+    return this.hub.request("PATCH", itemUrl("people", person), change);
   }
 
   async removePerson(person: string): Promise<void> {
-    await this.hub.request("DELETE", at("people", person));
+    await this.hub.request("DELETE", itemUrl("people", person));
   }
 
   async endSessions(person: string): Promise<void> {
-    await this.hub.request("DELETE", at("people", person, "/sessions"));
+    await this.hub.request("DELETE", itemUrl("people", person, "/sessions"));
   }
 
   async removeFactor(person: string): Promise<void> {
-    await this.hub.request("DELETE", at("people", person, "/factor"));
+    await this.hub.request("DELETE", itemUrl("people", person, "/factor"));
   }
 
   async roles(): Promise<readonly RoleRow[]> {
@@ -49,11 +49,11 @@ export class AdminApi {
   }
 
   async changeRole(role: string, name: string, permissions: readonly Permission[]): Promise<void> {
-    await this.hub.request("PUT", at("roles", role), { name, permissions });
+    await this.hub.request("PUT", itemUrl("roles", role), { name, permissions });
   }
 
   async removeRole(role: string): Promise<void> {
-    await this.hub.request("DELETE", at("roles", role));
+    await this.hub.request("DELETE", itemUrl("roles", role));
   }
 
   gateways(): Promise<GatewayList> {
@@ -65,17 +65,17 @@ export class AdminApi {
   }
 
   async withdrawCode(code: string): Promise<void> {
-    await this.hub.request("DELETE", at("gateways/codes", code));
+    await this.hub.request("DELETE", itemUrl("gateways/codes", code));
   }
 
   /** Its key is void and its link closed at once. */
   async revokeGateway(gateway: string): Promise<void> {
-    await this.hub.request("POST", at("gateways", gateway, "/revoke"), {});
+    await this.hub.request("POST", itemUrl("gateways", gateway, "/revoke"), {});
   }
 
   /** @param device empty: the link between gateway and hub; else the gateway's own to that device */
   async reconnect(gateway: string, device = ""): Promise<void> {
-    await this.hub.request("POST", at("gateways", gateway, "/reconnect"), { device });
+    await this.hub.request("POST", itemUrl("gateways", gateway, "/reconnect"), { device });
   }
 
   /** @param search the filter, as in the address; see `pages/audit/query.ts` */
@@ -88,7 +88,7 @@ export class AdminApi {
   }
 
   /** Whether there is room for what comes; cheap, and a few minutes old. */
-  outlook(): Promise<Outlook> {
+  storageForecast(): Promise<Outlook> {
     return this.hub.request("GET", "/api/storage/outlook");
   }
 

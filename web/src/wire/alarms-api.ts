@@ -40,24 +40,24 @@ export class AlarmsApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
 
   listAlarms(site: string): Promise<AlarmList> {
-    return this.hub.request("GET", at(site));
+    return this.hub.request("GET", alarmUrl(site));
   }
 
   alarmHistory(site: string, alarm: string, before = ""): Promise<AlarmPastList> {
     const query = before === "" ? "" : `?before=${encodeURIComponent(before)}`;
-    return this.hub.request("GET", `${at(site, alarm)}/history${query}`);
+    return this.hub.request("GET", `${alarmUrl(site, alarm)}/history${query}`);
   }
 
   async applyAction(site: string, alarm: string, asked: ActAsk): Promise<void> {
-    await this.hub.request("POST", `${at(site, alarm)}/act`, asked);
+    await this.hub.request("POST", `${alarmUrl(site, alarm)}/act`, asked);
   }
 
   async saveAlarm(site: string, alarm: string, definition: AlarmDefinition): Promise<void> {
-    await this.hub.request("PUT", at(site, alarm), definition);
+    await this.hub.request("PUT", alarmUrl(site, alarm), definition);
   }
 
   async removeAlarm(site: string, alarm: string): Promise<void> {
-    await this.hub.request("DELETE", at(site, alarm));
+    await this.hub.request("DELETE", alarmUrl(site, alarm));
   }
 
   previewAlarm(site: string, definition: AlarmDefinition, hours = 24): Promise<PreviewShape> {
@@ -125,7 +125,7 @@ export class NotifyApi {
   }
 }
 
-function at(site: string, alarm = ""): string {
+function alarmUrl(site: string, alarm = ""): string {
   const tail = alarm === "" ? "" : `/${encodeURIComponent(alarm)}`;
   return `/api/sites/${encodeURIComponent(site)}/alarms${tail}`;
 }

@@ -8,7 +8,7 @@ export type { CardShape as Card, FrameDetail, FrameList, FrameShape as FrameRow,
 export const STRETCHES = ["asinh", "linear", "log"] as const;
 export type Stretch = (typeof STRETCHES)[number];
 
-const at = (site: string, more: string): string => `/api/sites/${encodeURIComponent(site)}/${more}`;
+const archiveUrl = (site: string, more: string): string => `/api/sites/${encodeURIComponent(site)}/${more}`;
 
 export class ArchiveApi {
   constructor(
@@ -17,24 +17,24 @@ export class ArchiveApi {
   ) {}
 
   nights(): Promise<NightList> {
-    return this.hub.request("GET", at(this.site, "nights"));
+    return this.hub.request("GET", archiveUrl(this.site, "nights"));
   }
 
   findFrames(query: string): Promise<FrameList> {
-    return this.hub.request("GET", at(this.site, `frames?${query}`));
+    return this.hub.request("GET", archiveUrl(this.site, `frames?${query}`));
   }
 
   frameDetail(id: string): Promise<FrameDetail> {
-    return this.hub.request("GET", at(this.site, `frames/${encodeURIComponent(id)}`));
+    return this.hub.request("GET", archiveUrl(this.site, `frames/${encodeURIComponent(id)}`));
   }
 }
 
 /** Where a picture's drawing is, at most `px` a side. */
 export function previewPath(site: string, id: string, stretch: Stretch, px: number): string {
-  return at(site, `frames/${encodeURIComponent(id)}/preview?stretch=${stretch}&px=${String(px)}`);
+  return archiveUrl(site, `frames/${encodeURIComponent(id)}/preview?stretch=${stretch}&px=${String(px)}`);
 }
 
 /** Where its file is. */
 export function filePath(site: string, id: string): string {
-  return at(site, `frames/${encodeURIComponent(id)}/file`);
+  return archiveUrl(site, `frames/${encodeURIComponent(id)}/file`);
 }

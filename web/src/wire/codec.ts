@@ -26,7 +26,7 @@ export class FrameError extends Error {}
 const encoder = new Encoder();
 const decoder = new Decoder();
 
-export function encode(message: Sendable<FromBrowser> | Sendable<MediaFromBrowser>): Uint8Array<ArrayBuffer> {
+export function encodeMessage(message: Sendable<FromBrowser> | Sendable<MediaFromBrowser>): Uint8Array<ArrayBuffer> {
   return encoder.encode(message);
 }
 
@@ -35,8 +35,8 @@ export function encode(message: Sendable<FromBrowser> | Sendable<MediaFromBrowse
  *
  * @throws FrameError when the bytes are no message at all
  */
-export function decode(bytes: ArrayBuffer): ToBrowser | null {
-  return fill(bytes, TO_BROWSER) as ToBrowser | null;
+export function decodeMessage(bytes: ArrayBuffer): ToBrowser | null {
+  return withDefaults(bytes, TO_BROWSER) as ToBrowser | null;
 }
 
 /**
@@ -45,10 +45,10 @@ export function decode(bytes: ArrayBuffer): ToBrowser | null {
  * @throws FrameError when the bytes are no message at all
  */
 export function decodeMedia(bytes: ArrayBuffer): MediaToBrowser | null {
-  return fill(bytes, MEDIA_TO_BROWSER) as MediaToBrowser | null;
+  return withDefaults(bytes, MEDIA_TO_BROWSER) as MediaToBrowser | null;
 }
 
-function fill(bytes: ArrayBuffer, known: ReadonlySet<string>): object | null {
+function withDefaults(bytes: ArrayBuffer, known: ReadonlySet<string>): object | null {
   let raw: unknown;
   try {
     raw = decoder.decode(bytes);
@@ -65,7 +65,7 @@ function fill(bytes: ArrayBuffer, known: ReadonlySet<string>): object | null {
 }
 
 /** Samples side by side, all of one length. */
-export interface Columns {
+export interface ValueColumns {
   /** Index into the subscription's channel list. */
   readonly channel: Uint16Array;
   /** Microseconds since the epoch, UTC; exact up to the year 2255. */
@@ -84,23 +84,23 @@ export interface Columns {
  *
  * @throws FrameError when the columns are not of one length
  */
-export function columns(batch: Values): Columns {
+export function columnsOf(batch: Values): ValueColumns {
   const count = batch.channel.byteLength / 2;
   if (batch.offset.byteLength !== count * 4 || batch.value.byteLength !== count * 8) {
     throw new FrameError("columns of unequal length");
   }
-  const offset = new Int32Array(aligned(batch.offset));
+  const offset = new Int32Array(alignedBuffer(batch.offset));
   const timeUs = new Float64Array(count);
   for (let i = 0; i < count; i++) timeUs[i] = batch.base_us + (offset[i] ?? 0);
   return {
-    channel: new Uint16Array(aligned(batch.channel)),
+    channel: new Uint16Array(alignedBuffer(batch.channel)),
     timeUs,
-    value: new Float64Array(aligned(batch.value)),
+    value: new Float64Array(alignedBuffer(batch.value)),
     texts: batch.texts,
     ageMs: batch.age_ms,
   };
 }
 
-function aligned(bytes: Uint8Array): ArrayBuffer {
+function alignedBuffer(bytes: Uint8Array): ArrayBuffer {
   return new Uint8Array(bytes).buffer;
 }

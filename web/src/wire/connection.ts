@@ -3,7 +3,7 @@
 import type { FromBrowser, ToBrowser } from "../generated/wire.js";
 import { backoffMs } from "./backoff.js";
 import { HubClock } from "./hub-clock.js";
-import { decode, encode, FrameError, type Sendable } from "./codec.js";
+import { decodeMessage, encodeMessage, FrameError, type Sendable } from "./codec.js";
 import { Subscriptions, type BatchListener } from "./subscriptions.js";
 
 /**
@@ -15,9 +15,9 @@ import { Subscriptions, type BatchListener } from "./subscriptions.js";
  */
 export type LinkState = "idle" | "connecting" | "open" | "lost" | "ended";
 
-type Tag = ToBrowser["t"];
-type MessageOf<T extends Tag> = Extract<ToBrowser, { t: T }>;
-type Listener<T extends Tag> = (message: MessageOf<T>) => void;
+type MessageTag = ToBrowser["t"];
+type MessageOf<T extends MessageTag> = Extract<ToBrowser, { t: T }>;
+type MessageListener<T extends MessageTag> = (message: MessageOf<T>) => void;
 
 export interface ConnectionOptions {
   readonly url: string;
@@ -46,7 +46,7 @@ export class Connection {
   private readonly now: () => number;
   private readonly random: () => number;
   private readonly touched: () => boolean;
-  private readonly listeners = new Map<Tag, Set<(message: never) => void>>();
+  private readonly listeners = new Map<MessageTag, Set<(message: never) => void>>();
   private readonly stateListeners = new Set<(state: LinkState) => void>();
   private readonly subscriptions = new Subscriptions();
   private socket: WebSocket | null = null;
@@ -108,7 +108,7 @@ export class Connection {
   }
 
   /** Calls `listener` with each message of a kind. Returns the way to end it. */
-  onMessage<T extends Tag>(tag: T, listener: Listener<T>): () => void {
+  onMessage<T extends MessageTag>(tag: T, listener: MessageListener<T>): () => void {
     const set = this.listeners.get(tag) ?? new Set();
     this.listeners.set(tag, set);
     set.add(listener);
@@ -124,7 +124,7 @@ export class Connection {
   /** Sends now or not at all. False: not connected. */
   send(message: Sendable<FromBrowser>): boolean {
     if (this.current !== "open" || this.socket?.readyState !== 1) return false;
-    this.socket.send(encode(message));
+    this.socket.send(encodeMessage(message));
     return true;
   }
 
@@ -163,7 +163,7 @@ export class Connection {
   private receiveMessage(bytes: ArrayBuffer): void {
     let message: ToBrowser | null;
     try {
-      message = decode(bytes);
+      message = decodeMessage(bytes);
       if (message?.t === "values") this.subscriptions.deliver(message);
     } catch (error) {
       if (!(error instanceof FrameError)) throw error;

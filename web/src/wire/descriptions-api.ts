@@ -30,33 +30,33 @@ export class DescriptionsApi {
 
   /** @param below only versions below this number; 0 for the newest */
   listVersions(site: string, below = 0): Promise<DescriptionList> {
-    return this.hub.request("GET", `${at(site)}${below > 0 ? `?below=${String(below)}` : ""}`);
+    return this.hub.request("GET", `${descriptionUrl(site)}${below > 0 ? `?below=${String(below)}` : ""}`);
   }
 
   versionText(site: string, number: number): Promise<DescriptionText> {
-    return this.hub.request("GET", `${at(site)}/${String(number)}`);
+    return this.hub.request("GET", `${descriptionUrl(site)}/${String(number)}`);
   }
 
   difference(site: string, before: number, after: number): Promise<DifferenceAnswer> {
-    return this.hub.request("GET", `${at(site)}/${String(before)}/difference?to=${String(after)}`);
+    return this.hub.request("GET", `${descriptionUrl(site)}/${String(before)}/difference?to=${String(after)}`);
   }
 
   /** @param against the version that it is held against; 0 for none */
   checkText(site: string, text: string, against: number, signal?: AbortSignal): Promise<CheckAnswer> {
-    return this.hub.request("POST", `${at(site)}/check`, { text, against }, { signal });
+    return this.hub.request("POST", `${descriptionUrl(site)}/check`, { text, against }, { signal });
   }
 
   /** The text that says `wanted` instead of what it says: comments and order stay. */
   editText(site: string, text: string, wanted: object): Promise<EditAnswer> {
-    return this.hub.request("POST", `${at(site)}/edit`, { text, site: wanted });
+    return this.hub.request("POST", `${descriptionUrl(site)}/edit`, { text, site: wanted });
   }
 
   sendDescription(site: string, text: string, base: string): Promise<ChangeAnswer> {
-    return this.hub.request("POST", at(site), { text, base });
+    return this.hub.request("POST", descriptionUrl(site), { text, base });
   }
 
   restoreVersion(site: string, number: number, base: string): Promise<ChangeAnswer> {
-    return this.hub.request("POST", `${at(site)}/${String(number)}/restore`, { base });
+    return this.hub.request("POST", `${descriptionUrl(site)}/${String(number)}/restore`, { base });
   }
 
   schema(): Promise<Schema> {
@@ -64,6 +64,6 @@ export class DescriptionsApi {
   }
 }
 
-function at(site: string): string {
+function descriptionUrl(site: string): string {
   return `/api/sites/${encodeURIComponent(site)}/descriptions`;
 }

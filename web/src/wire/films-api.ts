@@ -12,14 +12,14 @@ export class FilmsApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
 
   /** Films that have something of a stretch of time (µs). */
-  list(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmListShape> {
+  listFilms(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmListShape> {
     const query = `from_us=${String(Math.max(0, Math.floor(fromUs)))}&to_us=${String(Math.ceil(toUs))}`;
     return this.hub.request("GET", `/api/sites/${encodeURIComponent(site)}/films?${query}`, undefined, { signal });
   }
 
   /** Which cameras are being filmed, and whether one may be. */
   recordingStatus(site: string): Promise<FilmListShape> {
-    return this.list(site, NEVER_US, NEVER_US);
+    return this.listFilms(site, NEVER_US, NEVER_US);
   }
 
   /** The gateway does it; whether it did is seen in `now`. */

@@ -21,25 +21,25 @@ export class Refused extends Error {
 export class Unreachable extends Error {}
 
 /** A stretch of time: µs since the epoch, UTC. */
-interface Window {
+interface TimeWindow {
   readonly fromUs: number;
   readonly toUs: number;
 }
 
 /** What is asked of a chart's window. */
-export interface HistoryQuery extends Window {
+export interface HistoryQuery extends TimeWindow {
   readonly channels: readonly string[];
   /** Pixels; at most two points come for each. */
   readonly width: number;
 }
 
-export type Method = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
+export type HttpMethod = "GET" | "POST" | "PUT" | "PATCH" | "DELETE";
 
 /** With this header a question does not count as the person's doing: the session's idle time goes on. */
 const BACKGROUND = { "talaia-background": "1" } as const;
 
 /** What is said besides the question itself. */
-export interface AskOptions {
+export interface RequestOptions {
   readonly signal?: AbortSignal | undefined;
   /** Whether the page asks by itself; when not said, everything that changes nothing is taken so. */
   readonly background?: boolean;
@@ -71,7 +71,7 @@ export class HubApi {
     await this.request("POST", "/api/logout", {});
   }
 
-  async setup(token: string, name: string, password: string): Promise<void> {
+  async setUpAdmin(token: string, name: string, password: string): Promise<void> {
     await this.request("POST", "/api/setup", { token, name, password });
   }
 
@@ -96,13 +96,13 @@ export class HubApi {
   }
 
   /** What a window (µs) amounts to, of every sample in it. */
-  statistics(site: string, channels: readonly string[], span: Window, signal?: AbortSignal): Promise<StatisticsList> {
+  statistics(site: string, channels: readonly string[], span: TimeWindow, signal?: AbortSignal): Promise<StatisticsList> {
     const search = windowQuery(span, channels);
     return this.request("GET", `/api/sites/${encodeURIComponent(site)}/statistics?${search.toString()}`, undefined, { signal });
   }
 
   /** The quartiles of a window (µs), of every sample in it, and how many lie `k` times their distance beyond them. */
-  outliers(site: string, channels: readonly string[], span: Window, k: number, signal?: AbortSignal): Promise<OutlierList> {
+  outliers(site: string, channels: readonly string[], span: TimeWindow, k: number, signal?: AbortSignal): Promise<OutlierList> {
     const search = windowQuery(span, channels);
     search.set("k", String(k));
     return this.request("GET", `/api/sites/${encodeURIComponent(site)}/outliers?${search.toString()}`, undefined, { signal });
@@ -132,7 +132,7 @@ export class HubApi {
   }
 
   /** What happened in a window (µs), newest first. */
-  events(site: string, span: Window, limit: number, signal?: AbortSignal): Promise<EventList> {
+  events(site: string, span: TimeWindow, limit: number, signal?: AbortSignal): Promise<EventList> {
     const search = windowQuery(span);
     search.set("limit", String(limit));
     return this.request("GET", `/api/sites/${encodeURIComponent(site)}/events?${search.toString()}`, undefined, { signal });
@@ -144,7 +144,7 @@ export class HubApi {
    * @throws Refused when the hub says no
    * @throws Unreachable when there is no hub, or something else answers in its place
    */
-  async request<T>(method: Method, path: string, body?: object, options: AskOptions = {}): Promise<T> {
+  async request<T>(method: HttpMethod, path: string, body?: object, options: RequestOptions = {}): Promise<T> {
     // A touch of the page keeps the session (state/touched.ts); what pages ask for again and again does not.
     const { signal, background = method === "GET" } = options;
     const headers = new Headers({ accept: "application/json", ...(background ? BACKGROUND : {}) });
@@ -165,11 +165,11 @@ export class HubApi {
     if (response.status === 502 || response.status === 503 || response.status === 504) {
       throw new Unreachable("The hub is not ready.");
     }
-    throw await refusal(response);
+    throw await refusalOf(response);
   }
 }
 
-function windowQuery({ fromUs, toUs }: Window, channels: readonly string[] = []): URLSearchParams {
+function windowQuery({ fromUs, toUs }: TimeWindow, channels: readonly string[] = []): URLSearchParams {
   const search = new URLSearchParams(channels.map((channel) => ["channel", channel]));
   search.set("from_us", String(Math.max(0, Math.round(fromUs))));
   search.set("to_us", String(Math.round(toUs)));
@@ -189,7 +189,7 @@ export function exportPath(site: string, query: ExportQuery): string {
   return `/api/sites/${encodeURIComponent(site)}/export?${search.toString()}`;
 }
 
-async function refusal(response: Response): Promise<Refused> {
+async function refusalOf(response: Response): Promise<Refused> {
   const retryAfter = Number(response.headers.get("retry-after") ?? "0") || 0;
   let said: unknown = null;
   try {

@@ -1,6 +1,6 @@
 /** The hub's monotonic clock, told by this page's own. */
 
-interface Exchange {
+interface ClockExchange {
   readonly roundTripMs: number;
   readonly offsetMs: number;
 }
@@ -13,7 +13,7 @@ const KEPT = 30;
  * believed: its error is at most half of that.
  */
 export class HubClock {
-  private exchanges: Exchange[] = [];
+  private exchanges: ClockExchange[] = [];
 
   /**
    * @param sentMs this page's monotonic clock when the ping left
@@ -40,7 +40,7 @@ export class HubClock {
 
   /** Age (ms) of a moment on the hub's monotonic clock; NaN before the first exchange. */
   ageMs(hubUs: number, nowMs: number): number {
-    let best: Exchange | undefined;
+    let best: ClockExchange | undefined;
     for (const exchange of this.exchanges) {
       if (best === undefined || exchange.roundTripMs < best.roundTripMs) best = exchange;
     }

@@ -2,7 +2,7 @@
 
 import type { MediaToBrowser, Shot, ShotBoxes } from "../generated/wire.js";
 import { backoffMs } from "./backoff.js";
-import { decodeMedia, encode, FrameError } from "./codec.js";
+import { decodeMedia, encodeMessage, FrameError } from "./codec.js";
 
 export type MediaState = "connecting" | "open" | "lost" | "refused";
 
@@ -47,14 +47,14 @@ export class MediaSocket {
   setLowRate(still: boolean): void {
     if (this.still === still) return;
     this.still = still;
-    if (this.socket?.readyState === 1) this.socket.send(encode({ t: "glance", still }));
+    if (this.socket?.readyState === 1) this.socket.send(encodeMessage({ t: "glance", still }));
   }
 
   /** Tells the hub whether to say what is seen on the pictures. */
   requestBoxes(on: boolean): void {
     if (this.boxed === on) return;
     this.boxed = on;
-    if (this.socket?.readyState === 1) this.socket.send(encode({ t: "boxes_ask", on }));
+    if (this.socket?.readyState === 1) this.socket.send(encodeMessage({ t: "boxes_ask", on }));
   }
 
   /** Begins anew, as after a loss: what came cannot be gone on with. */
@@ -69,8 +69,8 @@ export class MediaSocket {
     this.socket = socket;
     socket.onopen = () => {
       this.attempt = 0;
-      if (this.still) socket.send(encode({ t: "glance", still: true }));
-      if (this.boxed) socket.send(encode({ t: "boxes_ask", on: true }));
+      if (this.still) socket.send(encodeMessage({ t: "glance", still: true }));
+      if (this.boxed) socket.send(encodeMessage({ t: "boxes_ask", on: true }));
       this.listener.onState("open", "");
     };
     socket.onmessage = (event: MessageEvent<unknown>) => {
@@ -95,7 +95,7 @@ export class MediaSocket {
       case "shot": {
         const seq = message.seq;
         this.listener.onShot(message, () => {
-          if (socket.readyState === 1) socket.send(encode({ t: "shown", seq }));
+          if (socket.readyState === 1) socket.send(encodeMessage({ t: "shown", seq }));
         });
         return;
       }

@@ -4,7 +4,7 @@
  */
 
 /** Where a box lies in the bytes at hand; its end may lie beyond them. */
-interface Box {
+interface Mp4Box {
   readonly kind: string;
   readonly begin: number;
   readonly end: number;
@@ -15,8 +15,8 @@ const WORD = 4;
 const MOST_PICTURES = 10_000_000;
 
 /** How many bytes from the beginning hold the tables; 0 where they do not stand in front. */
-export function tablesEnd(data: DataView): number {
-  for (const { kind, end } of boxes(data, 0, data.byteLength)) {
+export function tablesEndByte(data: DataView): number {
+  for (const { kind, end } of mp4Boxes(data, 0, data.byteLength)) {
     if (kind === "moov") return end;
     if (kind === "mdat") return 0;
     if (end > data.byteLength) return 0;
@@ -30,10 +30,10 @@ export function tablesEnd(data: DataView): number {
  * @throws RangeError when the tables are not there, not whole, or make no sense
  */
 export function pictureTimes(data: DataView): Float64Array {
-  const media = inside(data, ["moov", "trak", "mdia"]);
-  const header = only(data, media, "mdhd");
+  const media = boxAt(data, ["moov", "trak", "mdia"]);
+  const header = onlyBox(data, media, "mdhd");
   const scale = data.getUint32(header.begin + (data.getUint8(header.begin) === 1 ? 5 : 3) * WORD);
-  const steps = inside(data, ["minf", "stbl", "stts"], media);
+  const steps = boxAt(data, ["minf", "stbl", "stts"], media);
   const rows = data.getUint32(steps.begin + WORD);
   if (scale === 0 || steps.begin + 2 * WORD * (rows + 1) > steps.end) throw new RangeError("the film's tables are broken");
   const times: number[] = [];
@@ -42,7 +42,7 @@ export function pictureTimes(data: DataView): Float64Array {
     const at = steps.begin + 2 * WORD * (row + 1);
     const [count, step] = [data.getUint32(at), data.getUint32(at + WORD)];
     if (times.length + count > MOST_PICTURES) throw new RangeError("the film's tables are broken");
-    for (let one = 0; one < count; one++) {
+    for (let number = 0; number < count; number++) {
       times.push((ticks * 1e6) / scale);
       ticks += step;
     }
@@ -50,24 +50,24 @@ export function pictureTimes(data: DataView): Float64Array {
   return Float64Array.from(times);
 }
 
-function inside(data: DataView, path: readonly string[], from?: Box): Box {
+function boxAt(data: DataView, path: readonly string[], from?: Mp4Box): Mp4Box {
   let box = from ?? { kind: "", begin: 0, end: data.byteLength };
-  for (const kind of path) box = only(data, box, kind);
+  for (const kind of path) box = onlyBox(data, box, kind);
   return box;
 }
 
-function only(data: DataView, within: Box, kind: string): Box {
-  for (const box of boxes(data, within.begin, within.end)) {
+function onlyBox(data: DataView, within: Mp4Box, kind: string): Mp4Box {
+  for (const box of mp4Boxes(data, within.begin, within.end)) {
     if (box.kind === kind && box.end <= data.byteLength) return box;
   }
   throw new RangeError(`the film has no ${kind}`);
 }
 
-function* boxes(data: DataView, begin: number, end: number): Generator<Box> {
+function* mp4Boxes(data: DataView, begin: number, end: number): Generator<Mp4Box> {
   let at = begin;
   while (at + 2 * WORD <= Math.min(end, data.byteLength)) {
     let size = data.getUint32(at);
-    const kind = String.fromCharCode(...[4, 5, 6, 7].map((each) => data.getUint8(at + each)));
+    const kind = String.fromCharCode(...[4, 5, 6, 7].map((number) => data.getUint8(at + number)));
     let head = 2 * WORD;
     if (size === 1) {
       if (at + 4 * WORD > data.byteLength) return;
@@ -89,14 +89,14 @@ const MOST_BYTES = 64 * 1024 * 1024;
 
 /** Reads a film's tables from where it is. Rejects where they cannot be had. */
 export async function fetchTimes(path: string, signal: AbortSignal, fetcher: typeof fetch = fetch): Promise<Float64Array> {
-  const get = async (bytes: number): Promise<DataView> => {
+  const fetchBytes = async (bytes: number): Promise<DataView> => {
     const answer = await fetcher(path, { headers: { range: `bytes=0-${String(bytes - 1)}` }, signal });
     if (!answer.ok) throw new RangeError(`the hub answered ${String(answer.status)}`);
     return new DataView(await answer.arrayBuffer());
   };
-  let data = await get(FIRST_BYTES);
-  const end = tablesEnd(data);
+  let data = await fetchBytes(FIRST_BYTES);
+  const end = tablesEndByte(data);
   if (end === 0 || end > MOST_BYTES) throw new RangeError("the film's tables do not stand in front");
-  if (end > data.byteLength) data = await get(end);
+  if (end > data.byteLength) data = await fetchBytes(end);
   return pictureTimes(data);
 }

@@ -12,16 +12,16 @@ export type {
 export class RecordingsApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
 
-  list(site: string): Promise<RecordingListShape> {
+  listRecordings(site: string): Promise<RecordingListShape> {
     return this.hub.request("GET", `/api/sites/${encodeURIComponent(site)}/recordings`);
   }
 
   /** The gateway does it; whether it did is seen in the list. */
-  async record(site: string, on: boolean, why: string): Promise<void> {
+  async setRecording(site: string, on: boolean, why: string): Promise<void> {
     await this.hub.request("POST", `/api/sites/${encodeURIComponent(site)}/recordings`, { on, why });
   }
 
-  async remove(site: string, recording: string): Promise<void> {
+  async removeRecording(site: string, recording: string): Promise<void> {
     await this.hub.request("DELETE", `/api/sites/${encodeURIComponent(site)}/recordings/${encodeURIComponent(recording)}`);
   }
 }

@@ -5,7 +5,7 @@ import type { HubApi } from "./hub-api.js";
 
 export type { LabelShape as SeenLabel, SeenShape as Sighting } from "../generated/api.js";
 
-const at = (site: string, more = ""): string => `/api/sites/${encodeURIComponent(site)}/sightings${more}`;
+const sightingsUrl = (site: string, more = ""): string => `/api/sites/${encodeURIComponent(site)}/sightings${more}`;
 
 export class SightingsApi {
   constructor(
@@ -15,15 +15,15 @@ export class SightingsApi {
 
   /** @param query what is asked for, as the hub reads it */
   findSightings(query: string): Promise<SightingList> {
-    return this.hub.request("GET", at(this.site, `?${query}`));
+    return this.hub.request("GET", sightingsUrl(this.site, `?${query}`));
   }
 
   async labels(): Promise<SightingLabels["labels"]> {
-    return (await this.hub.request<SightingLabels>("GET", at(this.site, "/labels"))).labels;
+    return (await this.hub.request<SightingLabels>("GET", sightingsUrl(this.site, "/labels"))).labels;
   }
 }
 
 /** Where a sighting's picture is. */
 export function sightingPicturePath(site: string, id: string): string {
-  return at(site, `/${encodeURIComponent(id)}/picture`);
+  return sightingsUrl(site, `/${encodeURIComponent(id)}/picture`);
 }

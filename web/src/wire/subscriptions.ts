@@ -1,20 +1,20 @@
 /** Which channels this page listens to, and under which number. No sockets here. */
 
 import type { Subscribe, Unsubscribe, Values } from "../generated/wire.js";
-import { columns, type Columns, type Sendable } from "./codec.js";
+import { columnsOf, type ValueColumns, type Sendable } from "./codec.js";
 
 /** Samples of one subscription, with the list that `columns.channel` indexes. */
 export interface Batch {
   readonly site: string;
   readonly channels: readonly string[];
-  readonly columns: Columns;
+  readonly columns: ValueColumns;
   /** True for the first batch after (re)subscribing: the last known sample of each channel. */
   readonly first: boolean;
 }
 
 export type BatchListener = (batch: Batch) => void;
 
-interface Entry {
+interface SubscriptionEntry {
   readonly site: string;
   readonly channels: readonly string[];
   readonly everyMs: number;
@@ -31,7 +31,7 @@ const NUMBERS = 65_536;
  * an old list are never read with a new one.
  */
 export class Subscriptions {
-  private readonly entries = new Map<number, Entry>();
+  private readonly entries = new Map<number, SubscriptionEntry>();
   private next = 0;
 
   add(site: string, channels: readonly string[], everyMs: number, listener: BatchListener): number {
@@ -86,6 +86,6 @@ export class Subscriptions {
     if (entry === undefined) return;
     const first = entry.first;
     entry.first = false;
-    entry.listener({ site: entry.site, channels: entry.channels, columns: columns(values), first });
+    entry.listener({ site: entry.site, channels: entry.channels, columns: columnsOf(values), first });
   }
 }

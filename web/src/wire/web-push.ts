@@ -17,7 +17,7 @@ export function whyNoPush(): string {
  * @param key the hub's public key (VAPID), base64url
  * @throws Error when the person or the browser says no
  */
-export async function subscribe(key: string): Promise<PushAsk> {
+export async function subscribePush(key: string): Promise<PushAsk> {
   if ((await Notification.requestPermission()) !== "granted") throw new Error("Messages are not allowed in this browser.");
   const worker = await navigator.serviceWorker.register("/push.js");
   await navigator.serviceWorker.ready;
@@ -35,15 +35,15 @@ export async function subscribe(key: string): Promise<PushAsk> {
 export function onOpened(show: (path: string) => void): () => void {
   if (!("serviceWorker" in navigator)) return () => undefined;
   const workers = navigator.serviceWorker;
-  const heard = (event: MessageEvent<unknown>): void => {
+  const onWorkerMessage = (event: MessageEvent<unknown>): void => {
     const said = event.data;
     if (typeof said === "object" && said !== null && "open" in said && typeof said.open === "string") show(said.open);
   };
-  workers.addEventListener("message", heard);
+  workers.addEventListener("message", onWorkerMessage);
   // A page that is not the worker's own gets nothing before it says that it listens.
   workers.startMessages();
   return () => {
-    workers.removeEventListener("message", heard);
+    workers.removeEventListener("message", onWorkerMessage);
   };
 }
 

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { EndlessRows, joined, type Found } from "../../src/controllers/infinite-rows.js";
+import { InfiniteRows, mergedRows, type RowsPage } from "../../src/controllers/infinite-rows.js";
 
 interface Event {
   readonly id: string;
@@ -18,7 +18,7 @@ class SlowHub {
   private readonly waiting: (() => void)[] = [];
   private readonly broken: Error[] = [];
 
-  readonly find = (before: string): Promise<Found<Event>> => {
+  readonly find = (before: string): Promise<RowsPage<Event>> => {
     this.asked.push(before);
     const first = before === "" ? this.newest : Number(before) - 1;
     const rows = [first, first - 1, first - 2].filter((id) => id > 0).map((id) => event(id));
@@ -51,13 +51,13 @@ async function settled(): Promise<void> {
 
 let hub: SlowHub;
 let drawn: number;
-let list: EndlessRows<Event>;
+let list: InfiniteRows<Event>;
 
 beforeEach(() => {
   vi.useFakeTimers();
   hub = new SlowHub();
   drawn = 0;
-  list = new EndlessRows(hub.find, () => {
+  list = new InfiniteRows(hub.find, () => {
     drawn += 1;
   });
 });
@@ -193,7 +193,7 @@ test("where more than a page is new, the list begins anew, and an older page on 
 });
 
 test("rows change where they stand, and go with the next news when they do not fit any more", async () => {
-  list = new EndlessRows(hub.find, () => undefined, ({ over }) => !over);
+  list = new InfiniteRows(hub.find, () => undefined, ({ over }) => !over);
   list.load("all");
   await hub.answer();
   list.updateRows((rows) => rows.map((row) => (row.id === "3" ? { ...row, over: true } : row)));
@@ -206,9 +206,9 @@ test("rows change where they stand, and go with the next news when they do not f
 });
 
 test("of two pages each row stands once, as it was said last, and a hole between them is noticed", () => {
-  expect(ids(joined([event(2), event(1)], [event(3), event(2)], true))).toBe("3 2 1");
-  expect(joined([event(2)], [event(2, true)], true)?.[0]?.over).toBe(true);
-  expect(joined([event(2), event(1)], [event(90), event(89)], true)).toBeNull();
-  expect(ids(joined([event(2)], [event(90)], false))).toBe("90 2");
-  expect(ids(joined([], [event(90)], true))).toBe("90");
+  expect(ids(mergedRows([event(2), event(1)], [event(3), event(2)], true))).toBe("3 2 1");
+  expect(mergedRows([event(2)], [event(2, true)], true)?.[0]?.over).toBe(true);
+  expect(mergedRows([event(2), event(1)], [event(90), event(89)], true)).toBeNull();
+  expect(ids(mergedRows([event(2)], [event(90)], false))).toBe("90 2");
+  expect(ids(mergedRows([], [event(90)], true))).toBe("90");
 });

@@ -1,18 +1,18 @@
 import { describe, expect, test } from "vitest";
-import { agentWords } from "../../src/format/user-agent.js";
-import { passwordRules, passwordTrouble } from "../../src/format/password-rules.js";
-import { permissionWords } from "../../src/format/permissions.js";
+import { browserName } from "../../src/format/user-agent.js";
+import { passwordRules, passwordProblem } from "../../src/format/password-rules.js";
+import { permissionText } from "../../src/format/permissions.js";
 import { actionAdvice, isFactor, signInAdvice, waitOf } from "../../src/format/error-advice.js";
 import { Refused, Unreachable } from "../../src/wire/hub-api.js";
 
 describe("a new password", () => {
-  const trouble = (password: string, again = password): string => passwordTrouble(passwordRules(password, "Ada", again));
+  const trouble = (password: string, again = password): string => passwordProblem(passwordRules(password, "Ada", again));
 
   test("is taken when it is long enough, not the name, and typed twice", () => {
     expect(trouble("eight888")).toBe("");
     expect(trouble("seven77")).toMatch(/8 characters/);
     expect(trouble("eight888", "eight889")).toMatch(/typed twice/);
-    expect(passwordTrouble(passwordRules("Margarethe", "margarethe", "Margarethe"))).toMatch(/name/);
+    expect(passwordProblem(passwordRules("Margarethe", "margarethe", "Margarethe"))).toMatch(/name/);
   });
 
   test("may be of any characters, each counted once", () => {
@@ -34,13 +34,13 @@ test.each([
   ["python-httpx/0.28", "python-httpx/0.28"],
   ["", "Unknown program"],
 ])("%s is called %s", (agent, words) => {
-  expect(agentWords(agent)).toBe(words);
+  expect(browserName(agent)).toBe(words);
 });
 
 test("permissions are told by place", () => {
-  expect(permissionWords([])).toBe("nothing");
+  expect(permissionText([])).toBe("nothing");
   expect(
-    permissionWords([
+    permissionText([
       { right: "view", site: "*", device: "*" },
       { right: "use", site: "agv", device: "base" },
       { right: "use", site: "dome", device: "*" },

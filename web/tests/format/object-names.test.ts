@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
-import { countWords, objectKind, sureWords } from "../../src/format/object-names.js";
+import { countText, objectKind, confidenceText } from "../../src/format/object-names.js";
 
 test("how many there are is said in words that people use", () => {
-  const said = (["person", "dog", "sheep", "bus", "knife", "wine glass", "mouse", "teddy bear", "bench", "baby"] as const).map((label) => countWords(2, label));
+  const said = (["person", "dog", "sheep", "bus", "knife", "wine glass", "mouse", "teddy bear", "bench", "baby"] as const).map((label) => countText(2, label));
   expect(said).toEqual(["2 persons", "2 dogs", "2 sheep", "2 buses", "2 knives", "2 wine glasses", "2 mice", "2 teddy bears", "2 benches", "2 babies"]);
-  expect(countWords(1, "person")).toBe("1 person");
+  expect(countText(1, "person")).toBe("1 person");
 });
 
 test("people, animals and vehicles are told apart from things", () => {
@@ -12,5 +12,5 @@ test("people, animals and vehicles are told apart from things", () => {
 });
 
 test("how sure it is stands in whole percent", () => {
-  expect(sureWords(0.874)).toBe("87\u00a0%");
+  expect(confidenceText(0.874)).toBe("87\u00a0%");
 });

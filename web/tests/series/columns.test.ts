@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { Columns, summary, thin } from "../../src/series/columns.js";
+import { Columns, summarize, thinned } from "../../src/series/columns.js";
 import { forSeeds, timesOf, type Dice } from "./seeded.js";
 
 function series(roll: Dice, count = 2000): { times: number[]; values: number[] } {
@@ -11,8 +11,8 @@ describe("columns", () => {
   it("lose no spike: least and greatest of all samples stand in them", () => {
     forSeeds(40, (roll) => {
       const { times, values } = series(roll);
-      const columns = thin(times, values, 1 + roll() * 1e6, Infinity);
-      const seen = summary(columns, -Infinity, Infinity);
+      const columns = thinned(times, values, 1 + roll() * 1e6, Infinity);
+      const seen = summarize(columns, -Infinity, Infinity);
       expect([seen.min, seen.max, seen.count]).toEqual([Math.min(...values), Math.max(...values), values.length]);
       expect(seen.mean).toBeCloseTo(values.reduce((sum, value) => sum + value, 0) / values.length, 6);
     });
@@ -23,14 +23,14 @@ describe("columns", () => {
       const { times, values } = series(roll);
       const pixels = 10 + Math.floor(roll() * 500);
       const span = (times.at(-1) ?? 0) - (times[0] ?? 0);
-      expect(thin(times, values, span / pixels, Infinity).length).toBeLessThanOrEqual(pixels + 1);
+      expect(thinned(times, values, span / pixels, Infinity).length).toBeLessThanOrEqual(pixels + 1);
     });
   });
 
   it("come in the order of time, with the least not above the mean nor the mean above the greatest", () => {
     forSeeds(20, (roll) => {
       const { times, values } = series(roll);
-      const columns = thin(times, values, 300_000, 30_000);
+      const columns = thinned(times, values, 300_000, 30_000);
       for (let i = 0; i < columns.length; i += 1) {
         expect(columns.minAt(i)).toBeLessThanOrEqual(columns.meanAt(i) + 1e-9);
         expect(columns.meanAt(i)).toBeLessThanOrEqual(columns.maxAt(i) + 1e-9);
@@ -42,7 +42,7 @@ describe("columns", () => {
   it("do not change when the window moves on: what was drawn stays as it was", () => {
     forSeeds(20, (roll) => {
       const { times, values } = series(roll);
-      const all = thin(times, values, 100_000, Infinity);
+      const all = thinned(times, values, 100_000, Infinity);
       const moved = new Columns(100_000);
       times.forEach((time, i) => {
         moved.append(time, values[i] ?? NaN, Infinity);
@@ -57,7 +57,7 @@ describe("columns", () => {
 
   it("break the line after a longer pause than allowed, and across what is no number", () => {
     const broken = (times: number[], values: number[]): boolean[] => {
-      const columns = thin(times, values, 10, 100);
+      const columns = thinned(times, values, 10, 100);
       return Array.from({ length: columns.length }, (_, i) => columns.isBroken(i));
     };
     expect(broken([0, 100, 201, 250], [1, 1, 1, 1])).toEqual([false, false, true, false]);
@@ -66,12 +66,12 @@ describe("columns", () => {
   });
 
   it("put a lone sample where it was taken", () => {
-    expect(thin([1_234_567], [1], 1_000_000, 1).timeAt(0)).toBe(1_234_567);
+    expect(thinned([1_234_567], [1], 1_000_000, 1).timeAt(0)).toBe(1_234_567);
   });
 
   it("sum up only what is in the window", () => {
-    const columns = thin([10, 20, 30, 40], [1, 5, 3, 9], 1, Infinity);
-    expect(summary(columns, 15, 35)).toEqual({ min: 3, max: 5, mean: 4, count: 2 });
-    expect(summary(columns, 50, 60).count).toBe(0);
+    const columns = thinned([10, 20, 30, 40], [1, 5, 3, 9], 1, Infinity);
+    expect(summarize(columns, 15, 35)).toEqual({ min: 3, max: 5, mean: 4, count: 2 });
+    expect(summarize(columns, 50, 60).count).toBe(0);
   });
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { IntervalWatch, pauseAllowed, silences, typicalInterval } from "../../src/series/gaps.js";
+import { IntervalWatch, pauseAllowed, gapsOf, typicalInterval } from "../../src/series/gaps.js";
 import { forSeeds } from "./seeded.js";
 
 describe("gaps", () => {
@@ -26,8 +26,8 @@ describe("gaps", () => {
   });
 
   it("are found where they are", () => {
-    expect(silences([0, 10, 20, 90, 100], 50)).toEqual([{ from_us: 20, to_us: 90, reason: "" }]);
-    expect(silences([0], 50)).toEqual([]);
+    expect(gapsOf([0, 10, 20, 90, 100], 50)).toEqual([{ from_us: 20, to_us: 90, reason: "" }]);
+    expect(gapsOf([0], 50)).toEqual([]);
   });
 
   it("have no usual interval to go by with fewer than two samples", () => {

@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
 import { LiveEdge } from "../../src/series/live-edge.js";
-import { Pace } from "../../src/series/draw-rate.js";
-import { runs } from "../../src/series/state-runs.js";
-import { firstFrom, nearest } from "../../src/series/binary-search.js";
+import { DrawRate } from "../../src/series/draw-rate.js";
+import { stateRuns } from "../../src/series/state-runs.js";
+import { firstIndexFrom, nearestIndex } from "../../src/series/binary-search.js";
 import { Trace } from "../../src/series/trace.js";
-import { lengthOf, notAfter, pinch, SHORTEST_US, zoom } from "../../src/series/time-window.js";
+import { lengthOf, notAfter, pinched, SHORTEST_US, zoomed } from "../../src/series/time-window.js";
 import { forSeeds, timesOf } from "./seeded.js";
 
 describe("search", () => {
@@ -13,9 +13,9 @@ describe("search", () => {
       const times = timesOf(roll, Math.floor(roll() * 40), 0, 5);
       for (let at = -3; at < 250; at += 1) {
         const first = times.findIndex((time) => time >= at);
-        expect(firstFrom(times, at)).toBe(first === -1 ? times.length : first);
+        expect(firstIndexFrom(times, at)).toBe(first === -1 ? times.length : first);
         const closest = Math.min(...times.map((time) => Math.abs(time - at)));
-        const found = nearest(times, at);
+        const found = nearestIndex(times, at);
         if (times.length === 0) expect(found).toBe(-1);
         else expect(Math.abs((times[found] ?? NaN) - at)).toBe(closest);
       }
@@ -55,25 +55,25 @@ describe("the live edge", () => {
 
 describe("runs of a state", () => {
   it("join equal samples, and end at a change", () => {
-    expect(runs([0, 10, 20, 30], [1, 1, 2, 2], 35, 100)).toEqual([
+    expect(stateRuns([0, 10, 20, 30], [1, 1, 2, 2], 35, 100)).toEqual([
       { fromUs: 0, toUs: 20, value: 1 },
       { fromUs: 20, toUs: 35, value: 2 },
     ]);
   });
 
   it("end when the state has been silent for too long", () => {
-    expect(runs([0, 100], [1, 1], 200, 20)).toEqual([
+    expect(stateRuns([0, 100], [1, 1], 200, 20)).toEqual([
       { fromUs: 0, toUs: 20, value: 1 },
       { fromUs: 100, toUs: 120, value: 1 },
     ]);
   });
 
   it("leave out what is no number, and what lies beyond the end", () => {
-    expect(runs([0, 10, 20, 90], [1, NaN, 1, 2], 30, 50)).toEqual([
+    expect(stateRuns([0, 10, 20, 90], [1, NaN, 1, 2], 30, 50)).toEqual([
       { fromUs: 0, toUs: 10, value: 1 },
       { fromUs: 20, toUs: 30, value: 1 },
     ]);
-    expect(runs([], [], 30, 50)).toEqual([]);
+    expect(stateRuns([], [], 30, 50)).toEqual([]);
   });
 });
 
@@ -82,29 +82,29 @@ describe("a window", () => {
     forSeeds(100, (roll) => {
       const span = { fromUs: 1.7e15, toUs: 1.7e15 + 1e6 + roll() * 1e12 };
       const about = span.fromUs + roll() * lengthOf(span);
-      const next = zoom(span, 0.2 + roll() * 4, about);
+      const next = zoomed(span, 0.2 + roll() * 4, about);
       const part = (of: typeof span): number => (about - of.fromUs) / lengthOf(of);
       expect(part(next)).toBeCloseTo(part(span), 4);
     });
   });
 
   it("does not get shorter than a few samples, nor end in the future", () => {
-    expect(lengthOf(zoom({ fromUs: 0, toUs: 20_000 }, 1e-6, 5))).toBe(SHORTEST_US);
+    expect(lengthOf(zoomed({ fromUs: 0, toUs: 20_000 }, 1e-6, 5))).toBe(SHORTEST_US);
     expect(notAfter({ fromUs: 50, toUs: 150 }, 100)).toEqual({ fromUs: 0, toUs: 100 });
     expect(notAfter({ fromUs: 0, toUs: 90 }, 100)).toEqual({ fromUs: 0, toUs: 90 });
   });
 
   it("puts two pinched moments under the two fingers", () => {
-    const span = pinch(1e6, 2e6, 0.25, 0.75);
+    const span = pinched(1e6, 2e6, 0.25, 0.75);
     expect(span).toEqual({ fromUs: 0.5e6, toUs: 2.5e6 });
-    expect(pinch(1e6, 2e6, 0.5, 0.5)).toBeNull();
-    expect(pinch(2e6, 1e6, 0.2, 0.8)).toBeNull();
+    expect(pinched(1e6, 2e6, 0.5, 0.5)).toBeNull();
+    expect(pinched(2e6, 1e6, 0.2, 0.8)).toBeNull();
   });
 });
 
 describe("the pace of drawing", () => {
   it("is 30 a second while drawing is cheap, and slower when it is dear", () => {
-    const pace = new Pace();
+    const pace = new DrawRate();
     for (let i = 0; i < 200; i += 1) pace.recordRound(i * 33, 2);
     expect(pace.intervalMs).toBe(33);
     for (let i = 0; i < 200; i += 1) pace.recordRound(i * 33, 30);
@@ -114,7 +114,7 @@ describe("the pace of drawing", () => {
   });
 
   it("starts at once, and then waits its interval", () => {
-    const pace = new Pace();
+    const pace = new DrawRate();
     expect(pace.isDue(0)).toBe(true);
     pace.recordRound(1000, 1);
     expect([pace.isDue(1016), pace.isDue(1033)]).toEqual([false, true]);

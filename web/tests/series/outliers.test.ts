@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { outlierWords } from "../../src/series/outlier-text.js";
+import { outlierText } from "../../src/series/outlier-text.js";
 import { OutlierMemo, outliersBeyond, outliersOf, quantile } from "../../src/series/outliers.js";
 
 const SPAN = { fromUs: 0, toUs: 99 };
@@ -35,7 +35,7 @@ describe("outliers", () => {
     const found = outliersOf([1, 2, 3], [1, 1, 99], SPAN, 1.5);
     expect(found.count).toBe(0);
     expect(found.low).toBeNaN();
-    expect(outlierWords(found, "V", 1, true)).toBe("Too few samples for quartiles");
+    expect(outlierText(found, "V", 1, true)).toBe("Too few samples for quartiles");
   });
 
   it("are the same answer for the same question", () => {
@@ -51,14 +51,14 @@ describe("outliers", () => {
     const found = outliersBeyond(times, level({ 10: 11.8, 20: NaN }), { fromUs: 5, toUs: 20 }, fences);
     expect(found.times).toEqual([9, 10, 14, 19]);
     expect(found).toMatchObject({ samples: 8_640_000, count: 12, low: 11.9, high: 12.35 });
-    expect(outlierWords(found, "V", 1, true)).toContain("12 outliers of 8 640 000 samples".replaceAll(" 6", "\u202f6").replaceAll(" 0", "\u202f0"));
-    expect(outlierWords(found, "V", 1, 2e8)).toContain("samples spread evenly among about 200");
+    expect(outlierText(found, "V", 1, true)).toContain("12 outliers of 8 640 000 samples".replaceAll(" 6", "\u202f6").replaceAll(" 0", "\u202f0"));
+    expect(outlierText(found, "V", 1, 2e8)).toContain("samples spread evenly among about 200");
   });
 
   it("of too few samples have no fences, and there are none", () => {
     const found = outliersBeyond(times, level(), SPAN, { samples: 3, count: 0, low: null, high: null });
     expect(found.times).toEqual([]);
-    expect(outlierWords(found, "V", 1, true)).toBe("Too few samples for quartiles");
+    expect(outlierText(found, "V", 1, true)).toBe("Too few samples for quartiles");
   });
 
   it("quantiles lie between neighbours by share", () => {
@@ -70,11 +70,11 @@ describe("outliers", () => {
 describe("outliers in words", () => {
   it("say count, share and fences, and what was looked at", () => {
     const found = outliersOf(times, level({ 10: 99 }), SPAN, 1.5);
-    expect(outlierWords(found, "V", 1, true)).toBe("1 outlier of 100 samples (1.0\u202f%), outside 11.8 to 12.6\u202fV");
-    expect(outlierWords(found, "", 1, false)).toBe("1 outlier of 100 points on the chart (1.0\u202f%), outside 11.8 to 12.6");
+    expect(outlierText(found, "V", 1, true)).toBe("1 outlier of 100 samples (1.0\u202f%), outside 11.8 to 12.6\u202fV");
+    expect(outlierText(found, "", 1, false)).toBe("1 outlier of 100 points on the chart (1.0\u202f%), outside 11.8 to 12.6");
   });
 
   it("say that there are none", () => {
-    expect(outlierWords(outliersOf(times, level(), SPAN, 1.5), "V", 1, true)).toBe("No outliers of 100 samples, all within 11.8 to 12.6\u202fV");
+    expect(outlierText(outliersOf(times, level(), SPAN, 1.5), "V", 1, true)).toBe("No outliers of 100 samples, all within 11.8 to 12.6\u202fV");
   });
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { Ring } from "../../src/series/ring-buffer.js";
+import { RingBuffer } from "../../src/series/ring-buffer.js";
 import { forSeeds, timesOf } from "./seeded.js";
 
 describe("a ring of samples", () => {
@@ -7,7 +7,7 @@ describe("a ring of samples", () => {
     forSeeds(60, (roll) => {
       const span = 1 + Math.floor(roll() * 2e6);
       const most = 1 + Math.floor(roll() * 600);
-      const ring = new Ring(span, most);
+      const ring = new RingBuffer(span, most);
       let model: [number, number][] = [];
       let at = 1.7e15;
       for (let i = 0; i < 1500; i += 1) {
@@ -29,14 +29,14 @@ describe("a ring of samples", () => {
   });
 
   it("says where a sample went", () => {
-    const ring = new Ring(1000);
+    const ring = new RingBuffer(1000);
     expect([ring.push(5000, 1), ring.push(5200, 2), ring.push(5100, 3)]).toEqual(["end", "end", "inside"]);
     expect([ring.push(5100, 4), ring.push(4000, 5), ring.push(NaN, 6)]).toEqual(["refused", "refused", "refused"]);
     expect([...ring.values]).toEqual([1, 3, 2]);
   });
 
   it("takes older samples in behind those it has, and keeps its own where both know one", () => {
-    const ring = new Ring(10_000);
+    const ring = new RingBuffer(10_000);
     for (const time of [500, 600, 700]) ring.push(time, 1);
     ring.backfill([100, 300, 500, 650], [2, 2, 2, 2]);
     expect([...ring.times]).toEqual([100, 300, 500, 600, 650, 700]);
@@ -45,7 +45,7 @@ describe("a ring of samples", () => {
 
   it("does not grow beyond its bound while it runs for long", () => {
     forSeeds(3, (roll) => {
-      const ring = new Ring(1e12, 500);
+      const ring = new RingBuffer(1e12, 500);
       for (const time of timesOf(roll, 50_000)) ring.push(time, 0);
       expect(ring.length).toBe(500);
       expect(ring.times.buffer.byteLength).toBeLessThanOrEqual(2048 * 8);
@@ -53,7 +53,7 @@ describe("a ring of samples", () => {
   });
 
   it("gives a copy that later samples do not change", () => {
-    const ring = new Ring(1000);
+    const ring = new RingBuffer(1000);
     ring.push(1, 1);
     const copy = ring.copy();
     ring.push(2, 2);
@@ -63,8 +63,8 @@ describe("a ring of samples", () => {
   });
 
   it("knows no newest sample while it is empty", () => {
-    const ring = new Ring(1000);
+    const ring = new RingBuffer(1000);
     expect([ring.length, ring.newest, ring.newestUs]).toEqual([0, NaN, NaN]);
-    expect(() => new Ring(0)).toThrow(RangeError);
+    expect(() => new RingBuffer(0)).toThrow(RangeError);
   });
 });

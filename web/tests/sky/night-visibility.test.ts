@@ -1,9 +1,9 @@
 import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
 import { moonFrom, moonPhase, sunFrom } from "../../src/sky/sun-and-moon.js";
-import { darknessOf, nightOf, noonBefore, visibilityOf, visibilityWords } from "../../src/sky/night-visibility.js";
+import { darknessOf, nightTrack, noonBefore, visibilityOf, visibilityText } from "../../src/sky/night-visibility.js";
 import { STARS } from "../../src/sky/bright-stars.js";
-import { equatorial, horizontal, ofDate, separation, siderealHours } from "../../src/sky/coordinates.js";
+import { toEquatorial, toHorizontal, precessedFromJ2000, separation, siderealHours } from "../../src/sky/coordinates.js";
 
 interface Moment {
   readonly utc: string;
@@ -49,7 +49,7 @@ test("the Moon is lit as much as astropy says, within a hundredth", () => {
 test("a catalogue's coordinates come to those of date within half a minute of arc", () => {
   for (const moment of moments) {
     for (const [from, to] of [[M31, moment.m31_of_date], [VEGA, moment.vega_of_date]] as const) {
-      const { ra, dec } = ofDate(from, at(moment));
+      const { ra, dec } = precessedFromJ2000(from, at(moment));
       expect(Math.abs(dec - to[1])).toBeLessThan(0.01);
       expect(Math.abs(ra - to[0]) * 15 * Math.cos((to[1] * Math.PI) / 180)).toBeLessThan(0.01);
     }
@@ -58,15 +58,15 @@ test("a catalogue's coordinates come to those of date within half a minute of ar
 
 test("a star stands where astropy says, within a hundredth of a degree", () => {
   for (const moment of moments) {
-    const seen = horizontal(ofDate(M31, at(moment)), MONTSEC, at(moment));
+    const seen = toHorizontal(precessedFromJ2000(M31, at(moment)), MONTSEC, at(moment));
     expect(separation(seen, place2(moment.m31))).toBeLessThan(0.02);
   }
 });
 
 test("the way to the horizon and back ends where it began", () => {
   const ms = Date.parse("2026-11-21T22:00:00Z");
-  const there = horizontal({ ra: 5.59, dec: -5.39 }, MONTSEC, ms);
-  const back = equatorial(there, MONTSEC, ms);
+  const there = toHorizontal({ ra: 5.59, dec: -5.39 }, MONTSEC, ms);
+  const back = toEquatorial(there, MONTSEC, ms);
   expect(back.ra).toBeCloseTo(5.59, 9);
   expect(back.dec).toBeCloseTo(-5.39, 9);
 });
@@ -79,7 +79,7 @@ test("the Sun's altitude says how dark it is", () => {
 
 test("a night goes from noon to noon and darkens and brightens in order", () => {
   const ms = Date.parse("2026-11-21T22:00:00Z");
-  const night = nightOf(M31, MONTSEC, ms);
+  const night = nightTrack(M31, MONTSEC, ms);
   expect(night.from).toBeLessThanOrEqual(ms);
   expect(night.to).toBeGreaterThan(ms);
   expect(night.bands.map(({ id }) => id)).toEqual([
@@ -104,9 +104,9 @@ const clock = (ms: number): string => new Date(ms).toISOString().slice(11, 16);
 function said(dec: number, ra = 2, horizon = 15, iso = "2026-11-21T22:00:00Z"): string {
   const ms = Date.parse(iso);
   const target = { ra, dec };
-  const night = nightOf(target, MONTSEC, ms);
-  const now = horizontal(target, MONTSEC, ms);
-  return visibilityWords(now, sunFrom(MONTSEC, ms).alt, visibilityOf(night, horizon), horizon, clock);
+  const night = nightTrack(target, MONTSEC, ms);
+  const now = toHorizontal(target, MONTSEC, ms);
+  return visibilityText(now, sunFrom(MONTSEC, ms).alt, visibilityOf(night, horizon), horizon, clock);
 }
 
 test("a target of the deep south never rises", () => {

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { AnomalyNews } from "../../src/generated/wire.js";
 import { anomalyMarks } from "../../src/elements/chart/anomaly-marks.js";
-import { DetectorBook } from "../../src/state/anomaly-detectors.js";
+import { AnomalyDetectors } from "../../src/state/anomaly-detectors.js";
 import type { AnomalyInfo } from "../../src/wire/api-types.js";
 
 function info(change: Partial<AnomalyInfo> = {}): AnomalyInfo {
@@ -18,8 +18,8 @@ function news(change: Partial<AnomalyNews> = {}): AnomalyNews {
   };
 }
 
-function book(...detectors: readonly AnomalyInfo[]): DetectorBook {
-  const made = new DetectorBook();
+function book(...detectors: readonly AnomalyInfo[]): AnomalyDetectors {
+  const made = new AnomalyDetectors();
   made.setList({ detectors, may_forgive: true, skipped: 0 });
   return made;
 }

@@ -19,7 +19,7 @@ function news(id: string, acting: string, more: Partial<CommandNews> = {}): Comm
     ...more,
   };
 }
-const words = (): string[] => holders.holdersOf("obs", "dome").map((one) => one.words);
+const words = (): string[] => holders.holdersOf("obs", "dome").map((holder) => holder.words);
 
 test("who acts on a device stands from the first word of it to its end, the newest first", () => {
   line.say(news("1", "Ada is acting on Dome: Close"));

@@ -1,13 +1,13 @@
 import { beforeEach, expect, test } from "vitest";
 import type { DeviceNews } from "../../src/generated/wire.js";
-import { Reach } from "../../src/state/device-reachability.js";
+import { DeviceReachability } from "../../src/state/device-reachability.js";
 import { FakeLine } from "../controllers/drive/fake-connection.js";
 
 let line: FakeLine;
-let reach: Reach;
+let reach: DeviceReachability;
 beforeEach(() => {
   line = new FakeLine();
-  reach = new Reach(line);
+  reach = new DeviceReachability(line);
 });
 
 function lost(device: string, more: Partial<DeviceNews> = {}): DeviceNews {

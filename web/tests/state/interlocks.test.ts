@@ -1,6 +1,6 @@
 import { beforeEach, expect, test } from "vitest";
 import type { InterlockNews } from "../../src/generated/wire.js";
-import { lockWords } from "../../src/format/interlock-reason.js";
+import { lockText } from "../../src/format/interlock-reason.js";
 import { Interlocks } from "../../src/state/interlocks.js";
 import { FakeLine } from "../controllers/drive/fake-connection.js";
 
@@ -21,7 +21,7 @@ function news(interlock: string, more: Partial<InterlockNews> = {}): InterlockNe
     ...more,
   };
 }
-const names = (): string[] => interlocks.list.map((one) => one.news.interlock);
+const names = (): string[] => interlocks.list.map((interlock) => interlock.news.interlock);
 
 test("what locks or is overridden is listed, and what is released is not", () => {
   line.say(news("rain"));
@@ -68,9 +68,9 @@ test("a command is locked by the interlock that names it or all of its device, u
 });
 
 test("who stands before a lock reads what locks, why, and who can help", () => {
-  expect(lockWords(news("rain"))).toBe("Locked by rain: Rain is raining. An admin can override it.");
-  expect(lockWords(news("rain", { longest_s: 60 }))).toContain("You can override it in the bar at the top.");
-  expect(lockWords(news("rain", { overridable: false }))).toBe("Locked by rain: Rain is raining.");
-  expect(lockWords(news("rain", { unsafe: false, why: "" }))).toContain("safe now, but not for long enough yet");
-  expect(lockWords(news("rain", { why: "" }))).toContain("unsafe now");
+  expect(lockText(news("rain"))).toBe("Locked by rain: Rain is raining. An admin can override it.");
+  expect(lockText(news("rain", { longest_s: 60 }))).toContain("You can override it in the bar at the top.");
+  expect(lockText(news("rain", { overridable: false }))).toBe("Locked by rain: Rain is raining.");
+  expect(lockText(news("rain", { unsafe: false, why: "" }))).toContain("safe now, but not for long enough yet");
+  expect(lockText(news("rain", { why: "" }))).toContain("unsafe now");
 });

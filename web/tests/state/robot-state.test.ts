@@ -1,12 +1,12 @@
 import { expect, test } from "vitest";
-import { RobotNews } from "../../src/state/robot-state.js";
+import { RobotState } from "../../src/state/robot-state.js";
 import { FakeLine } from "../controllers/drive/fake-connection.js";
 
 const at = { site: "agv", device: "base" } as const;
 
-function told(): { line: FakeLine; news: RobotNews } {
+function told(): { line: FakeLine; news: RobotState } {
   const line = new FakeLine();
-  const news = new RobotNews(line);
+  const news = new RobotState(line);
   line.say({ t: "stop_news", ...at, latched: true, confirmed: true, who: "Ada", time_us: 1, id: "x" });
   const nobodyAsks = { rival: "", asking: false, answer_ms: 0, refused: "", forceable: false };
   line.say({ t: "lease_news", ...at, holder: "Ada", yours: false, epoch: 0, remains_ms: 1, ...nobodyAsks });

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import { keySignals } from "../../src/state/key-signals.js";
-import { LiveValues, type Feed } from "../../src/state/live-values.js";
+import { LiveValues, type LiveFeed } from "../../src/state/live-values.js";
 import { Session } from "../../src/state/session.js";
 import { Sites } from "../../src/state/sites.js";
 import { ThemeChoice } from "../../src/state/theme.js";
@@ -119,7 +119,7 @@ describe("sites", () => {
 });
 
 describe("live values", () => {
-  class HandFeed implements Feed {
+  class HandFeed implements LiveFeed {
     readonly open: { site: string; channels: readonly string[]; listener: (batch: Batch) => void }[] = [];
     subscribe(site: string, channels: readonly string[], _everyMs: number, listener: (batch: Batch) => void): () => void {
       const entry = { site, channels, listener };
@@ -139,9 +139,9 @@ describe("live values", () => {
   test("of many elements are one subscription", async () => {
     const feed = new HandFeed();
     const live = new LiveValues(feed);
-    live.watch("agv", "b/x", () => undefined);
-    live.watch("agv", "a/y", () => undefined);
-    live.watch("agv", "a/y", () => undefined);
+    live.watchChannel("agv", "b/x", () => undefined);
+    live.watchChannel("agv", "a/y", () => undefined);
+    live.watchChannel("agv", "a/y", () => undefined);
     await microtask();
     expect(feed.open.map((entry) => entry.channels)).toEqual([["a/y", "b/x"]]);
   });
@@ -149,7 +149,7 @@ describe("live values", () => {
   test("are no longer asked for when the last element has gone", async () => {
     const feed = new HandFeed();
     const live = new LiveValues(feed);
-    const stops = [live.watch("agv", "a/y", () => undefined), live.watch("agv", "a/y", () => undefined)];
+    const stops = [live.watchChannel("agv", "a/y", () => undefined), live.watchChannel("agv", "a/y", () => undefined)];
     await microtask();
     stops[0]?.();
     stops[0]?.();
@@ -164,11 +164,11 @@ describe("live values", () => {
     const feed = new HandFeed();
     let now = 10_000;
     const live = new LiveValues(feed, () => now);
-    live.watch("agv", "a/y", () => undefined);
+    live.watchChannel("agv", "a/y", () => undefined);
     await microtask();
     feed.say(0, 5, 1.5, [7000]);
     now += 500;
-    const reading = live.latest("agv", "a/y");
+    const reading = live.latestReading("agv", "a/y");
     expect(reading && live.ageS(reading)).toBeCloseTo(7.5);
   });
 
@@ -176,20 +176,20 @@ describe("live values", () => {
     const feed = new HandFeed();
     const live = new LiveValues(feed, () => 0);
     let calls = 0;
-    live.watch("agv", "a/y", () => (calls += 1));
+    live.watchChannel("agv", "a/y", () => (calls += 1));
     await microtask();
     feed.say(0, 20, 2);
     feed.say(0, 10, 1);
-    expect([live.latest("agv", "a/y")?.value, calls]).toEqual([2, 1]);
+    expect([live.latestReading("agv", "a/y")?.value, calls]).toEqual([2, 1]);
   });
 
   test("with an index outside the list are passed over", async () => {
     const feed = new HandFeed();
     const live = new LiveValues(feed, () => 0);
-    live.watch("agv", "a/y", () => undefined);
+    live.watchChannel("agv", "a/y", () => undefined);
     await microtask();
     feed.say(4, 20, 2);
-    expect(live.latest("agv", "a/y")).toBeUndefined();
+    expect(live.latestReading("agv", "a/y")).toBeUndefined();
   });
 });
 
@@ -210,7 +210,7 @@ describe("key signals", () => {
       ],
       3,
     );
-    expect(chosen.map((one) => one.address)).toEqual(["a1", "b2", "a3"]);
+    expect(chosen.map((signal) => signal.address)).toEqual(["a1", "b2", "a3"]);
   });
 
   test("are none where there is nothing", () => {

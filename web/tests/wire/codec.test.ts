@@ -1,23 +1,23 @@
 import { Encoder } from "@msgpack/msgpack";
 import { describe, expect, test } from "vitest";
-import { columns, decode, decodeMedia, encode, FrameError } from "../../src/wire/codec.js";
+import { columnsOf, decodeMessage, decodeMedia, encodeMessage, FrameError } from "../../src/wire/codec.js";
 import type { Values } from "../../src/generated/wire.js";
 
 const pack = (value: unknown): ArrayBuffer => new Encoder().encode(value).slice().buffer;
 
 describe("messages", () => {
   test("fields that the hub left out take their defaults", () => {
-    expect(decode(pack({ t: "site", site: "agv", online: true, since_us: 5 }))).toEqual({
+    expect(decodeMessage(pack({ t: "site", site: "agv", online: true, since_us: 5 }))).toEqual({
       t: "site", site: "agv", online: true, since_us: 5, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0,
     });
   });
 
   test("what the hub did say is kept, also when it equals nothing", () => {
-    expect(decode(pack({ t: "event", site: "agv", kind: "lost", good: false }))).toMatchObject({ good: false });
+    expect(decodeMessage(pack({ t: "event", site: "agv", kind: "lost", good: false }))).toMatchObject({ good: false });
   });
 
   test("a kind of message that only a newer hub knows is passed over", () => {
-    expect(decode(pack({ t: "horoscope" }))).toBeNull();
+    expect(decodeMessage(pack({ t: "horoscope" }))).toBeNull();
     expect(decodeMedia(pack({ t: "values" }))).toBeNull();
   });
 
@@ -30,7 +30,7 @@ describe("messages", () => {
     ["half a message", pack({ t: "greeting", who: "ana" }).slice(0, 9)],
     ["nothing", new ArrayBuffer(0)],
   ])("%s is refused as a frame", (_name, bytes) => {
-    expect(() => decode(bytes)).toThrow(FrameError);
+    expect(() => decodeMessage(bytes)).toThrow(FrameError);
   });
 
   test("random bytes are a message, unknown or refused, and never anything else", () => {
@@ -38,7 +38,7 @@ describe("messages", () => {
     for (let round = 0; round < 3000; round++) {
       const bytes = new Uint8Array(1 + (round % 40)).map(() => (seed = (seed * 48271) % 2147483647) & 255);
       try {
-        decode(bytes.buffer);
+        decodeMessage(bytes.buffer);
       } catch (error) {
         expect(error).toBeInstanceOf(FrameError);
       }
@@ -47,8 +47,8 @@ describe("messages", () => {
 
   test("microseconds since the epoch survive the way there and back", () => {
     const now = 1_795_236_304_429_807;
-    expect(decode(pack({ t: "tick", site: "agv", tick: now }))).toMatchObject({ tick: now });
-    expect(decode(encode({ t: "ping", n: 1, at_ms: 2.5 }).slice().buffer)).toBeNull();
+    expect(decodeMessage(pack({ t: "tick", site: "agv", tick: now }))).toMatchObject({ tick: now });
+    expect(decodeMessage(encodeMessage({ t: "ping", n: 1, at_ms: 2.5 }).slice().buffer)).toBeNull();
   });
 });
 
@@ -66,23 +66,23 @@ describe("columns", () => {
   });
 
   test("times count from the base, also backwards", () => {
-    expect([...columns(batch()).timeUs]).toEqual([1_795_236_304_000_000, 1_795_236_303_998_500]);
+    expect([...columnsOf(batch()).timeUs]).toEqual([1_795_236_304_000_000, 1_795_236_303_998_500]);
   });
 
   test("columns are read wherever they stand in the frame", () => {
     const frame = new Uint8Array(40);
     frame.set(new Uint8Array(new Float64Array([0.25, -7]).buffer), 3);
-    expect([...columns(batch({ value: frame.subarray(3, 19) })).value]).toEqual([0.25, -7]);
+    expect([...columnsOf(batch({ value: frame.subarray(3, 19) })).value]).toEqual([0.25, -7]);
   });
 
   test("a text stands at its place, with no number there", () => {
-    const read = columns(batch());
+    const read = columnsOf(batch());
     expect([read.texts[1], read.value[1], read.channel[1]]).toEqual(["parked", Number.NaN, 3]);
   });
 
   test("columns of unequal length are refused", () => {
-    expect(() => columns(batch({ offset: new Uint8Array(4) }))).toThrow(FrameError);
-    expect(() => columns(batch({ value: new Uint8Array(17) }))).toThrow(FrameError);
-    expect(() => columns(batch({ channel: new Uint8Array(3) }))).toThrow(FrameError);
+    expect(() => columnsOf(batch({ offset: new Uint8Array(4) }))).toThrow(FrameError);
+    expect(() => columnsOf(batch({ value: new Uint8Array(17) }))).toThrow(FrameError);
+    expect(() => columnsOf(batch({ channel: new Uint8Array(3) }))).toThrow(FrameError);
   });
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { fetchTimes, pictureTimes, tablesEnd } from "../../src/wire/mp4-times.js";
+import { fetchTimes, pictureTimes, tablesEndByte } from "../../src/wire/mp4-times.js";
 
 function box(kind: string, ...parts: readonly Uint8Array[]): Uint8Array {
   const size = 8 + parts.reduce((sum, part) => sum + part.length, 0);
@@ -29,7 +29,7 @@ function movie(steps: readonly (readonly [count: number, step: number])[], paddi
   const media = box("mdia", header, box("hdlr"), box("minf", box("vmhd"), box("stbl", box("stsd"), table)));
   const tables = box("moov", box("mvhd"), box("free", new Uint8Array(padding)), box("trak", box("tkhd"), media));
   const whole = [box("ftyp", words(1, 2)), tables, box("mdat", new Uint8Array(500))];
-  return Uint8Array.from(whole.flatMap((each) => [...each]));
+  return Uint8Array.from(whole.flatMap((bytes) => [...bytes]));
 }
 
 function view(data: Uint8Array): DataView {
@@ -43,7 +43,7 @@ describe("the tables of a film", () => {
 
   it("are found wherever they end, and asked for in two steps when they are long", async () => {
     const short = movie([[3, 10]]);
-    expect(tablesEnd(view(short))).toBe(short.length - 508);
+    expect(tablesEndByte(view(short))).toBe(short.length - 508);
     const long = movie([[5, 20]], 100_000);
     const asked: string[] = [];
     const fetcher = (_path: RequestInfo | URL, init?: RequestInit): Promise<Response> => {
@@ -60,7 +60,7 @@ describe("the tables of a film", () => {
     const whole = movie([[3, 10]]);
     expect(() => pictureTimes(view(whole.slice(0, 60)))).toThrow(RangeError);
     expect(() => pictureTimes(view(movie([[4e9, 1]])))).toThrow(RangeError);
-    expect(tablesEnd(view(box("mdat", words(1))))).toBe(0);
+    expect(tablesEndByte(view(box("mdat", words(1))))).toBe(0);
     // Whatever bytes come: an answer or a refusal, and never without end.
     for (let seed = 1; seed < 400; seed++) {
       const noise = whole.map((byte, at) => ((at * seed * 2654435761) % 97 === 0 ? (byte ^ seed) & 255 : byte));

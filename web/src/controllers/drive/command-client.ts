@@ -1,24 +1,24 @@
 /** One-shot commands of a site over the connection. */
 
 import { Store } from "../../state/store.js";
-import { CommandDesk, type Asked } from "./command-machine.js";
+import { CommandMachine, type CommandRequest } from "./command-machine.js";
 import { freshId } from "./unique-id.js";
-import type { Line } from "./drive-session.js";
+import type { DriveConnection } from "./drive-session.js";
 
-export type Arguments = Readonly<Record<string, number | boolean | string>>;
+export type CommandArguments = Readonly<Record<string, number | boolean | string>>;
 
 /** The description's default; a gateway that has not accepted by then never will. */
 const TTL_MS = 5000;
 const BEAT_MS = 500;
 
-export class CommandLine extends Store {
-  readonly desk = new CommandDesk();
-  private readonly given = new Map<string, { args: Arguments; units: Readonly<Record<string, string>> }>();
+export class CommandClient extends Store {
+  readonly desk = new CommandMachine();
+  private readonly given = new Map<string, { args: CommandArguments; units: Readonly<Record<string, string>> }>();
   private stops: (() => void)[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
 
   constructor(
-    private readonly line: Pick<Line, "state" | "send" | "onMessage" | "onState">,
+    private readonly line: Pick<DriveConnection, "state" | "send" | "onMessage" | "onState">,
     private readonly site: string,
     private readonly now: () => number = () => performance.now(),
   ) {
@@ -65,7 +65,7 @@ export class CommandLine extends Store {
   sendCommand(
     device: string,
     command: string,
-    args: Arguments,
+    args: CommandArguments,
     units: Readonly<Record<string, string>> = {},
     over = "",
   ): void {
@@ -78,20 +78,20 @@ export class CommandLine extends Store {
   }
 
   /** What was asked for last was refused because somebody else acts: ask for it all the same. */
-  interruptOther(asked: Asked): void {
+  interruptOther(asked: CommandRequest): void {
     const given = this.given.get(`${asked.device}/${asked.command}`);
     if (given !== undefined) this.sendCommand(asked.device, asked.command, given.args, given.units, asked.blockedBy);
   }
 
   /** Leave the other one to it. */
-  dismissBlocked(asked: Asked): void {
+  dismissBlocked(asked: CommandRequest): void {
     this.desk.markAnswered(asked.id);
     this.notifyWatchers();
   }
 
   /** Ends what is under way, if the robot can; what came of it is told as news. */
   cancelCommand(device: string, command: string): void {
-    const asked = this.desk.latest(device, command);
+    const asked = this.desk.latestRequest(device, command);
     if (asked) this.line.send({ t: "cancel", site: this.site, device, id: asked.id });
   }
 

@@ -5,7 +5,7 @@
  * answered is *unknown*, and a person decides.
  */
 
-export type CommandPhase =
+export type RequestStage =
   | "sent"
   | "accepted"
   | "running"
@@ -16,7 +16,7 @@ export type CommandPhase =
   | "unknown"
   | "offline";
 
-const FINAL: ReadonlySet<CommandPhase> = new Set<CommandPhase>([
+const FINAL: ReadonlySet<RequestStage> = new Set<RequestStage>([
   "succeeded",
   "failed",
   "refused",
@@ -26,11 +26,11 @@ const FINAL: ReadonlySet<CommandPhase> = new Set<CommandPhase>([
 ]);
 
 /** One command that was asked for. */
-export interface Asked {
+export interface CommandRequest {
   readonly id: string;
   readonly device: string;
   readonly command: string;
-  readonly phase: CommandPhase;
+  readonly phase: RequestStage;
   readonly message: string;
   /** 0 to 1 */
   readonly progress: number;
@@ -40,9 +40,9 @@ export interface Asked {
 }
 
 /** The fields of `CommandNews` that decide. */
-export interface CommandWord {
+export interface CommandUpdate {
   readonly id: string;
-  readonly phase: Exclude<CommandPhase, "sent" | "offline">;
+  readonly phase: Exclude<RequestStage, "sent" | "offline">;
   readonly message: string;
   readonly progress: number;
   readonly blocked_by?: string;
@@ -53,22 +53,22 @@ const MESSAGE_UNHEARD =
 /** Accepted or refused must come within the command's own time limit; this much grace on top. */
 const GRACE_MS = 1000;
 
-export function isFinal(phase: CommandPhase): boolean {
+export function isFinal(phase: RequestStage): boolean {
   return FINAL.has(phase);
 }
 
-export class CommandDesk {
+export class CommandMachine {
   /** Newest ask of each command, by device and command. */
-  private readonly newest = new Map<string, Asked>();
+  private readonly newest = new Map<string, CommandRequest>();
   private readonly limits = new Map<string, number>();
 
-  latest(device: string, command: string): Asked | null {
+  latestRequest(device: string, command: string): CommandRequest | null {
     return this.newest.get(`${device}/${command}`) ?? null;
   }
 
   /** @param ttlMs - not accepted within this time, it is refused */
   addRequest(id: string, device: string, command: string, ttlMs: number, now: number): void {
-    const asked: Asked = {
+    const asked: CommandRequest = {
       id, device, command, phase: "sent", message: "", progress: 0, since: now, blockedBy: "",
     };
     this.newest.set(`${device}/${command}`, asked);
@@ -85,8 +85,8 @@ export class CommandDesk {
   }
 
   /** A problem about commands that names no id belongs to the newest one still unanswered. */
-  newestUnanswered(): Asked | null {
-    let found: Asked | null = null;
+  newestUnanswered(): CommandRequest | null {
+    let found: CommandRequest | null = null;
     for (const asked of this.newest.values()) {
       if (asked.phase === "sent" && (!found || asked.since >= found.since)) found = asked;
     }
@@ -100,7 +100,7 @@ export class CommandDesk {
     }
   }
 
-  applyUpdate(word: CommandWord): void {
+  applyUpdate(word: CommandUpdate): void {
     const { phase, message, progress, blocked_by: blockedBy = "" } = word;
     this.updateRequest(word.id, { phase, message, progress, blockedBy });
   }
@@ -127,7 +127,7 @@ export class CommandDesk {
     return changed;
   }
 
-  private updateRequest(id: string, change: Partial<Asked>): void {
+  private updateRequest(id: string, change: Partial<CommandRequest>): void {
     for (const [key, asked] of this.newest) {
       if (asked.id !== id) continue;
       // News of an end is the last word, but "unknown" may still be cleared up by a late one.

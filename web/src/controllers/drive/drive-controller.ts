@@ -2,33 +2,33 @@
 
 import type { LeaseNews, StopNews } from "../../generated/wire.js";
 import type { DeviceInfo } from "../../wire/api-types.js";
-import { Hands } from "./drive-inputs.js";
-import { DriveSeat, type Line } from "./drive-session.js";
-import { StopLine } from "./stop-client.js";
+import { DriveInputs } from "./drive-inputs.js";
+import { DriveSession, type DriveConnection } from "./drive-session.js";
+import { StopClient } from "./stop-client.js";
 
 /** What was said of a device before this page was opened. */
-export interface Known {
+export interface KnownState {
   readonly lease: LeaseNews | undefined;
   readonly stop: StopNews | undefined;
 }
 
-export class Cockpit {
-  readonly stop: StopLine;
+export class DriveController {
+  readonly stop: StopClient;
   /** Null for someone who may not drive this device. */
-  readonly seat: DriveSeat | null;
-  private readonly hands: Hands;
+  readonly seat: DriveSession | null;
+  private readonly hands: DriveInputs;
   private unwatch: (() => void) | null = null;
 
-  constructor(line: Line, site: string, device: DeviceInfo, online: boolean) {
+  constructor(line: DriveConnection, site: string, device: DeviceInfo, online: boolean) {
     const { drive } = device;
-    this.stop = new StopLine(line, site, device.id, online);
+    this.stop = new StopClient(line, site, device.id, online);
     const limits = drive && { maxSpeed: drive.max_speed, maxReverse: drive.max_reverse, maxTurn: drive.max_turn };
     const may = device.rights.includes("use");
-    this.seat = limits && may ? new DriveSeat(line, { site, device: device.id, limits }, online) : null;
-    this.hands = new Hands(this.seat, this.stop);
+    this.seat = limits && may ? new DriveSession(line, { site, device: device.id, limits }, online) : null;
+    this.hands = new DriveInputs(this.seat, this.stop);
   }
 
-  openAll(known: Known): void {
+  openAll(known: KnownState): void {
     // STOP bars the seat in the same turn as it is pressed: zeros follow it down the line.
     this.unwatch = this.stop.subscribe(() => {
       if (!this.seat) return;

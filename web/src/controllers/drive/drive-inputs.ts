@@ -3,24 +3,24 @@
  * dialogs), from the window to the seat. The pad on screen reports by itself; see `t-pad`.
  */
 
-import { PadGrip, pushOf } from "./gamepad.js";
+import { GamepadGrip, pushOf } from "./gamepad.js";
 import { meaningOf, sourceOf, usesKeys, type KeyTaker } from "./drive-keys.js";
-import type { DriveSeat } from "./drive-session.js";
+import type { DriveSession } from "./drive-session.js";
 import { PUSH } from "./stick.js";
-import type { StopLine } from "./stop-client.js";
+import type { StopClient } from "./stop-client.js";
 
 const STEP = 0.1;
 
-export class Hands {
-  private readonly grips = new Map<number, PadGrip>();
+export class DriveInputs {
+  private readonly grips = new Map<number, GamepadGrip>();
   private poll = 0;
   private dialog: HTMLDialogElement | null = null;
   private leaving: AbortController | null = null;
 
   /** @param seat - null for someone who may press STOP but not drive */
   constructor(
-    private readonly seat: DriveSeat | null,
-    private readonly stop: StopLine,
+    private readonly seat: DriveSession | null,
+    private readonly stop: StopClient,
   ) {}
 
   open(): void {
@@ -133,7 +133,7 @@ export class Hands {
   private readGamepad(pad: Gamepad): void {
     const { seat } = this;
     if (!seat) return;
-    const grip = this.grips.get(pad.index) ?? new PadGrip();
+    const grip = this.grips.get(pad.index) ?? new GamepadGrip();
     this.grips.set(pad.index, grip);
     const source = `gamepad:${String(pad.index)}`;
     switch (grip.readChange(pad)) {

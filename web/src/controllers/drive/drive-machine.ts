@@ -10,7 +10,7 @@
  * - what was held when it ended drives again only after it was let go and pressed anew.
  */
 
-import { CENTRE, curved, joined, type Stick } from "./stick.js";
+import { CENTRE, curvedPush, combinedStick, type Stick } from "./stick.js";
 
 /** One frame each 50 ms: 20 Hz. */
 export const FRAME_MS = 50;
@@ -20,7 +20,7 @@ export const SILENT_MS = 1000;
 export const LEVEL_STEP = 0.1;
 
 /** What the description allows at full level. */
-export interface Limits {
+export interface DriveLimits {
   /** m/s */
   readonly maxSpeed: number;
   /** m/s, given positive */
@@ -30,7 +30,7 @@ export interface Limits {
 }
 
 /** The part of a `Drive` message that the machine decides. */
-export interface Frame {
+export interface VelocityFrame {
   readonly epoch: number;
   readonly seq: number;
   readonly tick: number;
@@ -41,7 +41,7 @@ export interface Frame {
 }
 
 /** Why a hold ended. */
-export type Halt =
+export type HaltReason =
   | "released"
   | "stop key"
   | "cancelled"
@@ -57,23 +57,23 @@ export type Halt =
   | "interlock";
 
 /** While one of these stands, no press counts. */
-export type Bar = "offline" | "stop" | "hidden" | "dialog" | "interlock";
+export type DriveBlock = "offline" | "stop" | "hidden" | "dialog" | "interlock";
 
 /**
  * idle: no lease; ready: may drive, nothing is held; driving: something is held;
  * braking: the zero frames after a hold.
  */
-export type Phase = "idle" | "ready" | "driving" | "braking";
+export type DrivePhase = "idle" | "ready" | "driving" | "braking";
 
-type Kind = "digital" | "analog";
+type HoldKind = "digital" | "analog";
 
-interface Hold {
-  readonly kind: Kind;
+interface HeldInput {
+  readonly kind: HoldKind;
   readonly stick: Stick;
 }
 
 export class DriveMachine {
-  private readonly limits: Limits;
+  private readonly limits: DriveLimits;
   private epoch = 0;
   private seq = 0;
   private tickNumber = 0;
@@ -81,18 +81,18 @@ export class DriveMachine {
   /** Since when we wait for a time mark: the newest one, or the grant. */
   private heardAt = 0;
   private pictureAt: number | null = null;
-  private readonly held = new Map<string, Hold>();
-  private readonly bars = new Set<Bar>();
+  private readonly held = new Map<string, HeldInput>();
+  private readonly bars = new Set<DriveBlock>();
   private zerosLeft = 0;
   private nextAt = 0;
   private steps = 5;
-  private stopped: Halt | null = null;
+  private stopped: HaltReason | null = null;
 
-  constructor(limits: Limits) {
+  constructor(limits: DriveLimits) {
     this.limits = limits;
   }
 
-  get phase(): Phase {
+  get phase(): DrivePhase {
     if (this.epoch === 0) return "idle";
     if (this.held.size > 0) return "driving";
     return this.zerosLeft > 0 ? "braking" : "ready";
@@ -114,7 +114,7 @@ export class DriveMachine {
   }
 
   /** Why the last hold ended, until the next begins. */
-  get haltReason(): Halt | null {
+  get haltReason(): HaltReason | null {
     return this.stopped;
   }
 
@@ -126,7 +126,7 @@ export class DriveMachine {
     return this.held.has(source);
   }
 
-  isBlocked(bar: Bar): boolean {
+  isBlocked(bar: DriveBlock): boolean {
     return this.bars.has(bar);
   }
 
@@ -143,7 +143,7 @@ export class DriveMachine {
   }
 
   /** The lease is gone. There is nothing left that may be sent. */
-  revoke(why: Halt): void {
+  revoke(why: HaltReason): void {
     if (this.epoch === 0) return;
     this.stopped = why;
     this.epoch = 0;
@@ -151,7 +151,7 @@ export class DriveMachine {
   }
 
   /** A time mark of the gateway came. */
-  onGatewayTick(tick: number, now: number): Frame[] {
+  onGatewayTick(tick: number, now: number): VelocityFrame[] {
     if (tick < this.tickNumber) return [];
     this.tickNumber = tick;
     this.tickAt = now;
@@ -169,7 +169,7 @@ export class DriveMachine {
    *
    * @param source - names what is held, so that the same can be released
    */
-  pressHold(source: string, stick: Stick, now: number, kind: Kind = "digital"): Frame[] {
+  pressHold(source: string, stick: Stick, now: number, kind: HoldKind = "digital"): VelocityFrame[] {
     if (!this.mayDrive) return [];
     this.held.set(source, { kind, stick });
     this.zerosLeft = 0;
@@ -179,7 +179,7 @@ export class DriveMachine {
   }
 
   /** Something that is held is held elsewhere now. Let go by a halt, it stays let go. */
-  moveHold(source: string, stick: Stick, now: number): Frame[] {
+  moveHold(source: string, stick: Stick, now: number): VelocityFrame[] {
     const hold = this.held.get(source);
     if (!hold) return [];
     this.held.set(source, { kind: hold.kind, stick });
@@ -187,7 +187,7 @@ export class DriveMachine {
   }
 
   /** Something is let go. The last one brings the robot to rest. */
-  releaseHold(source: string, now: number): Frame[] {
+  releaseHold(source: string, now: number): VelocityFrame[] {
     if (!this.held.delete(source)) return [];
     if (this.held.size === 0) return this.stopMotion("released", now);
     this.nextAt = now;
@@ -199,7 +199,7 @@ export class DriveMachine {
    *
    * @param flush - all zero frames now: a hidden page may get no timer for a second
    */
-  haltMotion(why: Halt, now: number, flush = false): Frame[] {
+  haltMotion(why: HaltReason, now: number, flush = false): VelocityFrame[] {
     const wasDriving = this.held.size > 0;
     this.held.clear();
     const frames = wasDriving ? this.stopMotion(why, now) : [];
@@ -208,7 +208,7 @@ export class DriveMachine {
   }
 
   /** From now on no press counts; what is held ends. */
-  block(bar: Bar, now: number): Frame[] {
+  block(bar: DriveBlock, now: number): VelocityFrame[] {
     this.bars.add(bar);
     if (bar !== "offline") return this.haltMotion(bar, now, bar === "hidden");
     if (this.held.size > 0) this.stopped = "offline";
@@ -217,14 +217,14 @@ export class DriveMachine {
   }
 
   /** The reason is gone. Nothing starts by itself: see `press`. */
-  unblock(bar: Bar): void {
+  unblock(bar: DriveBlock): void {
     this.bars.delete(bar);
     // A page that was hidden gave control back: that is to be read by whoever returns to it.
     if (bar !== "hidden") this.clearHaltReason(bar);
   }
 
   /** This reason of the last halt is no longer so, and need not be told. */
-  clearHaltReason(why: Halt): void {
+  clearHaltReason(why: HaltReason): void {
     if (this.stopped === why) this.stopped = null;
   }
 
@@ -247,7 +247,7 @@ export class DriveMachine {
   }
 
   /** Time has passed: the frames that are due. Early calls are harmless. */
-  advance(now: number): Frame[] {
+  advance(now: number): VelocityFrame[] {
     if (this.phase === "braking") return now < this.nextAt ? [] : [this.zeroFrame(now)];
     if (this.phase !== "driving" || now < this.nextAt) return [];
     if (now - this.heardAt > SILENT_MS) return this.haltMotion("silent", now);
@@ -266,7 +266,7 @@ export class DriveMachine {
     for (const hold of this.held.values()) {
       (hold.kind === "digital" ? digital : analog).push(hold.stick);
     }
-    return joined([curved(joined(digital)), ...analog]);
+    return combinedStick([curvedPush(combinedStick(digital)), ...analog]);
   }
 
   private dropHolds(): void {
@@ -274,20 +274,20 @@ export class DriveMachine {
     this.zerosLeft = 0;
   }
 
-  private stopMotion(why: Halt, now: number): Frame[] {
+  private stopMotion(why: HaltReason, now: number): VelocityFrame[] {
     this.stopped = why;
     if (this.epoch === 0) return [];
     this.zerosLeft = ZEROS;
     return [this.zeroFrame(now)];
   }
 
-  private zeroFrame(now: number): Frame {
+  private zeroFrame(now: number): VelocityFrame {
     this.zerosLeft -= 1;
     this.nextAt = now + FRAME_MS;
     return this.velocityFrame(0, 0, now);
   }
 
-  private velocityFrame(linear: number, angular: number, now: number): Frame {
+  private velocityFrame(linear: number, angular: number, now: number): VelocityFrame {
     this.seq += 1;
     return {
       epoch: this.epoch,

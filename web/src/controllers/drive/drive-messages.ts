@@ -1,8 +1,8 @@
 /** What to tell the driver. */
 
-import type { Halt } from "./drive-machine.js";
+import type { HaltReason } from "./drive-machine.js";
 
-const HALTS: Readonly<Record<Halt, string>> = {
+const HALTS: Readonly<Record<HaltReason, string>> = {
   released: "",
   "stop key": "Halted with the S key.",
   cancelled: "Halted: the press was interrupted. Press again to go on.",
@@ -19,7 +19,7 @@ const HALTS: Readonly<Record<Halt, string>> = {
 };
 
 /** Why driving ended; empty where there is nothing to explain. */
-export function haltWords(why: Halt | null): string {
+export function haltWords(why: HaltReason | null): string {
   return why === null ? "" : HALTS[why];
 }
 

@@ -8,18 +8,18 @@
 import { Store } from "../../state/store.js";
 import type { DriveNews, LeaseNews } from "../../generated/wire.js";
 import type { Connection } from "../../wire/connection.js";
-import { LeaseDesk, type LeaseAsk } from "./lease-machine.js";
-import { DriveMachine, type Bar, type Frame, type Halt, type Limits } from "./drive-machine.js";
+import { LeaseMachine, type LeaseAsk } from "./lease-machine.js";
+import { DriveMachine, type DriveBlock, type VelocityFrame, type HaltReason, type DriveLimits } from "./drive-machine.js";
 import type { Stick } from "./stick.js";
 import { haltWords } from "./drive-messages.js";
 
 /** What a seat needs of the connection. */
-export type Line = Pick<Connection, "state" | "send" | "onMessage" | "onState" | "bufferedBytes">;
+export type DriveConnection = Pick<Connection, "state" | "send" | "onMessage" | "onState" | "bufferedBytes">;
 
-export interface Seated {
+export interface DriveDevice {
   readonly site: string;
   readonly device: string;
-  readonly limits: Limits;
+  readonly limits: DriveLimits;
 }
 
 const LEASE_BEAT_MS = 100;
@@ -28,9 +28,9 @@ const BACKLOG_BYTES = 16_384;
 const LINK_GONE = "The connection to the hub is lost. The gateway brings the vehicle to rest by itself.";
 const SITE_GONE = "The site went offline. Its gateway brings the vehicle to rest by itself.";
 
-export class DriveSeat extends Store {
+export class DriveSession extends Store {
   readonly machine: DriveMachine;
-  readonly lease = new LeaseDesk();
+  readonly lease = new LeaseMachine();
   /** What the robot is being told, by the gateway's own word; null before the first. */
   told: DriveNews | null = null;
   private siteOnline: boolean;
@@ -39,8 +39,8 @@ export class DriveSeat extends Store {
   private leaseTimer: ReturnType<typeof setInterval> | undefined;
 
   constructor(
-    private readonly line: Line,
-    private readonly seated: Seated,
+    private readonly line: DriveConnection,
+    private readonly seated: DriveDevice,
     online: boolean,
     private readonly now: () => number = () => performance.now(),
   ) {
@@ -141,7 +141,7 @@ export class DriveSeat extends Store {
   }
 
   /** Gives control back, through rest. */
-  releaseControl(why: Halt = "freed"): void {
+  releaseControl(why: HaltReason = "freed"): void {
     this.sendFrames(this.machine.haltMotion(why, this.now(), true), false);
     this.machine.revoke(why);
     this.sendLeaseRequest(this.lease.releaseLease());
@@ -165,15 +165,15 @@ export class DriveSeat extends Store {
     if (this.machine.isHeld(source)) this.haltMotion("cancelled");
   }
 
-  haltMotion(why: Halt): void {
+  haltMotion(why: HaltReason): void {
     this.sendFrames(this.machine.haltMotion(why, this.now()));
   }
 
-  block(bar: Bar): void {
+  block(bar: DriveBlock): void {
     this.sendFrames(this.machine.block(bar, this.now()));
   }
 
-  unblock(bar: Bar): void {
+  unblock(bar: DriveBlock): void {
     this.machine.unblock(bar);
     this.notifyWatchers();
   }
@@ -218,7 +218,7 @@ export class DriveSeat extends Store {
     else if (op !== null) this.line.send({ t: "lease", site, device, op });
   }
 
-  private sendFrames(frames: readonly Frame[], tell = true): void {
+  private sendFrames(frames: readonly VelocityFrame[], tell = true): void {
     const { site, device } = this.seated;
     for (const frame of frames) {
       const moving = frame.linear !== 0 || frame.angular !== 0;

@@ -5,7 +5,7 @@
  * nothing, and a lease whose time has run out by our own clock is lost without asking anyone.
  */
 
-import type { Halt } from "./drive-machine.js";
+import type { HaltReason } from "./drive-machine.js";
 
 export const RENEW_MS = 1000;
 /** An ask without an answer for so long has failed. */
@@ -16,7 +16,7 @@ export const VAIN_MS = 1500;
 export type LeaseAsk = "take" | "renew" | "free" | "ask" | "accept" | "deny" | "force";
 
 /** The fields of `LeaseNews` that decide. */
-export interface LeaseWord {
+export interface LeaseUpdate {
   readonly holder: string;
   readonly yours: boolean;
   readonly epoch: number;
@@ -29,7 +29,7 @@ export interface LeaseWord {
 }
 
 /** Somebody who asks me for control, and until when I may answer. */
-export interface Rival {
+export interface LeaseRival {
   readonly who: string;
   readonly until: number;
 }
@@ -39,13 +39,13 @@ export type LeaseState =
   | { readonly kind: "unknown" }
   | { readonly kind: "free" }
   | { readonly kind: "asking"; readonly since: number }
-  | { readonly kind: "mine"; readonly epoch: number; readonly until: number; readonly rival: Rival | null }
+  | { readonly kind: "mine"; readonly epoch: number; readonly until: number; readonly rival: LeaseRival | null }
   | { readonly kind: "waiting"; readonly holder: string; readonly until: number }
   | { readonly kind: "other"; readonly holder: string; readonly forceable: boolean };
 
 const ENDED = "The gateway ended your control. Take it again to go on.";
 
-export class LeaseDesk {
+export class LeaseMachine {
   private now_: LeaseState = { kind: "unknown" };
   private renewAt = 0;
   private handedOver = false;
@@ -117,7 +117,7 @@ export class LeaseDesk {
   }
 
   /** What the gateway says. Gives why the lease ended, when this ended it. */
-  applyUpdate(word: LeaseWord, now: number): Halt | null {
+  applyUpdate(word: LeaseUpdate, now: number): HaltReason | null {
     const mine = this.now_.kind === "mine";
     if (word.yours && word.epoch > 0 && this.isWanted) {
       if (!mine) {
@@ -154,7 +154,7 @@ export class LeaseDesk {
   }
 
   /** Time has passed: what to ask, and whether the lease just ran out. */
-  advance(now: number): { readonly ask: LeaseAsk | null; readonly ended: Halt | null } {
+  advance(now: number): { readonly ask: LeaseAsk | null; readonly ended: HaltReason | null } {
     const state = this.now_;
     if (state.kind === "asking" && now - state.since >= ANSWER_MS) {
       this.now_ = { kind: "unknown" };

@@ -32,28 +32,28 @@ export const CURVE = 0.4;
 /** A thumb resting in the middle of the pad does not drive. */
 const PAD_REST = 0.12;
 
-export function limited(value: number): number {
+export function limitedUnit(value: number): number {
   if (!Number.isFinite(value)) return 0;
   return Math.min(1, Math.max(-1, value)) + 0;
 }
 
 /** Everything held at once, as one push. Opposite directions cancel. */
-export function joined(sticks: Iterable<Stick>): Stick {
+export function combinedStick(sticks: Iterable<Stick>): Stick {
   let forward = 0;
   let turn = 0;
   for (const stick of sticks) {
-    forward += limited(stick.forward);
-    turn += limited(stick.turn);
+    forward += limitedUnit(stick.forward);
+    turn += limitedUnit(stick.turn);
   }
-  return { forward: limited(forward), turn: limited(turn) };
+  return { forward: limitedUnit(forward), turn: limitedUnit(turn) };
 }
 
 /** Directions held as keys or buttons, as one push; see `CURVE`. */
-export function curved(push: Stick): Stick {
+export function curvedPush(push: Stick): Stick {
   return push.forward === 0 ? push : { forward: push.forward, turn: push.turn * CURVE };
 }
 
-function eased(value: number): number {
+function easedValue(value: number): number {
   // The square gives fine control near the middle and keeps the full range.
   return value * Math.abs(value);
 }
@@ -71,5 +71,5 @@ export function padStick(right: number, down: number, radius: number): Stick {
   const reach = Math.min(1, (distance / radius - PAD_REST) / (1 - PAD_REST));
   const forward = (-down / distance) * reach;
   const turn = (-right / distance) * reach;
-  return { forward: limited(eased(forward)), turn: limited(eased(turn)) };
+  return { forward: limitedUnit(easedValue(forward)), turn: limitedUnit(easedValue(turn)) };
 }

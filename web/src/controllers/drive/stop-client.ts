@@ -3,19 +3,19 @@
 import type { StopNews } from "../../generated/wire.js";
 import { Store } from "../../state/store.js";
 import { freshId } from "./unique-id.js";
-import type { Line } from "./drive-session.js";
-import { StopDesk } from "./stop-machine.js";
+import type { DriveConnection } from "./drive-session.js";
+import { StopMachine } from "./stop-machine.js";
 
 const BEAT_MS = 50;
 
-export class StopLine extends Store {
-  readonly desk = new StopDesk();
+export class StopClient extends Store {
+  readonly desk = new StopMachine();
   private stops: (() => void)[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
   private siteOnline: boolean;
 
   constructor(
-    private readonly line: Pick<Line, "state" | "send" | "onMessage" | "onState">,
+    private readonly line: Pick<DriveConnection, "state" | "send" | "onMessage" | "onState">,
     private readonly site: string,
     private readonly device: string,
     online: boolean,
@@ -42,16 +42,16 @@ export class StopLine extends Store {
 
   /** @param known - what was said of STOP before, if anything was */
   open(known?: StopNews): void {
-    const ours = (news: { readonly site: string; readonly device: string }): boolean =>
+    const isOurs = (news: { readonly site: string; readonly device: string }): boolean =>
       news.site === this.site && news.device === this.device;
     this.stops = [
       this.line.onMessage("stop_news", (news) => {
-        if (!ours(news)) return;
+        if (!isOurs(news)) return;
         this.desk.applyUpdate(news, this.now());
         this.updateAndSchedule();
       }),
       this.line.onMessage("reset_key", (news) => {
-        if (!ours(news)) return;
+        if (!isOurs(news)) return;
         this.desk.receiveResetKey(news.token, news.refused, this.now());
         this.updateAndSchedule();
       }),

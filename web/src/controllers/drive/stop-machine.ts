@@ -11,7 +11,7 @@ export const ARMED_MS = 10_000;
 export const RESET_ANSWER_MS = 3000;
 
 /** The fields of `StopNews` that decide. */
-export interface StopWord {
+export interface StopUpdate {
   readonly latched: boolean;
   readonly confirmed: boolean;
   readonly who: string;
@@ -20,7 +20,7 @@ export interface StopWord {
 }
 
 /** unknown: nobody told us yet. */
-export type StopPhase = "unknown" | "clear" | "sent" | "latched" | "confirmed";
+export type StopMachinePhase = "unknown" | "clear" | "sent" | "latched" | "confirmed";
 
 /** none: STOP is to be released by two steps, of which neither is taken. */
 export type ResetPhase =
@@ -29,16 +29,16 @@ export type ResetPhase =
   | { readonly kind: "armed"; readonly token: string; readonly until: number }
   | { readonly kind: "releasing"; readonly since: number };
 
-export class StopDesk {
+export class StopMachine {
   private pending: { readonly id: string; readonly since: number } | null = null;
   private repeatAt = 0;
-  private word: StopWord | null = null;
+  private word: StopUpdate | null = null;
   private reset_: ResetPhase = { kind: "none" };
   private answeredIn_: number | null = null;
   /** Why STOP or its reset was not done; empty when there is nothing to say. */
   trouble = "";
 
-  get phase(): StopPhase {
+  get phase(): StopMachinePhase {
     if (this.pending) return "sent";
     if (!this.word) return "unknown";
     if (!this.word.latched) return "clear";
@@ -55,7 +55,7 @@ export class StopDesk {
   }
 
   /** Who latched it, and when (µs since the epoch); null while it is not latched. */
-  get latched(): { readonly who: string; readonly time_us: number } | null {
+  get latchedBy(): { readonly who: string; readonly time_us: number } | null {
     return this.word?.latched ? { who: this.word.who, time_us: this.word.time_us } : null;
   }
 
@@ -90,7 +90,7 @@ export class StopDesk {
     this.trouble = why;
   }
 
-  applyUpdate(word: StopWord, now: number): void {
+  applyUpdate(word: StopUpdate, now: number): void {
     if (this.pending?.id === word.id) {
       this.answeredIn_ = now - this.pending.since;
       this.pending = null;

@@ -3,17 +3,17 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
-import type { Span } from "../../series/time-window.js";
+import type { TimeSpan } from "../../series/time-window.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
 import { base } from "../base/base-style.js";
 import type { ChartMark } from "../chart/draw-marks.js";
-import { indentOf, type Axis, type ChartSeries, type Follow, type Indent } from "../chart/chart-model.js";
-import type { Painter } from "../chart/paint-scheduler.js";
+import { indentOf, type ChartAxis, type ChartSeries, type FollowWindow, type ChartIndent } from "../chart/chart-model.js";
+import type { PaintScheduler } from "../chart/paint-scheduler.js";
 import "../forms/button.js";
 import "../chart/chart.js";
 import "../feedback/status.js";
 
-const SCORE: Axis = { limits: { minimum: 0, maximum: 1 }, least: 1 };
+const SCORE: ChartAxis = { limits: { minimum: 0, maximum: 1 }, least: 1 };
 
 /** @fires t-forgive a person says that the newest anomaly is none; detail is the detector */
 @customElement("t-detector")
@@ -71,11 +71,11 @@ export class DetectorElement extends LitElement {
   @property({ type: Number }) score = NaN;
   @property({ attribute: false }) series: ChartSeries | null = null;
   @property({ attribute: false }) marks: readonly ChartMark[] = [];
-  @property({ attribute: false }) span: Span | null = null;
-  @property({ attribute: false }) follow: Follow | null = null;
-  @property({ attribute: false }) indent: Indent = indentOf(0, 0);
+  @property({ attribute: false }) span: TimeSpan | null = null;
+  @property({ attribute: false }) follow: FollowWindow | null = null;
+  @property({ attribute: false }) indent: ChartIndent = indentOf(0, 0);
   @property({ type: Number, attribute: "axis-width" }) axisWidth = 48;
-  @property({ attribute: false }) painter: Painter | null = null;
+  @property({ attribute: false }) painter: PaintScheduler | null = null;
   @property({ attribute: false }) cursorUs: number | null = null;
   @property() zone = "UTC";
   /** The person may say that something is none. */

@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { formatDuration } from "../../format/duration.js";
-import { countWords, sureWords } from "../../format/object-names.js";
+import { countText, confidenceText } from "../../format/object-names.js";
 import { base } from "../base/base-style.js";
 import { onPicture } from "../camera/picture-overlay.js";
 import "../base/icon.js";
@@ -124,13 +124,13 @@ export class SightingCard extends LitElement {
     const there = this.picture !== "" && !this.lost;
     return html`<div class="picture ${there ? "there" : ""}">
         ${there
-          ? html`<img src=${this.picture} alt=${`${countWords(many, label)} on the picture of ${this.camera}`} loading="lazy" decoding="async" @error=${this.onPictureError} />
+          ? html`<img src=${this.picture} alt=${`${countText(many, label)} on the picture of ${this.camera}`} loading="lazy" decoding="async" @error=${this.onPictureError} />
               <div class="tint"></div>`
           : html`<t-icon name="camera"></t-icon><span>${this.lost ? "picture not kept" : "no picture"}</span>`}
       </div>
       <div class="told">
         <div class="what">
-          <span>${countWords(many, label)}</span>
+          <span>${countText(many, label)}</span>
           ${ended_us === null ? html`<t-status kind="busy" word="in sight"></t-status>` : nothing}
         </div>
         <div class="times">
@@ -142,7 +142,7 @@ export class SightingCard extends LitElement {
         <div class="facts">
           <span>${this.camera}</span>
           ${ended_us === null ? nothing : html`<span>for ${formatDuration(Math.max(1, Math.round((ended_us - began_us) / 1e6)))}</span>`}
-          <span title="Of the surest one">${sureWords(confidence)} sure</span>
+          <span title="Of the surest one">${confidenceText(confidence)} sure</span>
         </div>
         <slot></slot>
       </div>`;

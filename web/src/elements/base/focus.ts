@@ -3,7 +3,7 @@
 import { LitElement } from "lit";
 
 /** Focuses what an element is about to draw; nothing where it does not. */
-export async function focusIn(host: LitElement, selector: string): Promise<void> {
+export async function focusInside(host: LitElement, selector: string): Promise<void> {
   await host.updateComplete;
   const found = host.renderRoot.querySelector<HTMLElement>(selector);
   // Before that a field has no name, and a button of ours no button in it.

@@ -4,7 +4,7 @@ import { noChange } from "lit";
 import { directive, Directive, PartType, type PartInfo, type PropertyPart } from "lit/directive.js";
 import { setCommittedValue } from "lit/directive-helpers.js";
 
-class Settled extends Directive {
+class StableField extends Directive {
   constructor(part: PartInfo) {
     super(part);
     if (part.type !== PartType.PROPERTY || part.name !== "value") throw new Error("settled() is for .value");
@@ -24,4 +24,4 @@ class Settled extends Directive {
 }
 
 /** `.value=${settled(text)}` takes no blank away that is typed before the next word. */
-export const settled = directive(Settled);
+export const settled = directive(StableField);

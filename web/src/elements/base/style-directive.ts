@@ -5,7 +5,7 @@ import { directive, Directive, PartType, type ElementPart, type PartInfo } from 
 
 type Styles = Readonly<Record<string, string>>;
 
-class Styled extends Directive {
+class StyleDirective extends Directive {
   private set: readonly string[] = [];
 
   constructor(part: PartInfo) {
@@ -28,4 +28,4 @@ class Styled extends Directive {
 }
 
 /** Sets style properties of the element in whose tag it stands: `<p ${styled({ left: "4px" })}>`. */
-export const styled = directive(Styled);
+export const styled = directive(StyleDirective);

@@ -9,14 +9,14 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { formatMs } from "../../format/duration.js";
 import { base } from "../base/base-style.js";
 import "./detection-boxes.js";
-import type { Boxed } from "./detection-boxes.js";
-import type { Size } from "./picture-fit.js";
+import type { DetectedObject } from "./detection-boxes.js";
+import type { PixelSize } from "./picture-fit.js";
 import "../base/icon.js";
 import type { IconName } from "../base/icons.js";
 import { onPicture } from "./picture-overlay.js";
 import "../feedback/loading.js";
 import { styled } from "../base/style-directive.js";
-import { MOST_ZOOM, moved, wheelFactor, WHOLE, zoomed, type Zoom } from "./zoom.js";
+import { MOST_ZOOM, movedZoom, wheelFactor, WHOLE, zoomedAt, type Zoom } from "./zoom.js";
 
 /** What stands between the page and a picture; `open` when nothing does. */
 export type CameraLink = "connecting" | "open" | "bad" | "none" | "offline" | "refused" | "unsupported";
@@ -180,14 +180,14 @@ export class CameraView extends LitElement {
   @property({ type: Boolean }) drawn = false;
   @property({ type: Boolean }) full = false;
   /** What is framed on the picture. */
-  @property({ attribute: false }) things: readonly Boxed[] = [];
+  @property({ attribute: false }) things: readonly DetectedObject[] = [];
   /** It was seen on an earlier picture than the one that is shown. */
   @property({ type: Boolean }) earlier = false;
 
   @query("canvas") private readonly canvas!: HTMLCanvasElement;
 
   @state() private zoom: Zoom = WHOLE;
-  @state() private picture: Size = { width: 4, height: 3 };
+  @state() private picture: PixelSize = { width: 4, height: 3 };
   /** Fingers and pressed buttons on the picture, where they are now. */
   private readonly held = new Map<number, { x: number; y: number }>();
 
@@ -242,7 +242,7 @@ export class CameraView extends LitElement {
   // ── looking closer ──
 
   private zoomBy(factor: number, x = 0.5, y = 0.5): void {
-    this.zoom = zoomed(this.zoom, factor, x, y);
+    this.zoom = zoomedAt(this.zoom, factor, x, y);
   }
 
   private readonly resetZoom = (): void => {
@@ -274,13 +274,13 @@ export class CameraView extends LitElement {
     this.held.set(event.pointerId, now);
     const other = [...this.held].find(([id]) => id !== event.pointerId)?.[1];
     if (other === undefined) {
-      this.zoom = moved(this.zoom, now.x - before.x, now.y - before.y);
+      this.zoom = movedZoom(this.zoom, now.x - before.x, now.y - before.y);
       return;
     }
-    const apart = (one: { x: number; y: number }): number =>
-      Math.hypot((one.x - other.x) * now.width, (one.y - other.y) * now.height);
-    this.zoomBy(apart(now) / Math.max(1, apart(before)), (now.x + other.x) / 2, (now.y + other.y) / 2);
-    this.zoom = moved(this.zoom, (now.x - before.x) / 2, (now.y - before.y) / 2);
+    const distanceTo = (point: { x: number; y: number }): number =>
+      Math.hypot((point.x - other.x) * now.width, (point.y - other.y) * now.height);
+    this.zoomBy(distanceTo(now) / Math.max(1, distanceTo(before)), (now.x + other.x) / 2, (now.y + other.y) / 2);
+    this.zoom = movedZoom(this.zoom, (now.x - before.x) / 2, (now.y - before.y) / 2);
   };
 
   private readonly onPointerUp = (event: PointerEvent): void => {
@@ -337,7 +337,7 @@ export class CameraView extends LitElement {
         <strong>Frozen: not live</strong>
         <p>
           ${known
-            ? html`The picture is <span aria-live="off">${ageWords(this.age)}</span> old. ${cause}`
+            ? html`The picture is <span aria-live="off">${ageText(this.age)}</span> old. ${cause}`
             : `The age of the picture is not known. ${cause}`}
         </p>
       </div>
@@ -345,7 +345,7 @@ export class CameraView extends LitElement {
   }
 
   private renderBadge(live: boolean): TemplateResult {
-    const age = Number.isFinite(this.age) ? ageWords(this.age) : "age unknown";
+    const age = Number.isFinite(this.age) ? ageText(this.age) : "age unknown";
     return html`<span class="badge">
       <svg viewBox="0 0 12 12" aria-hidden="true"><path d=${live ? DOT : BLOCK} fill="currentColor"></path></svg>
       <span>${live ? "Live" : "Old"}</span>
@@ -402,7 +402,7 @@ export function snapshotName(name: string, timeUs: number): string {
 }
 
 /** Steps of 10 ms, so that the digits can be read. */
-function ageWords(ms: number): string {
+function ageText(ms: number): string {
   if (ms >= 1000) return formatMs(ms);
   return `${String(Math.max(0, Math.round(ms / 10) * 10))}\u202fms`;
 }

@@ -3,12 +3,12 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { objectKind, sureWords } from "../../format/object-names.js";
+import { objectKind, confidenceText } from "../../format/object-names.js";
 import { styled } from "../base/style-directive.js";
-import { isInView, placeOf, plateAt, type Part, type Size } from "./picture-fit.js";
+import { isInView, placeOf, labelPlace, type PicturePart, type PixelSize } from "./picture-fit.js";
 import { WHOLE, type Zoom } from "./zoom.js";
 
-export interface Boxed extends Part {
+export interface DetectedObject extends PicturePart {
   readonly label: string;
   /** 0 to 1 */
   readonly score: number;
@@ -16,7 +16,7 @@ export interface Boxed extends Part {
 
 /** Lies over the picture and takes nothing from it: presses and screen readers go past. */
 @customElement("t-boxes")
-export class Boxes extends LitElement {
+export class DetectionBoxes extends LitElement {
   /* A line of its colour between two black ones is seen on any picture; words stand on black. */
   static override styles = css`
     :host {
@@ -76,14 +76,14 @@ export class Boxes extends LitElement {
     }
   `;
 
-  @property({ attribute: false }) things: readonly Boxed[] = [];
+  @property({ attribute: false }) things: readonly DetectedObject[] = [];
   /** They were seen on an earlier picture than the one that lies below. */
   @property({ type: Boolean }) earlier = false;
   /** Of the picture (px). */
-  @property({ attribute: false }) picture: Size = { width: 4, height: 3 };
+  @property({ attribute: false }) picture: PixelSize = { width: 4, height: 3 };
   @property({ attribute: false }) zoom: Zoom = WHOLE;
 
-  @state() private view: Size = { width: 0, height: 0 };
+  @state() private view: PixelSize = { width: 0, height: 0 };
   private readonly sized = new ResizeObserver(() => {
     this.view = { width: this.clientWidth, height: this.clientHeight };
   });
@@ -103,7 +103,7 @@ export class Boxes extends LitElement {
     return html`<div aria-hidden="true">${map([...this.things].reverse(), (thing) => this.renderBox(thing))}</div>`;
   }
 
-  private renderBox(thing: Boxed): unknown {
+  private renderBox(thing: DetectedObject): unknown {
     const place = placeOf(thing, this.view, this.picture, this.zoom);
     if (!isInView(place, this.view)) return null;
     const where = {
@@ -113,19 +113,19 @@ export class Boxes extends LitElement {
       height: `${place.height.toFixed(1)}px`,
     };
     const end = place.x > this.view.width * 0.7 ? "end" : "";
-    const plate = plateAt(place);
+    const plate = labelPlace(place);
     return html`<div
       class="box ${objectKind(thing.label)} ${this.earlier ? "earlier" : ""} ${end}"
       data-label=${thing.label}
       ${styled(where)}
     >
-      <span class="plate" ${styled({ top: `${plate.y.toFixed(1)}px`, "margin-left": `${plate.x.toFixed(1)}px` })}>${thing.label} ${sureWords(thing.score)}</span>
+      <span class="plate" ${styled({ top: `${plate.y.toFixed(1)}px`, "margin-left": `${plate.x.toFixed(1)}px` })}>${thing.label} ${confidenceText(thing.score)}</span>
     </div>`;
   }
 }
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-boxes": Boxes;
+    "t-boxes": DetectionBoxes;
   }
 }

@@ -3,12 +3,12 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { objectKind, sureWords } from "../../format/object-names.js";
+import { objectKind, confidenceText } from "../../format/object-names.js";
 import { base } from "../base/base-style.js";
 import "../forms/button.js";
 
 /** What can be chosen: a class of the site description, or one that was seen here. */
-export interface Choosable {
+export interface ObjectOption {
   readonly label: string;
   readonly wanted: boolean;
   /** It is in the site description: counted, kept in history, and may raise alarms. */
@@ -16,7 +16,7 @@ export interface Choosable {
 }
 
 /** What a person chose; null goes back to what the site description says. */
-export interface Wanted {
+export interface WantedObjects {
   readonly classes: readonly string[] | null;
   readonly confidence: number | null;
 }
@@ -30,7 +30,7 @@ const STEP = 0.05;
  * @fires t-close it is chosen
  */
 @customElement("t-objects-choice")
-export class ObjectsChoice extends LitElement {
+export class ObjectsChoicePanel extends LitElement {
   static override styles = [
     base,
     css`
@@ -110,7 +110,7 @@ export class ObjectsChoice extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) classes: readonly Choosable[] = [];
+  @property({ attribute: false }) classes: readonly ObjectOption[] = [];
   /** What is less sure is not framed, 0 to 1. */
   @property({ type: Number }) confidence = 0.5;
   /** All is as the site description says. */
@@ -137,11 +137,11 @@ export class ObjectsChoice extends LitElement {
         )}
       </fieldset>
       <label class="sure"
-        ><span>At least as sure as</span><output aria-hidden="true">${sureWords(this.confidence)}</output>
+        ><span>At least as sure as</span><output aria-hidden="true">${confidenceText(this.confidence)}</output>
         <input
           type="range"
           aria-label="At least as sure as"
-          aria-valuetext=${sureWords(this.confidence)}
+          aria-valuetext=${confidenceText(this.confidence)}
           min=${LEAST * 100}
           max=${MOST * 100}
           step=${STEP * 100}
@@ -167,7 +167,7 @@ export class ObjectsChoice extends LitElement {
     const { target } = event;
     if (!(target instanceof HTMLInputElement)) return;
     const { value, checked } = target;
-    this.want({
+    this.fireWanted({
       classes: this.classes.filter(({ label, wanted }) => (label === value ? checked : wanted)).map(({ label }) => label),
       confidence: this.confidence,
     });
@@ -175,23 +175,23 @@ export class ObjectsChoice extends LitElement {
 
   private readonly onSlide = (event: Event): void => {
     if (!(event.target instanceof HTMLInputElement)) return;
-    this.want({ classes: this.classes.filter(({ wanted }) => wanted).map(({ label }) => label), confidence: event.target.valueAsNumber / 100 });
+    this.fireWanted({ classes: this.classes.filter(({ wanted }) => wanted).map(({ label }) => label), confidence: event.target.valueAsNumber / 100 });
   };
 
   private readonly useDescribedObjects = (): void => {
-    this.want({ classes: null, confidence: null });
+    this.fireWanted({ classes: null, confidence: null });
   };
 
-  private want(detail: Wanted): void {
+  private fireWanted(detail: WantedObjects): void {
     this.dispatchEvent(new CustomEvent("t-objects-want", { detail }));
   }
 }
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-objects-choice": ObjectsChoice;
+    "t-objects-choice": ObjectsChoicePanel;
   }
   interface HTMLElementEventMap {
-    "t-objects-want": CustomEvent<Wanted>;
+    "t-objects-want": CustomEvent<WantedObjects>;
   }
 }

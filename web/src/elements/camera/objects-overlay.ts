@@ -3,11 +3,11 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { countWords } from "../../format/object-names.js";
+import { countText } from "../../format/object-names.js";
 import { base } from "../base/base-style.js";
 import { onPicture } from "./picture-overlay.js";
 
-export interface Counted {
+export interface ObjectCount {
   readonly label: string;
   readonly many: number;
 }
@@ -17,14 +17,14 @@ export interface Counted {
  * - `telling`: what is seen is known
  * - `silent`: nothing has come for a while
  */
-export type Detector = "waiting" | "telling" | "silent";
+export type DetectorState = "waiting" | "telling" | "silent";
 
 /**
  * @fires t-objects-switch detail is whether objects are wanted
  * @fires t-objects-open detail is whether to choose what is framed
  */
 @customElement("t-objects")
-export class Objects extends LitElement {
+export class ObjectsOverlay extends LitElement {
   static override styles = [
     base,
     onPicture,
@@ -65,8 +65,8 @@ export class Objects extends LitElement {
   ];
 
   @property({ type: Boolean }) on = false;
-  @property() detector: Detector = "waiting";
-  @property({ attribute: false }) counts: readonly Counted[] = [];
+  @property() detector: DetectorState = "waiting";
+  @property({ attribute: false }) counts: readonly ObjectCount[] = [];
   /** Where it stands why a detector says nothing; empty for whoever may not read it. */
   @property() why = "";
   /** Somebody drives by this picture: choosing waits. */
@@ -112,7 +112,7 @@ export class Objects extends LitElement {
     if (this.detector === "silent") return html`<span class="counts silent">the detector is silent${this.renderLogbookLink()}</span>`;
     if (this.counts.length === 0) return html`<span class="counts quiet">nothing seen</span>`;
     return html`<span class="counts" role="group" aria-label="Seen now"
-      >${map(this.counts, ({ label, many }) => html`<span>${countWords(many, label)}</span>`)}</span
+      >${map(this.counts, ({ label, many }) => html`<span>${countText(many, label)}</span>`)}</span
     >`;
   }
 
@@ -134,7 +134,7 @@ function renderIcon(path: string): TemplateResult {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-objects": Objects;
+    "t-objects": ObjectsOverlay;
   }
   interface HTMLElementEventMap {
     "t-objects-switch": CustomEvent<boolean>;

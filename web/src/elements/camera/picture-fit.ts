@@ -2,26 +2,26 @@
 
 import type { Zoom } from "./zoom.js";
 
-export interface Size {
+export interface PixelSize {
   readonly width: number;
   readonly height: number;
 }
 
 /** Parts of the picture's width and height, from its left upper corner. */
-export interface Part {
+export interface PicturePart {
   readonly left: number;
   readonly top: number;
   readonly right: number;
   readonly bottom: number;
 }
 
-export interface Place extends Size {
+export interface PixelPlace extends PixelSize {
   readonly x: number;
   readonly y: number;
 }
 
 /** The picture is shown whole in the middle of the view (`object-fit: contain`), then looked closer at. */
-export function placeOf(part: Part, view: Size, picture: Size, zoom: Zoom): Place {
+export function placeOf(part: PicturePart, view: PixelSize, picture: PixelSize, zoom: Zoom): PixelPlace {
   const fit = Math.min(view.width / picture.width, view.height / picture.height);
   const width = picture.width * fit;
   const height = picture.height * fit;
@@ -36,7 +36,7 @@ export function placeOf(part: Part, view: Size, picture: Size, zoom: Zoom): Plac
 }
 
 /** Something of it is in the view. */
-export function isInView(place: Place, view: Size): boolean {
+export function isInView(place: PixelPlace, view: PixelSize): boolean {
   return place.x < view.width && place.y < view.height && place.x + place.width > 0 && place.y + place.height > 0;
 }
 
@@ -49,7 +49,7 @@ export const PLATE_PX = 20;
  * Where the plate of a box lies, from the box's own corner: above it; where that is out of sight or
  * below the buttons, inside it; and where the box is too low for that, below it.
  */
-export function plateAt(box: Place): { readonly x: number; readonly y: number } {
+export function labelPlace(box: PixelPlace): { readonly x: number; readonly y: number } {
   const above = box.y - PLATE_PX;
   const y = above >= HEAD_PX ? above : Math.max(box.y, HEAD_PX);
   const fits = y < box.y || y + PLATE_PX <= box.y + box.height;

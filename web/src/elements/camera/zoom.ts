@@ -11,7 +11,7 @@ export const WHOLE: Zoom = { scale: 1, x: 0, y: 0 };
 export const MOST_ZOOM = 8;
 
 /** Nothing but picture stays in view. */
-function within(zoom: Zoom): Zoom {
+function clampedZoom(zoom: Zoom): Zoom {
   const scale = Math.min(MOST_ZOOM, Math.max(1, zoom.scale));
   const most = 1 - scale;
   // `+ 0` makes no negative zero.
@@ -19,15 +19,15 @@ function within(zoom: Zoom): Zoom {
 }
 
 /** Makes it larger by a factor; what is at `atX`, `atY` stays there. */
-export function zoomed(zoom: Zoom, factor: number, atX: number, atY: number): Zoom {
+export function zoomedAt(zoom: Zoom, factor: number, atX: number, atY: number): Zoom {
   const scale = Math.min(MOST_ZOOM, Math.max(1, zoom.scale * factor));
   const by = scale / zoom.scale;
-  return within({ scale, x: atX - (atX - zoom.x) * by, y: atY - (atY - zoom.y) * by });
+  return clampedZoom({ scale, x: atX - (atX - zoom.x) * by, y: atY - (atY - zoom.y) * by });
 }
 
 /** Moves it. */
-export function moved(zoom: Zoom, dx: number, dy: number): Zoom {
-  return within({ ...zoom, x: zoom.x + dx, y: zoom.y + dy });
+export function movedZoom(zoom: Zoom, dx: number, dy: number): Zoom {
+  return clampedZoom({ ...zoom, x: zoom.x + dx, y: zoom.y + dy });
 }
 
 /** How much larger one notch of a wheel, or a pinch on a touch pad, makes it. */

@@ -1,10 +1,10 @@
 /** What a key asks of a chart. */
 
-import { lengthOf, pan, zoom, type Span } from "../../series/time-window.js";
+import { lengthOf, panned, zoomed, type TimeSpan } from "../../series/time-window.js";
 
-export type KeyWish =
+export type KeyAction =
   | { readonly wish: "cursor"; readonly part: number | null }
-  | { readonly wish: "span"; readonly span: Span }
+  | { readonly wish: "span"; readonly span: TimeSpan }
   | { readonly wish: "reset" };
 
 const STEP = 0.01;
@@ -17,9 +17,9 @@ const LEAP = 0.1;
  *
  * @param part where the cursor is now (0 left, 1 right), null for nowhere
  */
-export function keyWish(key: string, shift: boolean, part: number | null, span: Span, zoomable: boolean): KeyWish | null {
+export function keyAction(key: string, shift: boolean, part: number | null, span: TimeSpan, zoomable: boolean): KeyAction | null {
   if (zoomable && !shift) {
-    const wish = windowWish(key, span);
+    const wish = windowAction(key, span);
     if (wish !== null) return wish;
   }
   const step = shift && !zoomable ? LEAP : STEP;
@@ -40,9 +40,9 @@ export function keyWish(key: string, shift: boolean, part: number | null, span: 
   switch (key) {
     case "+":
     case "=":
-      return { wish: "span", span: zoom(span, 0.5, about) };
+      return { wish: "span", span: zoomed(span, 0.5, about) };
     case "-":
-      return { wish: "span", span: zoom(span, 2, about) };
+      return { wish: "span", span: zoomed(span, 2, about) };
     case "0":
       return { wish: "reset" };
     default:
@@ -50,7 +50,7 @@ export function keyWish(key: string, shift: boolean, part: number | null, span: 
   }
 }
 
-function windowWish(key: string, span: Span): KeyWish | null {
+function windowAction(key: string, span: TimeSpan): KeyAction | null {
   const by = { ArrowLeft: -LEAP, ArrowRight: LEAP, PageUp: -0.5, PageDown: 0.5 }[key];
-  return by === undefined ? null : { wish: "span", span: pan(span, by * lengthOf(span)) };
+  return by === undefined ? null : { wish: "span", span: panned(span, by * lengthOf(span)) };
 }

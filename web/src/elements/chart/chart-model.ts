@@ -2,11 +2,11 @@
 
 import type { Columns } from "../../series/columns.js";
 import type { Gap } from "../../series/gaps.js";
-import type { Limits } from "../../series/axis-range.js";
-import type { Span } from "../../series/time-window.js";
+import type { RangeLimits } from "../../series/axis-range.js";
+import type { TimeSpan } from "../../series/time-window.js";
 
 /** Samples of one channel; `series/trace.ts` is one. */
-export interface Samples {
+export interface ChartSamples {
   readonly times: Float64Array;
   readonly values: Float64Array;
   /** Counts up with every change. */
@@ -26,7 +26,7 @@ export interface ChartSeries {
   readonly decimals: number;
   /** Place among the eight colours. */
   readonly colour: number;
-  readonly samples: Samples;
+  readonly samples: ChartSamples;
   /** What each whole number means, for a state; empty for a number. */
   readonly states: readonly string[];
   /** Stretches without samples that have a reason. */
@@ -34,24 +34,24 @@ export interface ChartSeries {
   /** Old values must not look as if they were fresh. */
   readonly stale: boolean;
   /** The same channel at another time, drawn behind. */
-  readonly ghost?: Ghost;
+  readonly ghost?: GhostSeries;
 }
 
 /** Samples of another time, drawn as if they were of this one. */
-export interface Ghost {
-  readonly samples: Samples;
+export interface GhostSeries {
+  readonly samples: ChartSamples;
   /** They are drawn so much later than they were taken (µs). */
   readonly shiftUs: number;
 }
 
-export interface Axis {
-  readonly limits: Limits;
+export interface ChartAxis {
+  readonly limits: RangeLimits;
   /** The axis covers at least this much (in the unit). */
   readonly least: number;
 }
 
 /** Room at the sides of a plot (CSS pixels). */
-export interface Indent {
+export interface ChartIndent {
   readonly left: number;
   readonly right: number;
 }
@@ -60,22 +60,22 @@ export interface Indent {
 const SIDE = 10;
 
 /** The room that so many value axes take; they stand in turn left and right. */
-export function indentOf(axes: number, axisWidth: number): Indent {
+export function indentOf(axes: number, axisWidth: number): ChartIndent {
   return { left: Math.ceil(axes / 2) * axisWidth || SIDE, right: Math.floor(axes / 2) * axisWidth || SIDE };
 }
 
 /** Gives the window at this moment; for a chart that moves with the time. */
-export type Follow = (nowMs: number) => Span;
+export type FollowWindow = (nowMs: number) => TimeSpan;
 
 /** Detail of `t-span`. */
 export interface SpanChange {
-  readonly span: Span;
+  readonly span: TimeSpan;
   /** False while fingers or wheel are still at it. */
   readonly settled: boolean;
 }
 
 /** A value at the cursor. */
-export interface ReadOut {
+export interface CursorValue {
   readonly series: ChartSeries;
   /** When the sample was taken; NaN when there is none near. */
   readonly timeUs: number;

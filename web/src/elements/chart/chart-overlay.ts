@@ -1,8 +1,8 @@
 /** What lies over a chart's canvas: the cursor with its values, and the stretch being chosen. */
 
-import type { Box } from "./uplot-view.js";
+import type { PlotBox } from "./uplot-view.js";
 
-export class Overlay {
+export class ChartOverlay {
   constructor(
     private readonly line: HTMLElement,
     private readonly values: HTMLElement,
@@ -10,30 +10,30 @@ export class Overlay {
   ) {}
 
   /** @param part 0 at the left of the plot, 1 at its right */
-  cursor(box: Box, part: number): void {
+  showCursor(box: PlotBox, part: number): void {
     const x = Math.round(box.left + part * box.width);
     this.line.hidden = false;
     this.line.style.cssText = `transform: translate(${String(x)}px, ${String(box.top)}px); block-size: ${String(box.height)}px`;
   }
 
   /** @param within the chart's whole width (CSS pixels) */
-  read(box: Box, part: number, within: number, text: string): void {
+  showReadOut(box: PlotBox, part: number, within: number, text: string): void {
     const x = box.left + part * box.width;
     this.values.hidden = false;
     this.values.textContent = text;
     this.values.style.cssText = part < 0.5 ? `left: ${String(x + BESIDE)}px` : `right: ${String(within - x + BESIDE)}px`;
   }
 
-  noCursor(): void {
+  hideCursor(): void {
     this.line.hidden = true;
-    this.noRead();
+    this.hideReadOut();
   }
 
-  noRead(): void {
+  hideReadOut(): void {
     this.values.hidden = true;
   }
 
-  choosing(box: Box, from: number, to: number): void {
+  showSelection(box: PlotBox, from: number, to: number): void {
     const left = box.left + Math.min(from, to) * box.width;
     const width = Math.abs(to - from) * box.width;
     this.chosen.hidden = false;
@@ -42,7 +42,7 @@ export class Overlay {
       `inline-size: ${String(width)}px; block-size: ${String(box.height)}px`;
   }
 
-  notChoosing(): void {
+  hideSelection(): void {
     this.chosen.hidden = true;
   }
 }

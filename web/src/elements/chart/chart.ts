@@ -9,23 +9,23 @@
 import { html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { knownZone } from "../../format/time.js";
-import type { Range } from "../../series/axis-range.js";
-import { lengthOf, type Span } from "../../series/time-window.js";
+import type { AxisRange } from "../../series/axis-range.js";
+import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { clockOf } from "../../series/zone-clock.js";
 import { base } from "../base/base-style.js";
-import { Axes } from "./value-axes.js";
+import { ValueAxes } from "./value-axes.js";
 import { drawLevel, drawMarks, type ChartMark } from "./draw-marks.js";
 import { drawOutliers, type OutlierPoints } from "./draw-outliers.js";
 import { drawSeries } from "./draw-series.js";
 import { Gestures } from "./gestures.js";
-import { keyWish } from "./chart-keys.js";
-import { indentOf, type Axis, type ChartSeries, type Follow, type Indent, type ReadOut, type SpanChange } from "./chart-model.js";
-import { Overlay } from "./chart-overlay.js";
-import { Painter, type Paintable } from "./paint-scheduler.js";
+import { keyAction } from "./chart-keys.js";
+import { indentOf, type ChartAxis, type ChartSeries, type FollowWindow, type ChartIndent, type CursorValue, type SpanChange } from "./chart-model.js";
+import { ChartOverlay } from "./chart-overlay.js";
+import { PaintScheduler, type Paintable } from "./paint-scheduler.js";
 import { readPalette, watchTheme, type Palette } from "./palette.js";
-import { momentText, readOut } from "./cursor-values.js";
+import { momentText, cursorValue } from "./cursor-values.js";
 import { chartStyle } from "./chart-style.js";
-import { ChartView } from "./uplot-view.js";
+import { UplotView } from "./uplot-view.js";
 
 declare global {
   interface Window {
@@ -48,12 +48,12 @@ const DRAWN: readonly (keyof Chart)[] = [
   "manyAxes",
   "indent",
 ];
-const NO_AXIS: Axis = { limits: { minimum: null, maximum: null }, least: 0 };
+const NO_AXIS: ChartAxis = { limits: { minimum: null, maximum: null }, least: 0 };
 /** The cursor finds a value within so many pixels. */
 const REACH = 14;
-const NO_INDENT: Indent = indentOf(0, 0);
+const NO_INDENT: ChartIndent = indentOf(0, 0);
 const NO_OUTLIERS: ReadonlyMap<string, OutlierPoints> = new Map();
-const NO_RANGE: Range = { low: 0, high: 1 };
+const NO_RANGE: AxisRange = { low: 0, high: 1 };
 
 /**
  * @fires t-span while and after the person zooms or moves the window; detail is `SpanChange`
@@ -72,12 +72,12 @@ export class Chart extends LitElement implements Paintable {
   /** Samples to point out, by the address of their series. */
   @property({ attribute: false }) outliers: ReadonlyMap<string, OutlierPoints> = NO_OUTLIERS;
   /** The window of a chart that stands still. */
-  @property({ attribute: false, hasChanged: isOther }) span: Span | null = null;
+  @property({ attribute: false, hasChanged: isOther }) span: TimeSpan | null = null;
   /** Gives the window of a chart that moves; it wins over `span`. */
-  @property({ attribute: false }) follow: Follow | null = null;
-  @property({ attribute: false }) axis: Axis = NO_AXIS;
+  @property({ attribute: false }) follow: FollowWindow | null = null;
+  @property({ attribute: false }) axis: ChartAxis = NO_AXIS;
   /** Rounds are drawn together with the charts that share it. */
-  @property({ attribute: false }) painter: Painter | null = null;
+  @property({ attribute: false }) painter: PaintScheduler | null = null;
   @property() zone = "UTC";
   /** What the chart shows, for screen readers. */
   @property() label = "";
@@ -89,7 +89,7 @@ export class Chart extends LitElement implements Paintable {
   /** An axis for each unit among the series, instead of one for all. */
   @property({ type: Boolean, attribute: "many-axes" }) manyAxes = false;
   /** Room at the sides, also where no axes take it, so that the plot lines up with others. */
-  @property({ attribute: false }) indent: Indent = NO_INDENT;
+  @property({ attribute: false }) indent: ChartIndent = NO_INDENT;
 
   @query(".plot") private place!: HTMLElement;
   @query(".cursor") private cursorLine!: HTMLElement;
@@ -97,11 +97,11 @@ export class Chart extends LitElement implements Paintable {
   @query(".chosen") private chosenBox!: HTMLElement;
   @query("[aria-live]") private spoken!: HTMLElement;
 
-  private view: ChartView | null = null;
-  private overlay: Overlay | null = null;
+  private view: UplotView | null = null;
+  private overlay: ChartOverlay | null = null;
   private palette: Palette | null = null;
-  private axes = new Axes([], false, NO_AXIS);
-  private shown: Span | null = null;
+  private axes = new ValueAxes([], false, NO_AXIS);
+  private shown: TimeSpan | null = null;
   private cursorPart: number | null = null;
   private size = { width: 0, height: 0 };
   private onScreen = false;
@@ -142,23 +142,23 @@ export class Chart extends LitElement implements Paintable {
   }
 
   protected override firstUpdated(): void {
-    this.overlay = new Overlay(this.cursorLine, this.readBox, this.chosenBox);
+    this.overlay = new ChartOverlay(this.cursorLine, this.readBox, this.chosenBox);
     new Gestures(this.place, {
       span: () => this.shown,
       partAt: (x) => this.partAt(x),
-      cursor: (part) => {
+      moveCursor: (part) => {
         this.moveCursor(part);
       },
-      choosing: (from, to) => {
-        if (this.view !== null) this.overlay?.choosing(this.view.box, from, to);
+      showSelection: (from, to) => {
+        if (this.view !== null) this.overlay?.showSelection(this.view.plotBox, from, to);
       },
-      notChoosing: () => {
-        this.overlay?.notChoosing();
+      hideSelection: () => {
+        this.overlay?.hideSelection();
       },
-      change: (span, settled) => {
+      changeSpan: (span, settled) => {
         this.fireSpanChange({ span, settled });
       },
-      reset: () => {
+      resetSpan: () => {
         this.fireEvent("t-reset", null);
       },
       zoomable: this.zoomable,
@@ -168,7 +168,7 @@ export class Chart extends LitElement implements Paintable {
 
   protected override willUpdate(changed: PropertyValues<this>): void {
     const before = this.axes;
-    const axes = changed.has("series") || changed.has("manyAxes") || changed.has("axis") ? new Axes(this.series, this.manyAxes, this.axis) : before;
+    const axes = changed.has("series") || changed.has("manyAxes") || changed.has("axis") ? new ValueAxes(this.series, this.manyAxes, this.axis) : before;
     // Axes that are the same keep what they cover, so that they do not jump with every answer.
     if (axes.key !== before.key || changed.has("axis")) this.axes = axes;
     const other = axes.key !== before.key || changed.has("zone") || changed.has("axisWidth") || changed.has("indent");
@@ -212,14 +212,14 @@ export class Chart extends LitElement implements Paintable {
     this.drawnVersion = this.dataVersion();
     const columnUs = this.widthUs(span);
     const ranges = this.axes.axisRanges(this.series, span, columnUs);
-    const rangeOf = (one: ChartSeries): Range => ranges[this.axes.axisIndex(one)] ?? NO_RANGE;
-    view.paint(span, ranges, (plot) => {
+    const rangeOf = (series: ChartSeries): AxisRange => ranges[this.axes.axisIndex(series)] ?? NO_RANGE;
+    view.paintView(span, ranges, (plot) => {
       drawSeries(plot, this.series, { palette, columnUs, moving: this.follow !== null, rangeOf });
       drawMarks(plot, this.marks, palette);
       if (!Number.isNaN(this.level)) drawLevel({ ...plot, range: ranges[0] ?? NO_RANGE }, this.level, palette);
-      for (const one of this.series) {
-        const points = this.outliers.get(one.address);
-        if (points !== undefined) drawOutliers({ ...plot, range: rangeOf(one) }, points, palette);
+      for (const series of this.series) {
+        const points = this.outliers.get(series.address);
+        if (points !== undefined) drawOutliers({ ...plot, range: rangeOf(series) }, points, palette);
       }
     });
     this.placeCursor();
@@ -228,8 +228,8 @@ export class Chart extends LitElement implements Paintable {
   }
 
   /** Time of one pixel column (µs). Rounded: a window that moves must not change it by a hair. */
-  private widthUs(span: Span): number {
-    return Math.max(1, Math.round(lengthOf(span) / Math.max(1, Math.round(this.view?.box.width ?? 1))));
+  private widthUs(span: TimeSpan): number {
+    return Math.max(1, Math.round(lengthOf(span) / Math.max(1, Math.round(this.view?.plotBox.width ?? 1))));
   }
 
   private dataVersion(): number {
@@ -241,7 +241,7 @@ export class Chart extends LitElement implements Paintable {
   // ── coming and going ────────────────────────────────────────────────────────────────────
 
   private startPainting(): void {
-    this.painter ??= new Painter();
+    this.painter ??= new PaintScheduler();
     const painter = this.painter;
     const inView = new IntersectionObserver((entries) => {
       this.onScreen = entries.at(-1)?.isIntersecting ?? false;
@@ -279,7 +279,7 @@ export class Chart extends LitElement implements Paintable {
     const root = this.renderRoot;
     if (root instanceof ShadowRoot && !root.adoptedStyleSheets.includes(sheet)) root.adoptedStyleSheets.push(sheet);
     this.palette = readPalette(this);
-    this.view = new ChartView(UPlot, this.place, this.size, this.palette, {
+    this.view = new UplotView(UPlot, this.place, this.size, this.palette, {
       clock: clockOf(knownZone(this.zone)),
       axisWidth: this.axisWidth,
       axes: this.axes.looks,
@@ -306,7 +306,7 @@ export class Chart extends LitElement implements Paintable {
   // ── pointer and keys ────────────────────────────────────────────────────────────────────
 
   private partAt(clientX: number): number {
-    const box = this.view?.box;
+    const box = this.view?.plotBox;
     if (box === undefined) return 0;
     const part = (clientX - this.place.getBoundingClientRect().left - box.left) / Math.max(1, box.width);
     return Math.min(1, Math.max(0, part));
@@ -330,25 +330,25 @@ export class Chart extends LitElement implements Paintable {
     const { shown, view, overlay, cursorPart } = this;
     const us = this.follow === null ? (this.cursorUs ?? this.cursorMoment()) : this.cursorMoment();
     if (us === null || shown === null || view === null || us < shown.fromUs || us > shown.toUs) {
-      overlay?.noCursor();
+      overlay?.hideCursor();
       return;
     }
     const part = (us - shown.fromUs) / lengthOf(shown);
-    overlay?.cursor(view.box, part);
+    overlay?.showCursor(view.plotBox, part);
     // A chart whose cursor is another's shows the place only: its values stand beside it.
-    if (cursorPart === null) overlay?.noRead();
-    else overlay?.read(view.box, part, this.size.width, this.readText(us, shown));
+    if (cursorPart === null) overlay?.hideReadOut();
+    else overlay?.showReadOut(view.plotBox, part, this.size.width, this.readText(us, shown));
   }
 
   /** Values near a moment, one for each series. */
-  readAt(us: number): ReadOut[] {
+  readAt(us: number): CursorValue[] {
     const { shown } = this;
     if (shown === null) return [];
     const width = this.widthUs(shown);
-    return this.series.map((one) => readOut(one, us, width, REACH * width));
+    return this.series.map((series) => cursorValue(series, us, width, REACH * width));
   }
 
-  private readText(us: number, shown: Span): string {
+  private readText(us: number, shown: TimeSpan): string {
     const moment = momentText(us, knownZone(this.zone), lengthOf(shown));
     const values = this.readAt(us).map(({ series, text }) => (this.series.length > 1 ? `${series.name} ${text}` : text));
     const gap = this.series.flatMap(({ gaps }) => gaps).find(({ from_us, to_us }) => us >= from_us && us <= to_us);
@@ -371,7 +371,7 @@ export class Chart extends LitElement implements Paintable {
   private readonly onKeyDown = (event: KeyboardEvent): void => {
     const { shown } = this;
     if (shown === null || event.ctrlKey || event.metaKey || event.altKey) return;
-    const wish = keyWish(event.key, event.shiftKey, this.cursorPart, shown, this.zoomable);
+    const wish = keyAction(event.key, event.shiftKey, this.cursorPart, shown, this.zoomable);
     if (wish === null) return;
     event.preventDefault();
     event.stopPropagation();
@@ -393,7 +393,7 @@ export class Chart extends LitElement implements Paintable {
 }
 
 /** Windows are made anew with every render; it is their ends that matter. */
-function isOther(span: Span | null, before: Span | null | undefined): boolean {
+function isOther(span: TimeSpan | null, before: TimeSpan | null | undefined): boolean {
   return span?.fromUs !== before?.fromUs || span?.toUs !== before?.toUs;
 }
 

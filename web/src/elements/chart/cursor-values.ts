@@ -4,9 +4,9 @@ import { decimalsFor, formatNumber, NOTHING } from "../../format/number.js";
 import { formatClock, formatDate } from "../../format/time.js";
 import { stateWord } from "../../format/state-label.js";
 import { formatWithUnit } from "../../format/unit.js";
-import { firstFrom, nearest } from "../../series/binary-search.js";
+import { firstIndexFrom, nearestIndex } from "../../series/binary-search.js";
 import { SECOND_US } from "../../series/zone-clock.js";
-import type { ChartSeries, ReadOut } from "./chart-model.js";
+import type { ChartSeries, CursorValue } from "./chart-model.js";
 
 /** At this length of a window (µs) and below, a thousandth of a second is a pixel. */
 const FINE_US = 120 * SECOND_US;
@@ -26,25 +26,25 @@ export function momentText(us: number, zone: string, lengthUs: number): string {
  *   mean is given with the least and the greatest
  * @param withinUs nothing farther away counts
  */
-export function readOut(series: ChartSeries, us: number, widthUs: number, withinUs: number): ReadOut {
-  return series.states.length > 0 ? readState(series, us) : readNumber(series, us, widthUs, withinUs);
+export function cursorValue(series: ChartSeries, us: number, widthUs: number, withinUs: number): CursorValue {
+  return series.states.length > 0 ? stateAtCursor(series, us) : numberAtCursor(series, us, widthUs, withinUs);
 }
 
-function readState(series: ChartSeries, us: number): ReadOut {
+function stateAtCursor(series: ChartSeries, us: number): CursorValue {
   const { times, values, allowedUs } = series.samples;
-  const at = firstFrom(times, us + 1) - 1;
+  const at = firstIndexFrom(times, us + 1) - 1;
   const timeUs = times[at] ?? NaN;
   if (!(us - timeUs <= allowedUs)) return { series, timeUs: NaN, text: NOTHING };
   return { series, timeUs, text: stateWord(series.states, values[at] ?? NaN) };
 }
 
-function readNumber(series: ChartSeries, us: number, widthUs: number, withinUs: number): ReadOut {
+function numberAtCursor(series: ChartSeries, us: number, widthUs: number, withinUs: number): CursorValue {
   const columns = series.samples.columnsAt(widthUs);
   const times = Array.from({ length: 3 }, (_, i) => {
     const at = columns.firstFrom(us) - 1 + i;
     return { at, time: at >= 0 && at < columns.length ? columns.timeAt(at) : NaN };
   }).filter(({ time }) => Math.abs(time - us) <= withinUs);
-  const found = times[nearest(times.map(({ time }) => time), us)];
+  const found = times[nearestIndex(times.map(({ time }) => time), us)];
   if (found === undefined) return { series, timeUs: NaN, text: NOTHING };
   const { unit } = series;
   const decimals = decimalsFor(unit, series.decimals);

@@ -2,9 +2,9 @@
 
 import type { Columns } from "../../series/columns.js";
 import type { Gap } from "../../series/gaps.js";
-import type { Run } from "../../series/state-runs.js";
-import type { Range } from "../../series/axis-range.js";
-import { lengthOf, type Span } from "../../series/time-window.js";
+import type { StateRun } from "../../series/state-runs.js";
+import type { AxisRange } from "../../series/axis-range.js";
+import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 
 /** The place to draw in (canvas pixels), with what its sides stand for. */
 export interface Plot {
@@ -13,8 +13,8 @@ export interface Plot {
   readonly top: number;
   readonly width: number;
   readonly height: number;
-  readonly span: Span;
-  readonly range: Range;
+  readonly span: TimeSpan;
+  readonly range: AxisRange;
   /** Canvas pixels for one CSS pixel. */
   readonly ratio: number;
   readonly font: string;
@@ -38,7 +38,7 @@ export function yOf(plot: Plot, value: number): number {
 }
 
 /** Draw inside the plot only. */
-export function clipped(plot: Plot, draw: () => void): void {
+export function drawClipped(plot: Plot, draw: () => void): void {
   plot.ctx.save();
   plot.ctx.beginPath();
   plot.ctx.rect(plot.left, plot.top, plot.width, plot.height);
@@ -184,14 +184,14 @@ export function drawGaps(plot: Plot, gaps: readonly Gap[], ink: string): void {
     ctx.fillStyle = ink;
     ctx.globalAlpha = 0.1;
     ctx.fillRect(left, plot.top, width, plot.height);
-    hatch(plot, left, width, ink);
+    drawHatch(plot, left, width, ink);
     ctx.globalAlpha = 1;
-    gapReason(plot, gap, left, width, ink);
+    drawGapReason(plot, gap, left, width, ink);
     ctx.restore();
   }
 }
 
-function hatch(plot: Plot, left: number, width: number, ink: string): void {
+function drawHatch(plot: Plot, left: number, width: number, ink: string): void {
   const { ctx, ratio, top, height } = plot;
   const apart = 9 * ratio;
   ctx.beginPath();
@@ -206,7 +206,7 @@ function hatch(plot: Plot, left: number, width: number, ink: string): void {
   ctx.stroke();
 }
 
-function gapReason(plot: Plot, gap: Gap, left: number, width: number, ink: string): void {
+function drawGapReason(plot: Plot, gap: Gap, left: number, width: number, ink: string): void {
   const { ctx, ratio } = plot;
   const text = gap.reason === "" ? "no samples" : gap.reason;
   ctx.font = `${String(11 * ratio)}px ${plot.font}`;
@@ -225,7 +225,7 @@ export interface StateLook {
 }
 
 /** States as bars, one after the other, with their words where there is room. */
-export function drawRuns(plot: Plot, runs: readonly Run[], lookOf: (value: number) => StateLook, ink: string): void {
+export function drawRuns(plot: Plot, runs: readonly StateRun[], lookOf: (value: number) => StateLook, ink: string): void {
   const { ctx, ratio } = plot;
   const top = plot.top + 3 * ratio;
   const height = plot.height - 6 * ratio;

@@ -1,20 +1,20 @@
 /** Pointer, wheel, fingers and keys on a chart, told as what they ask for. */
 
-import { pan, pinch, zoom, type Span } from "../../series/time-window.js";
+import { panned, pinched, zoomed, type TimeSpan } from "../../series/time-window.js";
 
 /** What a chart does when asked. Places are parts of the plot's width: 0 left, 1 right. */
-export interface Asked {
+export interface GestureTarget {
   /** The window, or null while there is none. */
-  span(): Span | null;
+  span(): TimeSpan | null;
   /** Part of the plot's width at a place on the screen. */
   partAt(clientX: number): number;
-  cursor(part: number | null): void;
+  moveCursor(part: number | null): void;
   /** Show the stretch that would be zoomed to; null takes it away. */
-  choosing(from: number, to: number): void;
-  notChoosing(): void;
-  change(span: Span, settled: boolean): void;
+  showSelection(from: number, to: number): void;
+  hideSelection(): void;
+  changeSpan(span: TimeSpan, settled: boolean): void;
   /** Back to where it was before zooming. */
-  reset(): void;
+  resetSpan(): void;
   readonly zoomable: boolean;
 }
 
@@ -36,7 +36,7 @@ export class Gestures {
 
   constructor(
     private readonly place: HTMLElement,
-    private readonly asked: Asked,
+    private readonly asked: GestureTarget,
   ) {
     place.addEventListener("pointerdown", this.onPointerDown);
     place.addEventListener("pointermove", this.onPointerMove);
@@ -60,11 +60,11 @@ export class Gestures {
   };
 
   private readonly onPointerMove = (event: PointerEvent): void => {
-    this.asked.cursor(this.asked.partAt(event.clientX));
+    this.asked.moveCursor(this.asked.partAt(event.clientX));
     const finger = this.fingers.get(event.pointerId);
     if (finger === undefined) return;
     finger.x = event.clientX;
-    if (finger.mouse) this.asked.choosing(this.asked.partAt(finger.startX), this.asked.partAt(finger.x));
+    if (finger.mouse) this.asked.showSelection(this.asked.partAt(finger.startX), this.asked.partAt(finger.x));
     else this.applyDrag(false);
   };
 
@@ -73,9 +73,9 @@ export class Gestures {
     if (finger === undefined) return;
     const moved = Math.abs(finger.x - finger.startX) >= LEAST_DRAG;
     if (finger.mouse) {
-      this.asked.notChoosing();
+      this.asked.hideSelection();
       const [a, b] = [finger.us, this.timeAt(finger.x)];
-      if (moved) this.asked.change({ fromUs: Math.min(a, b), toUs: Math.max(a, b) }, true);
+      if (moved) this.asked.changeSpan({ fromUs: Math.min(a, b), toUs: Math.max(a, b) }, true);
     } else if (moved) {
       this.applyDrag(true);
     }
@@ -85,16 +85,16 @@ export class Gestures {
 
   private readonly onPointerCancel = (event: PointerEvent): void => {
     this.fingers.delete(event.pointerId);
-    this.asked.notChoosing();
+    this.asked.hideSelection();
     this.regripRemaining();
   };
 
   private readonly onPointerLeave = (event: PointerEvent): void => {
-    if (event.pointerType === "mouse" && this.fingers.size === 0) this.asked.cursor(null);
+    if (event.pointerType === "mouse" && this.fingers.size === 0) this.asked.moveCursor(null);
   };
 
   private readonly onDoubleClick = (): void => {
-    if (this.asked.zoomable) this.asked.reset();
+    if (this.asked.zoomable) this.asked.resetSpan();
   };
 
   // A wheel that passes over a chart scrolls the page; it zooms once the chart has been clicked.
@@ -106,13 +106,13 @@ export class Gestures {
     const sideways = Math.abs(event.deltaX) > Math.abs(event.deltaY);
     const pixels = event.deltaMode === 0 ? 1 : 30;
     const next = sideways
-      ? pan(span, (event.deltaX * pixels * (span.toUs - span.fromUs)) / Math.max(1, this.place.clientWidth))
-      : zoom(span, Math.exp(event.deltaY * pixels * WHEEL), this.timeAt(event.clientX));
-    this.asked.change(next, false);
+      ? panned(span, (event.deltaX * pixels * (span.toUs - span.fromUs)) / Math.max(1, this.place.clientWidth))
+      : zoomed(span, Math.exp(event.deltaY * pixels * WHEEL), this.timeAt(event.clientX));
+    this.asked.changeSpan(next, false);
     clearTimeout(this.settle);
     this.settle = setTimeout(() => {
       const now = this.asked.span();
-      if (now !== null) this.asked.change(now, true);
+      if (now !== null) this.asked.changeSpan(now, true);
     }, SETTLE_MS);
   };
 
@@ -122,11 +122,11 @@ export class Gestures {
     const [one, two] = [...this.fingers.values()];
     if (span === null || one === undefined) return;
     if (two === undefined) {
-      this.asked.change(pan(span, one.us - this.timeAt(one.x)), settled);
+      this.asked.changeSpan(panned(span, one.us - this.timeAt(one.x)), settled);
       return;
     }
-    const next = pinch(one.us, two.us, this.asked.partAt(one.x), this.asked.partAt(two.x));
-    if (next !== null) this.asked.change(next, settled);
+    const next = pinched(one.us, two.us, this.asked.partAt(one.x), this.asked.partAt(two.x));
+    if (next !== null) this.asked.changeSpan(next, settled);
   }
 
   // When one of two fingers goes, the other holds on to where it is now.

@@ -1,6 +1,6 @@
 /** Draws the charts of a page in rounds, so that all of them together stay within their share. */
 
-import { Pace } from "../../series/draw-rate.js";
+import { DrawRate } from "../../series/draw-rate.js";
 
 /** What is drawn in rounds. */
 export interface Paintable {
@@ -12,11 +12,11 @@ export interface Paintable {
 }
 
 /** A hidden tab gets no frames, so nothing is drawn there. */
-export class Painter {
+export class PaintScheduler {
   private readonly charts = new Set<Paintable>();
   private frame = 0;
 
-  constructor(private readonly pace = new Pace()) {}
+  constructor(private readonly pace = new DrawRate()) {}
 
   /** Returns the way to take the chart out again. */
   addChart(chart: Paintable): () => void {

@@ -2,16 +2,16 @@
 
 import type UPlotType from "uplot";
 import { formatNumber } from "../../format/number.js";
-import { decimalsOf, type Range } from "../../series/axis-range.js";
+import { decimalsOf, type AxisRange } from "../../series/axis-range.js";
 import { tickText, timeStep, timeTicks } from "../../series/time-ticks.js";
-import { lengthOf, type Span } from "../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import type { ZoneClock } from "../../series/zone-clock.js";
-import { clipped, type Plot } from "./draw-parts.js";
-import type { Indent } from "./chart-model.js";
+import { drawClipped, type Plot } from "./draw-parts.js";
+import type { ChartIndent } from "./chart-model.js";
 import { seriesColour, type Palette } from "./palette.js";
 
 /** A rectangle in CSS pixels, from the chart's own corner. */
-export interface Box {
+export interface PlotBox {
   readonly left: number;
   readonly top: number;
   readonly width: number;
@@ -26,14 +26,14 @@ export interface AxisLook {
   readonly colour: number;
 }
 
-export interface ViewOptions {
+export interface UplotViewOptions {
   readonly clock: ZoneClock;
   /** Width kept for each value axis (CSS pixels), so that charts below each other line up. */
   readonly axisWidth: number;
   /** The value axes, in turn left and right; none for states alone. */
   readonly axes: readonly AxisLook[];
   /** Room kept at the sides, also where no axes take it (CSS pixels). */
-  readonly indent: Indent;
+  readonly indent: ChartIndent;
 }
 
 const TICK_APART = 84;
@@ -43,12 +43,12 @@ const CHAR = 7;
 const GAP = 6;
 const TITLE = 14;
 
-export class ChartView {
+export class UplotView {
   private readonly plot: UPlotType;
   private readonly ticks = new Map<number, string>();
   private drawInside: (plot: Plot) => void = () => undefined;
-  private span: Span = { fromUs: 0, toUs: 1 };
-  private ranges: readonly Range[] = [];
+  private span: TimeSpan = { fromUs: 0, toUs: 1 };
+  private ranges: readonly AxisRange[] = [];
   private step = 0;
 
   constructor(
@@ -56,15 +56,15 @@ export class ChartView {
     place: HTMLElement,
     size: { width: number; height: number },
     private palette: Palette,
-    private readonly options: ViewOptions,
+    private readonly options: UplotViewOptions,
   ) {
-    this.plot = new engine(this.settings(size), [[0, 1]], place);
+    this.plot = new engine(this.uplotOptions(size), [[0, 1]], place);
   }
 
   /** Where the traces are (CSS pixels). */
-  get box(): Box {
+  get plotBox(): PlotBox {
     const { left, top, width, height } = this.plot.bbox;
-    const ratio = this.ratio;
+    const ratio = this.pixelRatio;
     return { left: left / ratio, top: top / ratio, width: width / ratio, height: height / ratio };
   }
 
@@ -81,11 +81,11 @@ export class ChartView {
    *
    * @param ranges one for each axis; at least one
    */
-  paint(span: Span, ranges: readonly Range[], inside: (plot: Plot) => void): void {
+  paintView(span: TimeSpan, ranges: readonly AxisRange[], inside: (plot: Plot) => void): void {
     this.span = span;
     this.ranges = ranges;
     this.drawInside = inside;
-    const step = timeStep(lengthOf(span), this.box.width / TICK_APART);
+    const step = timeStep(lengthOf(span), this.plotBox.width / TICK_APART);
     // Another width alone moves no scale: the engine would keep the ticks of the old one.
     const others = step !== this.step;
     if (others) this.ticks.clear();
@@ -104,11 +104,11 @@ export class ChartView {
     this.plot.destroy();
   }
 
-  private get ratio(): number {
+  private get pixelRatio(): number {
     return this.plot.ctx.canvas.width / Math.max(1, this.plot.width);
   }
 
-  private settings(size: { width: number; height: number }): UPlotType.Options {
+  private uplotOptions(size: { width: number; height: number }): UPlotType.Options {
     const { axes, axisWidth, indent } = this.options;
     const titled = axes.some(({ title }) => title !== "");
     const left = Math.max(0, indent.left - Math.ceil(axes.length / 2) * axisWidth);
@@ -124,13 +124,13 @@ export class ChartView {
         ...Object.fromEntries(Array.from({ length: Math.max(1, axes.length) }, (_, i) => [scaleOf(i), this.valueScale(i)])),
       },
       axes: [this.timeAxis(), ...axes.map((look, i) => this.valueAxis(look, i))],
-      hooks: { draw: [this.draw] },
+      hooks: { draw: [this.drawPlot] },
     };
   }
 
   private timeAxis(): UPlotType.Axis {
     return {
-      ...this.look(),
+      ...this.gridLook(),
       size: TYPE + 16,
       splits: (_u, _axis, min, max) => timeTicks(min, max, this.step || 1e6, this.options.clock),
       values: (_u, splits) => splits.map((us) => (this.hasRoom(us) ? this.tickText(us) : "")),
@@ -149,7 +149,7 @@ export class ChartView {
 
   private valueAxis(axis: AxisLook, index: number): UPlotType.Axis {
     const { axisWidth } = this.options;
-    const look = this.look();
+    const look = this.gridLook();
     return {
       ...look,
       stroke: () => this.inkOf(axis),
@@ -173,7 +173,7 @@ export class ChartView {
     return colour < 0 ? this.palette.muted : seriesColour(this.palette, colour);
   }
 
-  private look(): UPlotType.Axis {
+  private gridLook(): UPlotType.Axis {
     return {
       stroke: () => this.palette.muted,
       font: `${String(TYPE)}px ${this.palette.font}`,
@@ -185,7 +185,7 @@ export class ChartView {
 
   // A label too near to the edge would be cut.
   private hasRoom(us: number): boolean {
-    const { left, width } = this.box;
+    const { left, width } = this.plotBox;
     const x = left + ((us - this.span.fromUs) / lengthOf(this.span)) * width;
     return x >= LABEL_HALF && x <= this.plot.width - LABEL_HALF;
   }
@@ -200,7 +200,7 @@ export class ChartView {
     return text;
   }
 
-  private readonly draw = (plot: UPlotType): void => {
+  private readonly drawPlot = (plot: UPlotType): void => {
     const { left, top, width, height } = plot.bbox;
     const inside: Plot = {
       ctx: plot.ctx,
@@ -210,11 +210,11 @@ export class ChartView {
       height,
       span: this.span,
       range: this.ranges[0] ?? UNIT,
-      ratio: this.ratio,
+      ratio: this.pixelRatio,
       font: this.palette.font,
     };
     this.drawTitles(inside);
-    clipped(inside, () => {
+    drawClipped(inside, () => {
       this.drawInside(inside);
     });
   };
@@ -235,7 +235,7 @@ export class ChartView {
   }
 }
 
-const UNIT: Range = { low: 0, high: 1 };
+const UNIT: AxisRange = { low: 0, high: 1 };
 
 function scaleOf(index: number): string {
   return `y${String(index)}`;

@@ -1,12 +1,12 @@
 /** The value axes of a chart: one for all its numbers, or one for each unit among them. */
 
-import { SteadyRange, type Range } from "../../series/axis-range.js";
-import type { Span } from "../../series/time-window.js";
-import { extent } from "./draw-series.js";
-import type { Axis, ChartSeries } from "./chart-model.js";
+import { SteadyRange, type AxisRange } from "../../series/axis-range.js";
+import type { TimeSpan } from "../../series/time-window.js";
+import { valueExtent } from "./draw-series.js";
+import type { ChartAxis, ChartSeries } from "./chart-model.js";
 import type { AxisLook } from "./uplot-view.js";
 
-export class Axes {
+export class ValueAxes {
   private readonly units: readonly string[];
   private readonly steady: readonly SteadyRange[];
   /** The same for charts that look the same beside their plots. */
@@ -14,7 +14,7 @@ export class Axes {
   readonly looks: readonly AxisLook[];
 
   /** @param many one for each unit, with the unit over it */
-  constructor(series: readonly ChartSeries[], many: boolean, axis: Axis) {
+  constructor(series: readonly ChartSeries[], many: boolean, axis: ChartAxis) {
     const numbers = series.filter(({ states }) => states.length === 0);
     this.units = many ? [...new Set(numbers.map(({ unit }) => unit))] : [""];
     const bare = series.length > 0 && numbers.length === 0;
@@ -24,10 +24,10 @@ export class Axes {
   }
 
   /** What each axis covers; at least one. */
-  axisRanges(series: readonly ChartSeries[], span: Span, columnUs: number): Range[] {
+  axisRanges(series: readonly ChartSeries[], span: TimeSpan, columnUs: number): AxisRange[] {
     return this.steady.map((steady, i) => {
       const own = this.units.length < 2 ? series : series.filter(({ unit }) => unit === this.units[i]);
-      const { min, max } = extent(own, span, columnUs);
+      const { min, max } = valueExtent(own, span, columnUs);
       return steady.nextRange(min, max);
     });
   }
@@ -40,6 +40,6 @@ export class Axes {
 
 // An axis that has one line to itself takes the line's colour.
 function lookOf(numbers: readonly ChartSeries[], unit: string): AxisLook {
-  const own = numbers.filter((one) => one.unit === unit);
+  const own = numbers.filter((series) => series.unit === unit);
   return { title: unit || "no unit", colour: own.length === 1 ? (own[0]?.colour ?? -1) : -1 };
 }

@@ -5,12 +5,12 @@ import { formatNumber } from "../../format/number.js";
 
 export type ArgumentValue = number | boolean | string;
 
-export type Checked =
+export type CheckedArgument =
   | { readonly ok: true; readonly value: ArgumentValue }
   | { readonly ok: false; readonly why: string };
 
 /** @param text - as typed; of a boolean: "true" or "false" */
-export function checkArgument(argument: ArgumentInfo, text: string): Checked {
+export function checkArgument(argument: ArgumentInfo, text: string): CheckedArgument {
   switch (argument.type) {
     case "boolean":
       return { ok: true, value: text === "true" };
@@ -23,7 +23,7 @@ export function checkArgument(argument: ArgumentInfo, text: string): Checked {
   }
 }
 
-function checkNumber(argument: ArgumentInfo, text: string): Checked {
+function checkNumber(argument: ArgumentInfo, text: string): CheckedArgument {
   const value = Number(text);
   if (text === "" || !Number.isFinite(value)) return { ok: false, why: "A number is needed here." };
   if (argument.type === "integer" && !Number.isInteger(value)) {
@@ -31,22 +31,22 @@ function checkNumber(argument: ArgumentInfo, text: string): Checked {
   }
   const { minimum, maximum } = argument;
   if ((minimum !== null && value < minimum) || (maximum !== null && value > maximum)) {
-    return { ok: false, why: `It may be ${limitWords(argument)}.` };
+    return { ok: false, why: `It may be ${argumentLimitText(argument)}.` };
   }
   return { ok: true, value };
 }
 
 /** `0 to 360 °`, `0 or more`; empty without limits. */
-export function limitWords({ minimum, maximum, unit }: ArgumentInfo): string {
-  const say = (value: number): string => formatNumber(value, Number.isInteger(value) ? 0 : 3).replace(/(\.\d*?)0+$/, "$1");
+export function argumentLimitText({ minimum, maximum, unit }: ArgumentInfo): string {
+  const numberText = (value: number): string => formatNumber(value, Number.isInteger(value) ? 0 : 3).replace(/(\.\d*?)0+$/, "$1");
   const tail = unit === "" ? "" : `\u202f${unit}`;
-  if (minimum !== null && maximum !== null) return `${say(minimum)} to ${say(maximum)}${tail}`;
-  if (minimum !== null) return `${say(minimum)}${tail} or more`;
-  return maximum === null ? "" : `${say(maximum)}${tail} or less`;
+  if (minimum !== null && maximum !== null) return `${numberText(minimum)} to ${numberText(maximum)}${tail}`;
+  if (minimum !== null) return `${numberText(minimum)}${tail} or more`;
+  return maximum === null ? "" : `${numberText(maximum)}${tail} or less`;
 }
 
 /** What a field starts with. */
-export function startOf(argument: ArgumentInfo): string {
+export function initialText(argument: ArgumentInfo): string {
   if (argument.default !== null) return String(argument.default);
   return argument.type === "boolean" ? "false" : "";
 }

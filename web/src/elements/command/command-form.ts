@@ -10,13 +10,13 @@ import "../feedback/dialog.js";
 import "../forms/field.js";
 import "../base/icon.js";
 import "../feedback/status.js";
-import { PHASES, type AskPhase } from "./command-phases.js";
-import { checkArgument, limitWords, startOf, type ArgumentValue } from "./argument-check.js";
+import { PHASES, type RequestPhase } from "./command-phases.js";
+import { checkArgument, argumentLimitText, initialText, type ArgumentValue } from "./argument-check.js";
 
-export type { AskPhase };
+export type { RequestPhase as AskPhase };
 
-export interface AskState {
-  readonly phase: AskPhase;
+export interface RequestState {
+  readonly phase: RequestPhase;
   /** The robot's own words, where it gave any. */
   readonly message: string;
   /** 0 to 1 */
@@ -119,7 +119,7 @@ export class CommandForm extends LitElement {
   ];
 
   @property({ attribute: false }) command: CommandInfo | null = null;
-  @property({ attribute: false }) asked: AskState | null = null;
+  @property({ attribute: false }) asked: RequestState | null = null;
   /** The site is connected. */
   @property({ type: Boolean }) online = true;
   /** This person may use the device. */
@@ -146,7 +146,7 @@ export class CommandForm extends LitElement {
           ${repeat(command.arguments, (argument) => argument.id, (argument) => this.renderField(argument))}
         </div>
         <div class="do">
-          <t-button type="submit" ?disabled=${!this.may} ?busy=${busy}>
+          <t-button type="submit" ?disabled=${!this.isAllowed} ?busy=${busy}>
             ${command.confirm ? "Send…" : "Send"}
           </t-button>
           ${command.cancellable && (this.asked?.phase === "accepted" || this.asked?.phase === "running")
@@ -164,12 +164,12 @@ export class CommandForm extends LitElement {
     `;
   }
 
-  private get may(): boolean {
+  private get isAllowed(): boolean {
     return this.online && this.allowed && this.locked === "";
   }
 
   private renderField(argument: ArgumentInfo): TemplateResult {
-    const value = this.typed[argument.id] ?? startOf(argument);
+    const value = this.typed[argument.id] ?? initialText(argument);
     if (argument.type === "boolean") {
       return html`<label
         ><input
@@ -184,7 +184,7 @@ export class CommandForm extends LitElement {
     }
     const number = argument.type !== "text";
     const label = argument.unit === "" ? argument.name : `${argument.name} (${argument.unit})`;
-    return html`<t-field .label=${label} .hint=${limitWords(argument)} .error=${this.errors[argument.id] ?? ""}>
+    return html`<t-field .label=${label} .hint=${argumentLimitText(argument)} .error=${this.errors[argument.id] ?? ""}>
       <input
         name=${argument.id}
         type="text"
@@ -221,7 +221,7 @@ export class CommandForm extends LitElement {
         this.command.arguments,
         (argument) => argument.id,
         (argument) => html`<dt>${argument.name}</dt>
-          <dd>${said(given[argument.id])} ${argument.unit}</dd>`,
+          <dd>${valueText(given[argument.id])} ${argument.unit}</dd>`,
       )}
     </dl>`;
   }
@@ -237,7 +237,7 @@ export class CommandForm extends LitElement {
     const values: Record<string, ArgumentValue> = {};
     const errors: Record<string, string> = {};
     for (const argument of this.command?.arguments ?? []) {
-      const checked = checkArgument(argument, this.typed[argument.id] ?? startOf(argument));
+      const checked = checkArgument(argument, this.typed[argument.id] ?? initialText(argument));
       if (checked.ok) values[argument.id] = checked.value;
       else errors[argument.id] = checked.why;
     }
@@ -247,7 +247,7 @@ export class CommandForm extends LitElement {
 
   private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
-    if (!this.may) return;
+    if (!this.isAllowed) return;
     const values = this.readArguments();
     if (!values) return;
     if (this.command?.confirm === true) this.confirming = values;
@@ -258,7 +258,7 @@ export class CommandForm extends LitElement {
     const values = this.confirming;
     this.confirming = null;
     // What was asked for a moment ago may be locked by now.
-    if (values && this.may) this.sendCommand(values);
+    if (values && this.isAllowed) this.sendCommand(values);
   };
 
   private readonly onCancelQuestion = (): void => {
@@ -274,7 +274,7 @@ export class CommandForm extends LitElement {
   }
 }
 
-function said(value: ArgumentValue | undefined): string {
+function valueText(value: ArgumentValue | undefined): string {
   if (value === true) return "on";
   return value === false ? "off" : String(value ?? "");
 }

@@ -2,7 +2,7 @@
 
 import type { StatusKind } from "../feedback/status.js";
 
-export type AskPhase =
+export type RequestPhase =
   | "sent"
   | "accepted"
   | "running"
@@ -13,7 +13,7 @@ export type AskPhase =
   | "unknown"
   | "offline";
 
-export const PHASES: Readonly<Record<AskPhase, { kind: StatusKind; word: string }>> = {
+export const PHASES: Readonly<Record<RequestPhase, { kind: StatusKind; word: string }>> = {
   sent: { kind: "busy", word: "sent" },
   accepted: { kind: "busy", word: "accepted" },
   running: { kind: "busy", word: "running" },

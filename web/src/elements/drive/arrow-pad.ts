@@ -28,7 +28,7 @@ const ARROWS: readonly Arrow[] = [
  * @fires t-halt the middle button
  */
 @customElement("t-arrows")
-export class Arrows extends LitElement {
+export class ArrowPad extends LitElement {
   static override styles = [
     base,
     css`
@@ -192,7 +192,7 @@ export class Arrows extends LitElement {
   };
 
   private press(button: HTMLButtonElement, byKey: boolean): void {
-    const arrow = ARROWS.find((one) => one.id === button.value);
+    const arrow = ARROWS.find((candidate) => candidate.id === button.value);
     if (this.disabled || !arrow || this.held.has(arrow.id)) return;
     this.held.set(arrow.id, { button, byKey });
     this.fireHold("press", arrow.id, arrow.stick);
@@ -225,6 +225,6 @@ export class Arrows extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-arrows": Arrows;
+    "t-arrows": ArrowPad;
   }
 }

@@ -8,7 +8,7 @@ export interface HoldStick {
 
 export type HoldAct = "press" | "move" | "release" | "cancel";
 
-export interface Hold {
+export interface HoldDetail {
   readonly act: HoldAct;
   /** Names what is held, so that the same can be let go. */
   readonly source: string;
@@ -16,12 +16,12 @@ export interface Hold {
   readonly kind: "digital" | "analog";
 }
 
-export function holdEvent(hold: Hold): CustomEvent<Hold> {
+export function holdEvent(hold: HoldDetail): CustomEvent<HoldDetail> {
   return new CustomEvent("t-hold", { detail: hold, bubbles: true, composed: true });
 }
 
 declare global {
   interface GlobalEventHandlersEventMap {
-    "t-hold": CustomEvent<Hold>;
+    "t-hold": CustomEvent<HoldDetail>;
   }
 }

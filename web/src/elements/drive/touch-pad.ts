@@ -11,7 +11,7 @@ const REST: HoldStick = { forward: 0, turn: 0 };
  * @fires t-hold on press, on each move while held, on release, and when the press was taken away
  */
 @customElement("t-pad")
-export class Pad extends LitElement {
+export class TouchPad extends LitElement {
   static override styles = [
     base,
     css`
@@ -166,6 +166,6 @@ export class Pad extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-pad": Pad;
+    "t-pad": TouchPad;
   }
 }

@@ -7,7 +7,7 @@ import { base } from "../base/base-style.js";
 import "./status.js";
 
 @customElement("t-went")
-export class Went extends LitElement {
+export class DeliveryResult extends LitElement {
   static override styles = [
     base,
     css`
@@ -34,6 +34,6 @@ export class Went extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-went": Went;
+    "t-went": DeliveryResult;
   }
 }

@@ -4,7 +4,7 @@ import { base } from "../base/base-style.js";
 
 /** Something is on its way. Shows itself only after a moment, so that quick things do not flash. */
 @customElement("t-loading")
-export class LoadingNote extends LitElement {
+export class LoadingIndicator extends LitElement {
   static override styles = [
     base,
     css`
@@ -52,6 +52,6 @@ export class LoadingNote extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-loading": LoadingNote;
+    "t-loading": LoadingIndicator;
   }
 }

@@ -3,7 +3,7 @@ import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../base/base-style.js";
 
-export interface Option {
+export interface ChoiceOption {
   readonly id: string;
   readonly label: string;
 }
@@ -69,7 +69,7 @@ export class Choice extends LitElement {
 
   /** What is chosen between, for screen readers. */
   @property() label = "";
-  @property({ attribute: false }) options: readonly Option[] = [];
+  @property({ attribute: false }) options: readonly ChoiceOption[] = [];
   @property() chosen = "";
 
   override render(): TemplateResult {

@@ -1,12 +1,12 @@
 import { css, html, LitElement, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import type { Rule } from "../../format/password-rules.js";
+import type { PasswordRule } from "../../format/password-rules.js";
 import { base } from "../base/base-style.js";
 
 /** Rules, and which of them are kept so far: by shape and word, not by colour alone. */
 @customElement("t-rules")
-export class Rules extends LitElement {
+export class RuleChecklist extends LitElement {
   static override styles = [
     base,
     css`
@@ -35,7 +35,7 @@ export class Rules extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) rules: readonly Rule[] = [];
+  @property({ attribute: false }) rules: readonly PasswordRule[] = [];
 
   override render(): TemplateResult {
     return html`<ul aria-label="What a password needs">
@@ -60,6 +60,6 @@ export class Rules extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-rules": Rules;
+    "t-rules": RuleChecklist;
   }
 }

@@ -21,7 +21,7 @@ export interface Colours {
 }
 
 /** Where the map looks: a plain scale and shift, x to the right and y up. */
-export interface Sight {
+export interface MapView {
   /** px */
   readonly width: number;
   readonly height: number;
@@ -32,7 +32,7 @@ export interface Sight {
   readonly originY: number;
 }
 
-export interface Scene {
+export interface MapScene {
   readonly trail: readonly TrackPoint[];
   readonly pose: Pose | null;
   /** The pose is older than its limit. */
@@ -45,15 +45,15 @@ const FINE_PER_STEP = 5;
 
 type Pen = CanvasRenderingContext2D;
 
-export function paint(pen: Pen, sight: Sight, scene: Scene, colours: Colours, font: string): void {
+export function paintMap(pen: Pen, sight: MapView, scene: MapScene, colours: Colours, font: string): void {
   pen.clearRect(0, 0, sight.width, sight.height);
   const step = niceLength(LEAST_STEP / sight.scale);
-  grid(pen, sight, step / FINE_PER_STEP, colours.line, 0.45);
-  grid(pen, sight, step, colours.line, 1);
-  axes(pen, sight, colours);
-  labels(pen, sight, step, colours, font);
-  trail(pen, sight, scene, colours);
-  if (scene.pose) vehicle(pen, sight, scene.pose, scene.stale, colours);
+  paintGrid(pen, sight, step / FINE_PER_STEP, colours.line, 0.45);
+  paintGrid(pen, sight, step, colours.line, 1);
+  paintAxes(pen, sight, colours);
+  paintLabels(pen, sight, step, colours, font);
+  paintTrail(pen, sight, scene, colours);
+  if (scene.pose) paintVehicle(pen, sight, scene.pose, scene.stale, colours);
 }
 
 /** Length and pixels of a scale bar. */
@@ -62,31 +62,31 @@ export function scaleBar(scale: number): { readonly text: string; readonly px: n
   return { text: formatLength(length), px: length * scale };
 }
 
-function range(from: number, to: number, step: number): number[] {
+function multiplesBetween(from: number, to: number, step: number): number[] {
   const first = Math.ceil(from / step);
   const count = Math.floor(to / step) - first + 1;
   return Array.from({ length: Math.min(Math.max(0, count), 2000) }, (_, i) => (first + i) * step);
 }
 
-function columns(sight: Sight, step: number): number[] {
-  return range(-sight.originX / sight.scale, (sight.width - sight.originX) / sight.scale, step);
+function gridColumns(sight: MapView, step: number): number[] {
+  return multiplesBetween(-sight.originX / sight.scale, (sight.width - sight.originX) / sight.scale, step);
 }
 
-function rows(sight: Sight, step: number): number[] {
-  return range((sight.originY - sight.height) / sight.scale, sight.originY / sight.scale, step);
+function gridRows(sight: MapView, step: number): number[] {
+  return multiplesBetween((sight.originY - sight.height) / sight.scale, sight.originY / sight.scale, step);
 }
 
-const pxX = (sight: Sight, x: number): number => sight.originX + x * sight.scale;
-const pxY = (sight: Sight, y: number): number => sight.originY - y * sight.scale;
+const pxX = (sight: MapView, x: number): number => sight.originX + x * sight.scale;
+const pxY = (sight: MapView, y: number): number => sight.originY - y * sight.scale;
 
-function grid(pen: Pen, sight: Sight, step: number, colour: string, alpha: number): void {
+function paintGrid(pen: Pen, sight: MapView, step: number, colour: string, alpha: number): void {
   pen.beginPath();
-  for (const x of columns(sight, step)) {
+  for (const x of gridColumns(sight, step)) {
     const at = Math.round(pxX(sight, x)) + 0.5;
     pen.moveTo(at, 0);
     pen.lineTo(at, sight.height);
   }
-  for (const y of rows(sight, step)) {
+  for (const y of gridRows(sight, step)) {
     const at = Math.round(pxY(sight, y)) + 0.5;
     pen.moveTo(0, at);
     pen.lineTo(sight.width, at);
@@ -98,7 +98,7 @@ function grid(pen: Pen, sight: Sight, step: number, colour: string, alpha: numbe
   pen.globalAlpha = 1;
 }
 
-function axes(pen: Pen, sight: Sight, colours: Colours): void {
+function paintAxes(pen: Pen, sight: MapView, colours: Colours): void {
   pen.beginPath();
   pen.moveTo(Math.round(sight.originX) + 0.5, 0);
   pen.lineTo(Math.round(sight.originX) + 0.5, sight.height);
@@ -109,33 +109,33 @@ function axes(pen: Pen, sight: Sight, colours: Colours): void {
   pen.stroke();
 }
 
-function labels(pen: Pen, sight: Sight, step: number, colours: Colours, font: string): void {
+function paintLabels(pen: Pen, sight: MapView, step: number, colours: Colours, font: string): void {
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const say = (value: number): string => (Math.abs(value) < step / 2 ? "0" : value.toFixed(digits).replace("-", "\u2212"));
+  const labelText = (value: number): string => (Math.abs(value) < step / 2 ? "0" : value.toFixed(digits).replace("-", "\u2212"));
   pen.font = font;
   pen.fillStyle = colours.text;
   pen.strokeStyle = colours.surface;
   pen.lineWidth = 3;
-  const write = (text: string, x: number, y: number): void => {
+  const writeLabel = (text: string, x: number, y: number): void => {
     pen.strokeText(text, x, y);
     pen.fillText(text, x, y);
   };
   pen.textBaseline = "top";
   pen.textAlign = "center";
   // Corners are left to the buttons and the scale bar.
-  for (const x of columns(sight, step)) {
+  for (const x of gridColumns(sight, step)) {
     const at = pxX(sight, x);
-    if (at > 64 && at < sight.width - 20) write(say(x), at, 4);
+    if (at > 64 && at < sight.width - 20) writeLabel(labelText(x), at, 4);
   }
   pen.textBaseline = "middle";
   pen.textAlign = "right";
-  for (const y of rows(sight, step)) {
+  for (const y of gridRows(sight, step)) {
     const at = pxY(sight, y);
-    if (at > 24 && at < sight.height - 12) write(say(y), sight.width - 5, at);
+    if (at > 24 && at < sight.height - 12) writeLabel(labelText(y), sight.width - 5, at);
   }
 }
 
-function trail(pen: Pen, sight: Sight, scene: Scene, colours: Colours): void {
+function paintTrail(pen: Pen, sight: MapView, scene: MapScene, colours: Colours): void {
   const last = scene.trail.at(-1);
   const points = scene.pose && last ? [...scene.trail, { ...scene.pose, timeUs: last.timeUs }] : scene.trail;
   pen.lineJoin = "round";
@@ -160,7 +160,7 @@ function trail(pen: Pen, sight: Sight, scene: Scene, colours: Colours): void {
   pen.globalAlpha = 1;
 }
 
-function vehicle(pen: Pen, sight: Sight, pose: Pose, stale: boolean, colours: Colours): void {
+function paintVehicle(pen: Pen, sight: MapView, pose: Pose, stale: boolean, colours: Colours): void {
   pen.save();
   pen.translate(pxX(sight, pose.x), pxY(sight, pose.y));
   pen.beginPath();

@@ -6,7 +6,7 @@ import { base } from "../base/base-style.js";
 import "../forms/button.js";
 import "../feedback/loading.js";
 import type { LocalMap } from "./leaflet.js";
-import { paint, scaleBar, type Colours, type Pose } from "./map-painter.js";
+import { paintMap, scaleBar, type Colours, type Pose } from "./map-painter.js";
 import type { TrackPoint } from "./track.js";
 
 @customElement("t-track-map")
@@ -258,7 +258,7 @@ export class TrackMap extends LitElement {
     const scene = { trail: this.trail, pose: this.pose, stale: this.stale !== "" };
     const style = getComputedStyle(this);
     this.colours ??= coloursOf(style);
-    paint(pen, sight, scene, this.colours, `12px ${style.fontFamily}`);
+    paintMap(pen, sight, scene, this.colours, `12px ${style.fontFamily}`);
     const bar = scaleBar(scale);
     if (bar.text !== this.bar.text) this.bar = bar;
   }

@@ -24,19 +24,19 @@ export const MOST_POINTS = 8000;
 /** Readings farther apart than this have nothing to say about the time between (µs). */
 const APART_US = 10e6;
 
-interface Reading {
+interface TrackReading {
   readonly timeUs: number;
   readonly value: number;
 }
 
 /** The numbers of a series; of least and greatest in a bucket, what lies between them. */
-function readings(series: PointSeries): Reading[] {
+function readingsOf(series: PointSeries): TrackReading[] {
   const all = series.t_us.flatMap((timeUs, i) => {
     const value = series.v[i];
     return typeof value === "number" ? [{ timeUs, value }] : [];
   });
   if (series.kind !== "minmax") return all;
-  const middles: Reading[] = [];
+  const middles: TrackReading[] = [];
   for (let i = 0; i + 1 < all.length; i += 2) {
     const [a, b] = [all[i], all[i + 1]];
     if (a && b) middles.push({ timeUs: (a.timeUs + b.timeUs) / 2, value: (a.value + b.value) / 2 });
@@ -46,16 +46,16 @@ function readings(series: PointSeries): Reading[] {
 
 /** Two channels of one position, joined at the moments of the first. */
 export function joinTrack(x: PointSeries, y: PointSeries): TrackPoint[] {
-  const [across, up] = [readings(x), readings(y)];
+  const [across, up] = [readingsOf(x), readingsOf(y)];
   let j = 0;
   return across.flatMap(({ timeUs, value }) => {
     while (j + 1 < up.length && (up[j + 1]?.timeUs ?? 0) <= timeUs) j++;
-    const between = valueAt(timeUs, up[j], up[j + 1]);
+    const between = interpolatedAt(timeUs, up[j], up[j + 1]);
     return between === null ? [] : [{ x: value, y: between, timeUs }];
   });
 }
 
-function valueAt(timeUs: number, before: Reading | undefined, after: Reading | undefined): number | null {
+function interpolatedAt(timeUs: number, before: TrackReading | undefined, after: TrackReading | undefined): number | null {
   if (!before || before.timeUs > timeUs) return null;
   if (before.timeUs === timeUs) return before.value;
   if (!after || after.timeUs - before.timeUs > APART_US) return null;
@@ -79,13 +79,13 @@ export function extendTrack(track: readonly TrackPoint[], point: TrackPoint, kee
 }
 
 /** What came live, after what the history knew of the time before it. */
-export function backfill(history: readonly TrackPoint[], live: readonly TrackPoint[]): TrackPoint[] {
+export function mergeTracks(history: readonly TrackPoint[], live: readonly TrackPoint[]): TrackPoint[] {
   const first = live[0]?.timeUs ?? Number.POSITIVE_INFINITY;
   return [...history.filter((point) => point.timeUs < first), ...live].slice(-MOST_POINTS);
 }
 
 /** A place in degrees, WGS 84. */
-export interface Place {
+export interface MapPlace {
   readonly lat: number;
   readonly lon: number;
 }
@@ -93,7 +93,7 @@ export interface Place {
 const METRES_PER_DEGREE = 111_195;
 
 /** East and north of an origin (m), on a plane that touches there: good for some kilometres. */
-export function flat(place: Place, origin: Place): { readonly x: number; readonly y: number } {
+export function flatPosition(place: MapPlace, origin: MapPlace): { readonly x: number; readonly y: number } {
   // The short way round at the antimeridian.
   const east = ((((place.lon - origin.lon + 540) % 360) + 360) % 360) - 180;
   return {
@@ -103,7 +103,7 @@ export function flat(place: Place, origin: Place): { readonly x: number; readonl
 }
 
 /** Which way the last stretch of at least `least` metres went (rad, as in REP-103); NaN: none. */
-export function course(track: readonly TrackPoint[], least = 0.3): number {
+export function courseOf(track: readonly TrackPoint[], least = 0.3): number {
   const last = track.at(-1);
   if (!last) return Number.NaN;
   for (let i = track.length - 2; i >= 0; i--) {

@@ -2,9 +2,9 @@
 
 import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
-import { formatAzimuth, turned } from "../../format/sexagesimal.js";
+import { formatAzimuth, wrapped } from "../../format/sexagesimal.js";
 import { base } from "../base/base-style.js";
-import { FLATNESS, onGround, SLIT, strip } from "./perspective.js";
+import { FLATNESS, groundPoint, SLIT, stripPolygon } from "./perspective.js";
 
 export type RoofState = "open" | "closed" | "opening" | "closing" | "partial" | "error" | "unknown";
 
@@ -153,7 +153,7 @@ export class DomeDrawing extends LitElement {
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
-    if (changed.has("azimuth") || changed.has("opening") || changed.has("roof")) this.ease();
+    if (changed.has("azimuth") || changed.has("opening") || changed.has("roof")) this.animateTurn();
   }
 
   override render(): TemplateResult {
@@ -162,7 +162,7 @@ export class DomeDrawing extends LitElement {
     return html`<svg
       viewBox=${this.turns ? "-205 -124 410 194" : this.segments.length > 0 ? "-195 -110 390 160" : "-170 -110 340 160"}
       role="img"
-      aria-label=${this.words()}
+      aria-label=${this.describeDrawing()}
       class=${[moving ? "moving" : "", this.roof === "error" ? "error" : ""].join(" ")}
     >
       <defs>
@@ -175,7 +175,7 @@ export class DomeDrawing extends LitElement {
   }
 
   /** The same in words, for whoever does not see it. */
-  private words(): string {
+  private describeDrawing(): string {
     const what = this.turns ? "The dome" : "The roof";
     const where = this.turns && !this.blind
       ? Number.isNaN(this.azimuth)
@@ -198,24 +198,24 @@ export class DomeDrawing extends LitElement {
       ${
         Number.isNaN(this.at) && !this.blind
           ? nothing
-          : svg`<polygon class="behind" points=${strip(azimuth, -SLIT, SLIT, true)}></polygon>
+          : svg`<polygon class="behind" points=${stripPolygon(azimuth, -SLIT, SLIT, true)}></polygon>
             ${this.renderPanel(azimuth, -SLIT - half, -half)} ${this.renderPanel(azimuth, half, Math.min(wide, SLIT + half))}
-            ${this.gap > 0.01 ? svg`<polygon class="inside" points=${strip(azimuth, -half, half)}></polygon>` : nothing}`
+            ${this.gap > 0.01 ? svg`<polygon class="inside" points=${stripPolygon(azimuth, -half, half)}></polygon>` : nothing}`
       }
       ${unknown ? svg`<path class="veil" d="M-100 0A100 100 0 0 1 100 0A100 ${tall} 0 0 1 -100 0Z"></path>` : nothing}`;
   }
 
   private renderPanel(azimuth: number, from: number, to: number): SVGTemplateResult {
-    return svg`<polygon class="door" points=${strip(azimuth, from, to)}></polygon>`;
+    return svg`<polygon class="door" points=${stripPolygon(azimuth, from, to)}></polygon>`;
   }
 
   private renderCompass(): SVGTemplateResult {
     const ticks = Array.from({ length: 24 }, (_, i) => {
-      const [a, b] = [onGround(i * 15, 1.2), onGround(i * 15, i % 6 === 0 ? 1.28 : 1.24)];
+      const [a, b] = [groundPoint(i * 15, 1.2), groundPoint(i * 15, i % 6 === 0 ? 1.28 : 1.24)];
       return svg`<path class="line" d="M${a.x * 100} ${a.y * 100 + 16}L${b.x * 100} ${b.y * 100 + 16}"></path>`;
     });
     const winds = WINDS.filter(([name]) => name !== "N").map(([name, azimuth]) => {
-      const { x, y } = onGround(azimuth, 1.4);
+      const { x, y } = groundPoint(azimuth, 1.4);
       return svg`<text x=${x * 100} y=${y * 100 + 16}>${name}</text>`;
     });
     return svg`<ellipse class="line" cx="0" cy="16" rx="120" ry=${120 * FLATNESS}></ellipse>${ticks}${winds}`;
@@ -224,10 +224,10 @@ export class DomeDrawing extends LitElement {
   /** The same from straight above, small: what the dome itself hides. */
   private renderPlan(): SVGTemplateResult {
     const winds = WINDS.map(([name, azimuth]) => {
-      const { x, y } = around(azimuth, 41);
+      const { x, y } = pointOnRing(azimuth, 41);
       return svg`<text x=${x} y=${y}>${name}</text>`;
     });
-    const tip = around(this.telescope, 31);
+    const tip = pointOnRing(this.telescope, 31);
     return svg`<g transform="translate(-148 -70)">
       <circle class="shell" r="30"></circle>
       ${winds}
@@ -245,8 +245,8 @@ export class DomeDrawing extends LitElement {
 
   /** Where the slit looks, on the ring round the dome. */
   private renderPointer(azimuth: number): SVGTemplateResult {
-    const tip = onGround(azimuth, 1.2);
-    const [left, right] = [onGround(azimuth - 5, 1.06), onGround(azimuth + 5, 1.06)];
+    const tip = groundPoint(azimuth, 1.2);
+    const [left, right] = [groundPoint(azimuth - 5, 1.06), groundPoint(azimuth + 5, 1.06)];
     const at = ({ x, y }: { x: number; y: number }): string => `${String(x * 100)} ${String(y * 100 + 16)}`;
     return svg`<path class="beam" d="M${at(tip)}L${at(left)}L${at(right)}Z"></path>`;
   }
@@ -281,36 +281,36 @@ export class DomeDrawing extends LitElement {
     return svg`<circle class="mark" cx="0" cy="-46" r="20"></circle><text class="question" x="0" y="-44">?</text>`;
   }
 
-  private wanted(): number {
+  private targetAzimuth(): number {
     if (!Number.isNaN(this.opening)) return Math.min(1, Math.max(0, this.opening));
     if (this.roof === "open") return 1;
     return this.roof === "closed" || this.roof === "unknown" ? 0 : HALF;
   }
 
   /** Goes there by the shorter way, in less than the time between two values. */
-  private ease(): void {
+  private animateTurn(): void {
     cancelAnimationFrame(this.frame);
     const [from, open] = [this.at, this.gap];
     const still = !this.blind && (Number.isNaN(from) || Number.isNaN(this.azimuth));
     if (!this.hasUpdated || (still && this.turns) || matchMedia("(prefers-reduced-motion: reduce)").matches) {
       this.at = this.azimuth;
-      this.gap = this.wanted();
+      this.gap = this.targetAzimuth();
       return;
     }
-    const way = this.turns && !this.blind ? turned(this.azimuth - from + 180, 360) - 180 : 0;
+    const way = this.turns && !this.blind ? wrapped(this.azimuth - from + 180, 360) - 180 : 0;
     const began = performance.now();
     const step = (now: number): void => {
       const part = Math.min(1, Math.max(0, (now - began) / EASE_MS));
-      this.at = turned(from + way * part, 360);
-      this.gap = open + (this.wanted() - open) * part;
+      this.at = wrapped(from + way * part, 360);
+      this.gap = open + (this.targetAzimuth() - open) * part;
       if (part < 1) this.frame = requestAnimationFrame(step);
     };
     this.frame = requestAnimationFrame(step);
   }
 }
 
-function around(azimuth: number, far: number): { readonly x: number; readonly y: number } {
-  const { x, y } = onGround(azimuth, far);
+function pointOnRing(azimuth: number, far: number): { readonly x: number; readonly y: number } {
+  const { x, y } = groundPoint(azimuth, far);
   return { x, y: y / FLATNESS };
 }
 

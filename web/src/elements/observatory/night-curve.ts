@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, svg, type SVGTemplateResult, type Templ
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { formatClock } from "../../format/time.js";
-import { DARKNESS, type Night, type Visibility } from "../../sky/night-visibility.js";
+import { DARKNESS, type NightTrack, type Visibility } from "../../sky/night-visibility.js";
 import { base } from "../base/base-style.js";
 
 const [WIDE, TALL, LEFT, TOP, LOW] = [600, 200, 34, 8, 24];
@@ -116,7 +116,7 @@ export class NightCurve extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) night: Night | null = null;
+  @property({ attribute: false }) night: NightTrack | null = null;
   @property({ attribute: false }) seen: Visibility | null = null;
   /** Altitude of the Moon at each of the night's points (°). */
   @property({ attribute: false }) moon: readonly number[] = [];
@@ -130,19 +130,19 @@ export class NightCurve extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const { night, seen } = this;
     if (night === null || seen === null) return nothing;
-    const path = (alts: readonly number[]): string => alts.map((alt, i) => `${i === 0 ? "M" : "L"}${this.x(night.points[i]?.ms ?? 0).toFixed(1)} ${y(alt).toFixed(1)}`).join("");
+    const path = (alts: readonly number[]): string => alts.map((alt, i) => `${i === 0 ? "M" : "L"}${this.xOfTime(night.points[i]?.ms ?? 0).toFixed(1)} ${yOfAltitude(alt).toFixed(1)}`).join("");
     return html`<svg viewBox="0 0 ${WIDE} ${TALL + LOW}" role="img" aria-label=${`Altitude over the night. ${this.words}`}>
         <clipPath id="frame"><rect x=${LEFT} y="0" width=${WIDE - LEFT} height=${TALL}></rect></clipPath>
         ${map(
           night.bands,
-          ({ id, from, to }) => svg`<rect class=${id} x=${this.x(from)} y=${TOP} width=${this.x(to) - this.x(from)} height=${TALL - TOP}></rect>`,
+          ({ id, from, to }) => svg`<rect class=${id} x=${this.xOfTime(from)} y=${TOP} width=${this.xOfTime(to) - this.xOfTime(from)} height=${TALL - TOP}></rect>`,
         )}
         ${map(
           [0, 30, 60, 90],
-          (alt) => svg`<path class="grid" d="M${LEFT} ${y(alt)}H${WIDE}"></path><text class="height" x=${LEFT - 5} y=${y(alt)}>${alt}°</text>`,
+          (alt) => svg`<path class="grid" d="M${LEFT} ${yOfAltitude(alt)}H${WIDE}"></path><text class="height" x=${LEFT - 5} y=${yOfAltitude(alt)}>${alt}°</text>`,
         )}
         ${this.renderHours(night)}
-        ${this.limit > 0 ? svg`<path class="limit" d="M${LEFT} ${y(this.limit)}H${WIDE}"></path>` : nothing}
+        ${this.limit > 0 ? svg`<path class="limit" d="M${LEFT} ${yOfAltitude(this.limit)}H${WIDE}"></path>` : nothing}
         <g clip-path="url(#frame)">
           <path class="moon" d=${path(this.moon)}></path>
           <path class="curve" d=${path(night.points.map(({ alt }) => alt))}></path>
@@ -152,27 +152,27 @@ export class NightCurve extends LitElement {
       ${this.renderLegend()}`;
   }
 
-  private renderHours(night: Night): SVGTemplateResult[] {
+  private renderHours(night: NightTrack): SVGTemplateResult[] {
     const first = Math.ceil(night.from / HOUR_MS);
     const hours = Array.from({ length: 24 }, (_, i) => (first + i) * HOUR_MS).filter((ms) => ms < night.to);
     return hours.flatMap((ms) => {
       const clock = formatClock(ms * 1000, this.zone);
       return Number(clock.slice(0, 2)) % 3 === 0
-        ? [svg`<path class="grid" d="M${this.x(ms)} ${TOP}V${TALL}"></path><text class="hour" x=${this.x(ms)} y=${TALL + 13}>${clock.slice(0, 2)}</text>`]
+        ? [svg`<path class="grid" d="M${this.xOfTime(ms)} ${TOP}V${TALL}"></path><text class="hour" x=${this.xOfTime(ms)} y=${TALL + 13}>${clock.slice(0, 2)}</text>`]
         : [];
     });
   }
 
-  private renderMarks(night: Night, seen: Visibility): SVGTemplateResult {
-    const now = night.points.reduce((near, one) => (Math.abs(one.ms - this.ms) < Math.abs(near.ms - this.ms) ? one : near));
+  private renderMarks(night: NightTrack, seen: Visibility): SVGTemplateResult {
+    const now = night.points.reduce((near, point) => (Math.abs(point.ms - this.ms) < Math.abs(near.ms - this.ms) ? point : near));
     return svg`
       ${
         this.ms < night.from || this.ms > night.to
           ? nothing
-          : svg`<path class="now" d="M${this.x(this.ms)} ${TOP}V${TALL}"></path>
-              ${now.alt >= 0 ? svg`<circle class="at" cx=${this.x(this.ms)} cy=${y(now.alt)} r="5"></circle>` : nothing}`
+          : svg`<path class="now" d="M${this.xOfTime(this.ms)} ${TOP}V${TALL}"></path>
+              ${now.alt >= 0 ? svg`<circle class="at" cx=${this.xOfTime(this.ms)} cy=${yOfAltitude(now.alt)} r="5"></circle>` : nothing}`
       }
-      ${seen.best >= 0 ? svg`<path class="best" d="M${this.x(seen.bestMs)} ${y(seen.best) - 7}l7 7l-7 7l-7 -7z"></path>` : nothing}`;
+      ${seen.best >= 0 ? svg`<path class="best" d="M${this.xOfTime(seen.bestMs)} ${yOfAltitude(seen.best) - 7}l7 7l-7 7l-7 -7z"></path>` : nothing}`;
   }
 
   private renderLegend(): TemplateResult {
@@ -186,13 +186,13 @@ export class NightCurve extends LitElement {
     </ul>`;
   }
 
-  private x(ms: number): number {
+  private xOfTime(ms: number): number {
     const { from = 0, to = 1 } = this.night ?? {};
     return LEFT + ((WIDE - LEFT) * (ms - from)) / (to - from);
   }
 }
 
-function y(alt: number): number {
+function yOfAltitude(alt: number): number {
   return TALL - ((TALL - TOP) * Math.max(-5, alt)) / 90;
 }
 

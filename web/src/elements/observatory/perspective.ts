@@ -2,7 +2,7 @@
 
 import { radians } from "../../sky/coordinates.js";
 
-export interface Point {
+export interface ProjectedPoint {
   readonly x: number;
   readonly y: number;
   /** The outside of the dome is turned to whoever looks. */
@@ -20,14 +20,14 @@ const OVER = 108;
 const STEP = 6;
 
 /** From east, north and up (of the radius) to the drawing: x to the right, y down. */
-export function drawn(east: number, north: number, up: number): Point {
+export function project(east: number, north: number, up: number): ProjectedPoint {
   return { x: east, y: -(up * RISE + north * LEAN), front: up * LEAN - north * RISE > 0 };
 }
 
 /** A point of the ground, at a distance from the dome's middle. */
-export function onGround(azimuth: number, distance: number): Point {
+export function groundPoint(azimuth: number, distance: number): ProjectedPoint {
   const a = radians(azimuth);
-  return drawn(distance * Math.sin(a), distance * Math.cos(a), 0);
+  return project(distance * Math.sin(a), distance * Math.cos(a), 0);
 }
 
 /** How flat a circle on the ground looks. */
@@ -38,22 +38,22 @@ export const FLATNESS = LEAN;
  *
  * @param side - distance from the strip's middle, of the radius
  */
-export function edge(azimuth: number, side: number): readonly Point[] {
+export function edgePoints(azimuth: number, side: number): readonly ProjectedPoint[] {
   const a = radians(azimuth);
   const round = Math.sqrt(1 - side * side);
-  const points: Point[] = [];
+  const points: ProjectedPoint[] = [];
   for (let angle = 0; angle <= OVER; angle += STEP) {
     const along = round * Math.cos(radians(angle));
     const up = round * Math.sin(radians(angle));
-    points.push(drawn(along * Math.sin(a) + side * Math.cos(a), along * Math.cos(a) - side * Math.sin(a), up));
+    points.push(project(along * Math.sin(a) + side * Math.cos(a), along * Math.cos(a) - side * Math.sin(a), up));
   }
   return points;
 }
 
 /** The strip between two edges as the points of a polygon; only what is in front, or all of it. */
-export function strip(azimuth: number, from: number, to: number, hidden = false): string {
-  const keep = (points: readonly Point[]): readonly Point[] => (hidden ? points : points.filter(({ front }) => front));
-  const [one, other] = [keep(edge(azimuth, from)), keep(edge(azimuth, to))];
+export function stripPolygon(azimuth: number, from: number, to: number, hidden = false): string {
+  const visiblePoints = (points: readonly ProjectedPoint[]): readonly ProjectedPoint[] => (hidden ? points : points.filter(({ front }) => front));
+  const [one, other] = [visiblePoints(edgePoints(azimuth, from)), visiblePoints(edgePoints(azimuth, to))];
   if (one.length < 2 || other.length < 2) return "";
   return pointsOf([...one, ...[...other].reverse()]);
 }

@@ -6,7 +6,7 @@ import { map } from "lit/directives/map.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
 import { moonFrom, moonPhase, sunFrom } from "../../sky/sun-and-moon.js";
 import { STARS } from "../../sky/bright-stars.js";
-import { horizontal, ofDate, radians, type Horizontal, type Place } from "../../sky/coordinates.js";
+import { toHorizontal, precessedFromJ2000, radians, type Horizontal, type GeoPlace } from "../../sky/coordinates.js";
 import { base } from "../base/base-style.js";
 
 const R = 100;
@@ -14,7 +14,7 @@ const NAMED_BELOW = 1.3;
 const WINDS = [["N", 0], ["NE", 45], ["E", 90], ["SE", 135], ["S", 180], ["SW", 225], ["W", 270], ["NW", 315]] as const;
 
 /** A direction with a name. */
-export interface Aim extends Horizontal {
+export interface TelescopeAim extends Horizontal {
   readonly name: string;
 }
 
@@ -123,14 +123,14 @@ export class SkyChart extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) place: Place | null = null;
+  @property({ attribute: false }) place: GeoPlace | null = null;
   /** The moment (ms since 1970). */
   @property({ type: Number }) ms = 0;
   /** Where the telescope looks; null when nobody knows. */
-  @property({ attribute: false }) telescope: Aim | null = null;
+  @property({ attribute: false }) telescope: TelescopeAim | null = null;
   /** That is the last that was known. */
   @property({ type: Boolean }) stale = false;
-  @property({ attribute: false }) target: Aim | null = null;
+  @property({ attribute: false }) target: TelescopeAim | null = null;
   /** The telescope may not look lower (°). */
   @property({ type: Number }) limit = 0;
 
@@ -139,15 +139,15 @@ export class SkyChart extends LitElement {
     if (place === null) return nothing;
     const sun = sunFrom(place, this.ms);
     const moon = moonFrom(place, this.ms);
-    return html`<svg viewBox="-118 -114 236 228" role="img" aria-label=${this.words(sun, moon)} class=${this.stale ? "stale" : ""}>
+    return html`<svg viewBox="-118 -114 236 228" role="img" aria-label=${this.describeSky(sun, moon)} class=${this.stale ? "stale" : ""}>
       <circle class=${this.limit > 0 ? "low" : "sky"} r=${R}></circle>
-      ${this.limit > 0 ? svg`<circle class="sky" r=${radius(this.limit)}></circle>` : nothing}
-      ${map([30, 60], (alt) => svg`<circle class="ring" r=${radius(alt)}></circle><text x="2" y=${-radius(alt) + 4}>${alt}°</text>`)}
+      ${this.limit > 0 ? svg`<circle class="sky" r=${zenithDistance(this.limit)}></circle>` : nothing}
+      ${map([30, 60], (alt) => svg`<circle class="ring" r=${zenithDistance(alt)}></circle><text x="2" y=${-zenithDistance(alt) + 4}>${alt}°</text>`)}
       <path class="ring" d="M0 ${-R}V${R}M${-R} 0H${R}"></path>
-      ${this.limit > 0 ? svg`<circle class="limit" r=${radius(this.limit)}></circle>` : nothing}
+      ${this.limit > 0 ? svg`<circle class="limit" r=${zenithDistance(this.limit)}></circle>` : nothing}
       <circle class="horizon" r=${R}></circle>
       ${map(WINDS, ([name, az]) => {
-        const { x, y } = spot({ alt: 0, az }, 108);
+        const { x, y } = chartPosition({ alt: 0, az }, 108);
         return svg`<text class=${name.length === 1 ? "wind" : ""} x=${x} y=${y}>${name}</text>`;
       })}
       <g class=${sun.alt > 0 ? "day" : ""}>${this.renderStars(place)}</g>
@@ -155,11 +155,11 @@ export class SkyChart extends LitElement {
     </svg>`;
   }
 
-  private renderStars(place: Place): SVGTemplateResult[] {
+  private renderStars(place: GeoPlace): SVGTemplateResult[] {
     return STARS.flatMap(({ name, raDeg, decDeg, magnitude }) => {
-      const seen = horizontal(ofDate({ ra: raDeg / 15, dec: decDeg }, this.ms), place, this.ms);
+      const seen = toHorizontal(precessedFromJ2000({ ra: raDeg / 15, dec: decDeg }, this.ms), place, this.ms);
       if (seen.alt <= 0) return [];
-      const { x, y } = spot(seen);
+      const { x, y } = chartPosition(seen);
       const size = Math.max(0.5, 2.3 - 0.55 * magnitude);
       const label = magnitude < NAMED_BELOW ? svg`<text class="name" x=${x + size + 1.5} y=${y}>${name}</text>` : nothing;
       return [svg`<circle class="star" cx=${x} cy=${y} r=${size}><title>${name}</title></circle>${label}`];
@@ -168,7 +168,7 @@ export class SkyChart extends LitElement {
 
   private renderSun(sun: Horizontal): unknown {
     if (sun.alt < 0) return nothing;
-    const { x, y } = spot(sun);
+    const { x, y } = chartPosition(sun);
     const rays = Array.from({ length: 8 }, (_, i) => {
       const a = (i * Math.PI) / 4;
       return `M${String(x + 6.5 * Math.cos(a))} ${String(y + 6.5 * Math.sin(a))}l${String(2.5 * Math.cos(a))} ${String(2.5 * Math.sin(a))}`;
@@ -180,7 +180,7 @@ export class SkyChart extends LitElement {
   /** The lit part stands to the right while it waxes, as north of the tropics. */
   private renderMoon(moon: Horizontal): unknown {
     if (moon.alt < 0) return nothing;
-    const { x, y } = spot(moon);
+    const { x, y } = chartPosition(moon);
     const { lit, waxing } = moonPhase(this.ms);
     const bulge = Math.abs(1 - 2 * lit) * 5;
     const path = `M0 -5A5 5 0 0 1 0 5A${String(bulge)} 5 0 0 ${lit < 0.5 ? "0" : "1"} 0 -5Z`;
@@ -193,8 +193,8 @@ export class SkyChart extends LitElement {
 
   private renderAims(): unknown {
     const { telescope, target } = this;
-    const from = telescope === null || telescope.alt < -1 ? null : spot(telescope);
-    const to = target === null || target.alt < 0 ? null : spot(target);
+    const from = telescope === null || telescope.alt < -1 ? null : chartPosition(telescope);
+    const to = target === null || target.alt < 0 ? null : chartPosition(target);
     return svg`
       ${from !== null && to !== null ? svg`<path class="way" d="M${from.x} ${from.y}L${to.x} ${to.y}"></path>` : nothing}
       ${
@@ -212,27 +212,27 @@ export class SkyChart extends LitElement {
       }`;
   }
 
-  private words(sun: Horizontal, moon: Horizontal): string {
-    const told = (what: string, at: Horizontal | null): string => {
+  private describeSky(sun: Horizontal, moon: Horizontal): string {
+    const positionText = (what: string, at: Horizontal | null): string => {
       if (at === null) return "";
       if (at.alt < 0) return `${what}: below the horizon. `;
       return `${what}: ${at.alt.toFixed(0)}° high, azimuth ${formatAzimuth(at.az, 0)}. `;
     };
-    const scope = this.telescope === null ? "Where the telescope looks is not known. " : told("Telescope", this.telescope);
-    const target = this.target === null ? "" : told(`Target ${this.target.name}`, this.target);
+    const scope = this.telescope === null ? "Where the telescope looks is not known. " : positionText("Telescope", this.telescope);
+    const target = this.target === null ? "" : positionText(`Target ${this.target.name}`, this.target);
     const lit = `${(moonPhase(this.ms).lit * 100).toFixed(0)} % lit`;
     const limit = this.limit > 0 ? `It may not look below ${this.limit.toFixed(0)}°.` : "";
-    return `The sky over the site, north up and east to the left. ${scope}${target}${told("Sun", sun)}${told(`Moon (${lit})`, moon)}${limit}`;
+    return `The sky over the site, north up and east to the left. ${scope}${target}${positionText("Sun", sun)}${positionText(`Moon (${lit})`, moon)}${limit}`;
   }
 }
 
 /** Distance from the zenith in the drawing: the same for each degree. */
-function radius(alt: number): number {
+function zenithDistance(alt: number): number {
   return (R * (90 - Math.max(-2, alt))) / 90;
 }
 
 /** As one sees it looking up: north at the top, east to the left. */
-function spot({ alt, az }: Horizontal, far = radius(alt)): { readonly x: number; readonly y: number } {
+function chartPosition({ alt, az }: Horizontal, far = zenithDistance(alt)): { readonly x: number; readonly y: number } {
   const a = radians(az);
   const round = (value: number): number => Math.round(value * 10) / 10;
   return { x: round(-far * Math.sin(a)), y: round(-far * Math.cos(a)) };

@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { base } from "../base/base-style.js";
 import type { StopShown } from "./stop-labels.js";
-import { stopLine } from "./stop-labels.js";
+import { stopLabel } from "./stop-labels.js";
 
 /**
  * A wide bar, on purpose no red mushroom on yellow: that shape promises an emergency stop in the
@@ -105,7 +105,7 @@ export class StopButton extends LitElement {
   }
 
   override render(): TemplateResult {
-    const line = stopLine(this.stop, this.online);
+    const line = stopLabel(this.stop, this.online);
     return html`<button type="button" @pointerdown=${this.onPointerDown} @click=${this.onClick}>
       <span class="word">STOP <small>(software)</small></span>
       ${line === "" ? nothing : html`<span class="state" role="status">${line}</span>`}

@@ -12,7 +12,7 @@ export interface StopShown {
 const LATE_MS = 1000;
 
 /** One short line, for the button itself. */
-export function stopLine(stop: StopShown, online: boolean): string {
+export function stopLabel(stop: StopShown, online: boolean): string {
   switch (stop.phase) {
     case "clear":
       return online ? "Not latched" : "Cannot be confirmed now";

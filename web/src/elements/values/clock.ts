@@ -1,6 +1,6 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { TickController } from "../../controllers/ticker.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { formatClock, zoneName } from "../../format/time.js";
 import { base } from "../base/base-style.js";
 
@@ -28,7 +28,7 @@ export class Clock extends LitElement {
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override render(): TemplateResult {

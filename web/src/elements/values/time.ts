@@ -5,7 +5,7 @@ import { base } from "../base/base-style.js";
 
 /** A moment in the site's zone, with UTC beside it. */
 @customElement("t-time")
-export class Moment extends LitElement {
+export class TimeElement extends LitElement {
   static override styles = [
     base,
     css`
@@ -43,6 +43,6 @@ export class Moment extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-time": Moment;
+    "t-time": TimeElement;
   }
 }

@@ -1,7 +1,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatAge } from "../../format/duration.js";
-import type { Level } from "../../format/severity.js";
+import type { SeverityLevel } from "../../format/severity.js";
 import { decimalsFor, formatNumber, NOTHING } from "../../format/number.js";
 import { spokenUnit, unitGap } from "../../format/unit.js";
 import { base } from "../base/base-style.js";
@@ -83,7 +83,7 @@ export class Value extends LitElement {
   /** Age (s), said when stale. */
   @property({ type: Number }) age = Number.NaN;
   /** How grave the robot's own word is. */
-  @property({ reflect: true }) level: Level = "";
+  @property({ reflect: true }) level: SeverityLevel = "";
   /** No words beside a stale or missing value, where the place is too small. */
   @property({ type: Boolean }) bare = false;
 

@@ -6,7 +6,7 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { passwordRules, passwordTrouble } from "../../format/password-rules.js";
+import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import { apiContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -16,7 +16,7 @@ import "../../elements/feedback/problem.js";
 import "../../elements/forms/rule-list.js";
 
 @customElement("t-account-password")
-export class AccountPassword extends LitElement {
+export class ChangePassword extends LitElement {
   static override styles = [base, sheets];
 
   @property() name = "";
@@ -69,7 +69,7 @@ export class AccountPassword extends LitElement {
   private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     this.missing = this.old.value === "" ? "Enter the password you have now." : "";
-    this.trouble = passwordTrouble(this.rules());
+    this.trouble = passwordProblem(this.rules());
     if (this.missing === "" && this.trouble === "") void this.changePassword(this.old.value, this.fresh);
   };
 
@@ -84,6 +84,6 @@ export class AccountPassword extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-account-password": AccountPassword;
+    "t-account-password": ChangePassword;
   }
 }

@@ -4,13 +4,13 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
-import { focusIn } from "../../elements/base/focus.js";
+import { focusInside } from "../../elements/base/focus.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import type { Advice } from "../../format/error-advice.js";
 import type { NoticeRuleShape, RuleAsk, WayChoice } from "../../wire/alarms-api.js";
 import type { SiteRow } from "../../wire/api-types.js";
-import { askOf, FIRST, quietOf, SEVERITIES } from "./notification-rule.js";
+import { ruleFromForm, FIRST, quietHours, SEVERITIES } from "./notification-rule.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/problem.js";
@@ -20,7 +20,7 @@ import "../../elements/feedback/problem.js";
  * @fires t-cancel
  */
 @customElement("t-rule-form")
-export class RuleForm extends LitElement {
+export class NotificationRuleForm extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -45,14 +45,14 @@ export class RuleForm extends LitElement {
   @state() private way = "";
 
   override firstUpdated(): void {
-    void focusIn(this, "select");
+    void focusInside(this, "select");
   }
 
   override render(): TemplateResult {
     const rule = { ...FIRST, ...this.rule };
     const chosen = this.way || this.rule?.way;
     const way = this.ways.find(({ id }) => id === chosen) ?? this.ways[0];
-    const quiet = quietOf(rule);
+    const quiet = quietHours(rule);
     return html`<form class="entry" novalidate @submit=${this.onSubmit}>
       <t-field label="By">
         <select name="way" @change=${this.onChoose}>
@@ -98,7 +98,7 @@ export class RuleForm extends LitElement {
     if (zone === here) return html`<input type="hidden" name="zone" .value=${here} />`;
     return html`<t-field label="By the clock of">
       <select name="zone">
-        ${map([zone, here], (one) => html`<option .selected=${one === zone}>${one}</option>`)}
+        ${map([zone, here], (address) => html`<option .selected=${address === zone}>${address}</option>`)}
       </select>
     </t-field>`;
   }
@@ -120,13 +120,13 @@ export class RuleForm extends LitElement {
   private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     if (this.busy || !(event.currentTarget instanceof HTMLFormElement)) return;
-    this.dispatchEvent(new CustomEvent<RuleAsk>("t-rule", { detail: askOf(new FormData(event.currentTarget)) }));
+    this.dispatchEvent(new CustomEvent<RuleAsk>("t-rule", { detail: ruleFromForm(new FormData(event.currentTarget)) }));
   };
 }
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-rule-form": RuleForm;
+    "t-rule-form": NotificationRuleForm;
   }
   interface GlobalEventHandlersEventMap {
     "t-rule": CustomEvent<RuleAsk>;

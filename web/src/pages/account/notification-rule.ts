@@ -1,10 +1,10 @@
 /** A rule of whom to tell what, as it stands in a form. Pure. */
 
-import { typedText } from "../../format/form-values.js";
+import { formText } from "../../format/form-values.js";
 import type { NoticeRuleShape, RuleAsk } from "../../wire/alarms-api.js";
 
 export const SEVERITIES = ["info", "warning", "critical"] as const;
-type Severity = (typeof SEVERITIES)[number];
+type AlarmSeverity = (typeof SEVERITIES)[number];
 
 /** What a rule says where nobody has said anything else. */
 export const FIRST: Required<Omit<NoticeRuleShape, "id" | "way" | "zone">> = {
@@ -19,8 +19,8 @@ export const FIRST: Required<Omit<NoticeRuleShape, "id" | "way" | "zone">> = {
 };
 
 /** The rule that a form asks for. */
-export function askOf(said: FormData): RuleAsk {
-  const text = (name: string): string => typedText(said, name);
+export function ruleFromForm(said: FormData): RuleAsk {
+  const text = (name: string): string => formText(said, name);
   const from = minuteOf(text("from"));
   return {
     site: text("site"),
@@ -37,13 +37,13 @@ export function askOf(said: FormData): RuleAsk {
 }
 
 /** The quiet hours of a rule as times of the day; null when it has none. */
-export function quietOf(rule: Pick<RuleAsk, "quiet_from" | "quiet_to">): { readonly from: string; readonly to: string } | null {
+export function quietHours(rule: Pick<RuleAsk, "quiet_from" | "quiet_to">): { readonly from: string; readonly to: string } | null {
   const { quiet_from: from = 0, quiet_to: to = 0 } = rule;
   return from === to ? null : { from: clockText(from), to: clockText(to) };
 }
 
-function severityOf(word: string): Severity {
-  return SEVERITIES.find((one) => one === word) ?? "warning";
+function severityOf(word: string): AlarmSeverity {
+  return SEVERITIES.find((severity) => severity === word) ?? "warning";
 }
 
 /** Minute of the day of `HH:MM`; null when there is none. */

@@ -6,18 +6,18 @@ import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { Tester } from "../../controllers/test-message.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TestMessageController } from "../../controllers/test-message.js";
 import { base } from "../../elements/base/base-style.js";
-import { focusIn } from "../../elements/base/focus.js";
+import { focusInside } from "../../elements/base/focus.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { agentWords } from "../../format/user-agent.js";
+import { browserName } from "../../format/user-agent.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { NotifyApi, type PushList, type RuleAsk, type NoticeRuleShape, type WayChoice } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { subscribe, whyNoPush } from "../../wire/web-push.js";
-import { quietOf } from "./notification-rule.js";
+import { subscribePush, whyNoPush } from "../../wire/web-push.js";
+import { quietHours } from "./notification-rule.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
@@ -25,14 +25,14 @@ import "../../elements/values/time.js";
 import "../../elements/feedback/delivery-result.js";
 import "./notification-rule-form.js";
 
-interface Known {
+interface LoadedRules {
   readonly ways: readonly WayChoice[];
   readonly rules: readonly NoticeRuleShape[];
   readonly push: PushList;
 }
 
 @customElement("t-account-rules")
-export class AccountRules extends LitElement {
+export class NotificationRules extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -49,10 +49,10 @@ export class AccountRules extends LitElement {
   @state() private editing: string | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly known = new LoadController<Known>(this);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly known = new LoadController<LoadedRules>(this);
   private readonly action = new ActionController(this);
-  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testRule(id));
+  private readonly tester = new TestMessageController(this, this.action, (id) => new NotifyApi(this.api).testRule(id));
 
   override willUpdate(): void {
     this.known.load("rules", async () => {
@@ -73,11 +73,11 @@ export class AccountRules extends LitElement {
   }
 
   /** Whether a form is shown: it says by itself what went wrong. */
-  private isFormOpen(known: Known | undefined): boolean {
+  private isFormOpen(known: LoadedRules | undefined): boolean {
     return this.editing === "" || known?.rules.some(({ id }) => id === this.editing) === true;
   }
 
-  private renderContent(known: Known): TemplateResult {
+  private renderContent(known: LoadedRules): TemplateResult {
     if (known.ways.length === 0) {
       return html`<p class="muted">Nobody is told of alarms yet: an admin sets up mail, a webhook, a chat or push messages first, under Admin, Notification.</p>`;
     }
@@ -97,11 +97,11 @@ export class AccountRules extends LitElement {
       ${known.push.key === "" ? nothing : this.renderBrowsers(known.push)}`;
   }
 
-  private renderRule(rule: NoticeRuleShape, known: Known): TemplateResult {
+  private renderRule(rule: NoticeRuleShape, known: LoadedRules): TemplateResult {
     const way = known.ways.find(({ id }) => id === rule.way);
     const name = `${way?.name ?? "a way that is gone"}${rule.target === "" ? "" : ` to ${rule.target ?? ""}`}`;
     const site = rule.site === "*" ? "every site" : (this.sites.store?.siteRow(rule.site)?.name ?? rule.site);
-    const quiet = quietOf(rule);
+    const quiet = quietHours(rule);
     const changed = rule.id === this.editing;
     return html`<li data-rule=${rule.id} class=${changed ? "open" : ""}>
       <div>
@@ -122,7 +122,7 @@ export class AccountRules extends LitElement {
     </li>`;
   }
 
-  private renderForm(rule: NoticeRuleShape | null, known: Known): TemplateResult {
+  private renderForm(rule: NoticeRuleShape | null, known: LoadedRules): TemplateResult {
     return html`<t-rule-form
       .rule=${rule}
       .ways=${known.ways}
@@ -143,12 +143,12 @@ export class AccountRules extends LitElement {
             ${repeat(
               push.browsers,
               ({ id }) => id,
-              (one) => html`<li>
+              (browser) => html`<li>
                 <div>
-                  <div class="name">${agentWords(one.agent)}</div>
-                  <div class="facts"><span>since <t-time .us=${one.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
+                  <div class="name">${browserName(browser.agent)}</div>
+                  <div class="facts"><span>since <t-time .us=${browser.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
                 </div>
-                <t-button label=${`Remove ${agentWords(one.agent)}`} @click=${this.browserRemover(one.id)}>Remove</t-button>
+                <t-button label=${`Remove ${browserName(browser.agent)}`} @click=${this.browserRemover(browser.id)}>Remove</t-button>
               </li>`,
             )}
           </ul>`}
@@ -169,7 +169,7 @@ export class AccountRules extends LitElement {
     const { editing } = this;
     this.action.clear();
     this.editing = null;
-    void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-rule="${editing}"] .change`);
+    void focusInside(this, editing === null || editing === "" ? ".add" : `li[data-rule="${editing}"] .change`);
   };
 
   private readonly saveRule = (event: CustomEvent<RuleAsk>): void => {
@@ -199,7 +199,7 @@ export class AccountRules extends LitElement {
   private withdrawRule(key: string): () => void {
     return () => {
       void this.action
-        .run("take messages in this browser", async () => new NotifyApi(this.api).addBrowser(await subscribe(key)), "", "push")
+        .run("take messages in this browser", async () => new NotifyApi(this.api).addBrowser(await subscribePush(key)), "", "push")
         .then(() => {
           this.known.invalidate();
         });
@@ -209,6 +209,6 @@ export class AccountRules extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-account-rules": AccountRules;
+    "t-account-rules": NotificationRules;
   }
 }

@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { levelAt, placeKey, seesOnlyPublic } from "../../state/rights.js";
@@ -30,7 +30,7 @@ export class PageAccount extends LitElement {
     `,
   ];
 
-  private readonly session = new StoreController(this, sessionContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
 
   override render(): TemplateResult | typeof nothing {
     const person = this.session.store?.person ?? null;
@@ -39,7 +39,7 @@ export class PageAccount extends LitElement {
       <div class="head">
         <div>
           <h1>Account</h1>
-          <p class="muted">${person.name}, with the role ${person.role}: ${rightsWords(person)}</p>
+          <p class="muted">${person.name}, with the role ${person.role}: ${rightsText(person)}</p>
         </div>
       </div>
       <div class="two">
@@ -54,10 +54,10 @@ export class PageAccount extends LitElement {
 }
 
 /** What a person may do, in one line. */
-function rightsWords(person: Person): string {
+function rightsText(person: Person): string {
   if (person.admin) return "admin of the whole hub.";
   if (person.permissions.length === 0) return "you see what is public.";
-  const places = new Map(person.permissions.map((one) => [placeKey(one), one]));
+  const places = new Map(person.permissions.map((permission) => [placeKey(permission), permission]));
   const words = [...places.values()].map((place) => {
     const what = place.site === "*" ? "every site" : place.device === "*" ? place.site : `${place.site} ${place.device}`;
     return `${levelAt(person.permissions, place)} ${what}`;

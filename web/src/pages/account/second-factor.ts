@@ -19,10 +19,10 @@ import "../../elements/values/qr-code.js";
 import "../../elements/feedback/status.js";
 
 /** Where one stands: at rest, about to begin, scanning, looking at the recovery codes, about to remove it. */
-type Step = "rest" | "begin" | "scan" | "codes" | "remove";
+type SetupStep = "rest" | "begin" | "scan" | "codes" | "remove";
 
 @customElement("t-account-factor")
-export class AccountFactor extends LitElement {
+export class SecondFactor extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -44,7 +44,7 @@ export class AccountFactor extends LitElement {
 
   /** There is one now. */
   @property({ type: Boolean }) active = false;
-  @state() private step: Step = "rest";
+  @state() private step: SetupStep = "rest";
   @state() private offer: FactorOffer | null = null;
   @state() private recovery: readonly string[] = [];
   @query("#password") private readonly password!: HTMLInputElement | null;
@@ -119,11 +119,11 @@ export class AccountFactor extends LitElement {
   }
 
   private renderForm(words: string, submit: () => Promise<void>, fields: TemplateResult): TemplateResult {
-    const send = (event: SubmitEvent): void => {
+    const onSubmit = (event: SubmitEvent): void => {
       event.preventDefault();
       void submit();
     };
-    return html`<form class="fields" novalidate @submit=${send}>
+    return html`<form class="fields" novalidate @submit=${onSubmit}>
       ${fields}
       <div class="actions">
         <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${words}</t-button>
@@ -149,13 +149,13 @@ export class AccountFactor extends LitElement {
     return `data:text/plain;charset=utf-8,${encodeURIComponent(`${this.recovery.join("\n")}\n`)}`;
   }
 
-  private stepOpener(step: Step): () => void {
+  private stepOpener(step: SetupStep): () => void {
     return () => {
       this.showStep(step);
     };
   }
 
-  private showStep(step: Step): void {
+  private showStep(step: SetupStep): void {
     this.step = step;
     this.action.clear();
     if (step === "rest") {
@@ -203,6 +203,6 @@ export class AccountFactor extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-account-factor": AccountFactor;
+    "t-account-factor": SecondFactor;
   }
 }

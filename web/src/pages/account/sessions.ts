@@ -6,10 +6,10 @@ import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { agentWords } from "../../format/user-agent.js";
+import { browserName } from "../../format/user-agent.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
@@ -26,7 +26,7 @@ export class AccountSessions extends LitElement {
   static override styles = [base, sheets];
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly rows = new LoadController<readonly SessionRow[]>(this);
   private readonly action = new ActionController(this);
 
@@ -63,7 +63,7 @@ export class AccountSessions extends LitElement {
         (row) => row.id,
         (row) => html`<li>
           <div>
-            <span class="name" title=${row.agent}>${agentWords(row.agent)}</span>
+            <span class="name" title=${row.agent}>${browserName(row.agent)}</span>
             ${row.this ? html`<t-status kind="ok" word="this one"></t-status>` : nothing}
             <div class="facts">
               <span>from ${row.address === "" ? "an unknown address" : row.address}</span>
@@ -74,7 +74,7 @@ export class AccountSessions extends LitElement {
           ${row.this
             ? nothing
             : html`<t-button
-                label=${`End the session of ${agentWords(row.agent)} from ${row.address}`}
+                label=${`End the session of ${browserName(row.agent)} from ${row.address}`}
                 ?busy=${this.action.runningKey === row.id}
                 @click=${this.sessionEnder(row)}
                 >End this</t-button

@@ -12,10 +12,10 @@ import { adviceFor } from "../../format/error-advice.js";
 import { knownZone } from "../../format/time.js";
 import { DAY_US, ZoneClock } from "../../series/zone-clock.js";
 import { apiContext } from "../../state/contexts.js";
-import { inheritedLevel, LEVELS, ownLevel, rank, withLevel, type Level } from "../../state/rights.js";
+import { inheritedLevel, LEVELS, ownLevel, levelRank, withLevel, type AccessLevel } from "../../state/rights.js";
 import type { DeviceRow, Permission, Person } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { scopesOf, type Scope } from "./token-scopes.js";
+import { scopesOf, type TokenScope } from "./token-scopes.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/loading.js";
@@ -156,25 +156,25 @@ export class TokenForm extends LitElement {
     </fieldset>`;
   }
 
-  private renderScope(scope: Scope): TemplateResult {
+  private renderScope(scope: TokenScope): TemplateResult {
     const from = inheritedLevel(this.permissions, scope);
     const own = ownLevel(this.permissions, scope);
-    const shown = rank(own) > rank(from) ? own : from;
-    const choices = LEVELS.filter((level) => rank(level) >= rank(from) && rank(level) <= rank(scope.most));
-    const choose = (event: Event): void => {
+    const shown = levelRank(own) > levelRank(from) ? own : from;
+    const choices = LEVELS.filter((level) => levelRank(level) >= levelRank(from) && levelRank(level) <= levelRank(scope.most));
+    const onLevelChange = (event: Event): void => {
       if (!(event.target instanceof HTMLSelectElement)) return;
-      const level = LEVELS.find((one) => one === (event.target as HTMLSelectElement).value) ?? "none";
+      const level = LEVELS.find((level) => level === (event.target as HTMLSelectElement).value) ?? "none";
       this.setLevel(scope, level === from ? "none" : level);
     };
     return html`<label class=${`d${String(scope.depth)}`}
       ><span>${scope.name}</span
-      ><select @change=${choose}>
+      ><select @change=${onLevelChange}>
         ${map(choices, (level) => html`<option value=${level} .selected=${level === shown}>${level}</option>`)}
       </select></label
     >`;
   }
 
-  private setLevel(scope: Scope, level: Level): void {
+  private setLevel(scope: TokenScope, level: AccessLevel): void {
     this.permissions = withLevel(this.permissions, scope, level);
     this.errors = { ...this.errors, rights: "" };
   }

@@ -1,23 +1,23 @@
 /** What a token may be given: the places where its maker has a right, and how much of it. Pure. */
 
-import { ANY, EVERYWHERE, levelAt, rank, type Level, type Place } from "../../state/rights.js";
+import { ANY, EVERYWHERE, levelAt, levelRank, type AccessLevel, type AccessPlace } from "../../state/rights.js";
 import type { DeviceRow, Permission } from "../../wire/api-types.js";
 
 /** A place that a token can be given rights for. */
-export interface Scope extends Place {
+export interface TokenScope extends AccessPlace {
   readonly name: string;
   /** How deep it lies: the hub, a site, a device. */
   readonly depth: 0 | 1 | 2;
   /** The most that it can be given. A token never manages anything, so `admin` gives `use`. */
-  readonly most: Level;
+  readonly most: AccessLevel;
 }
 
-export function scopesOf(permissions: readonly Permission[], devices: readonly DeviceRow[]): readonly Scope[] {
-  const scopes: Scope[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, most: mostAt(permissions, EVERYWHERE) }];
+export function scopesOf(permissions: readonly Permission[], devices: readonly DeviceRow[]): readonly TokenScope[] {
+  const scopes: TokenScope[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, most: mostAt(permissions, EVERYWHERE) }];
   const sites = new Map(devices.map((row) => [row.site, row.site_name]));
   for (const [site, name] of sites) {
     scopes.push({ site, device: ANY, name, depth: 1, most: mostAt(permissions, { site, device: ANY }) });
-    for (const row of devices.filter((one) => one.site === site)) {
+    for (const row of devices.filter((row) => row.site === site)) {
       const place = { site, device: row.device };
       scopes.push({ ...place, name: row.name, depth: 2, most: mostAt(permissions, place) });
     }
@@ -25,7 +25,7 @@ export function scopesOf(permissions: readonly Permission[], devices: readonly D
   return scopes.filter(({ most }) => most !== "none");
 }
 
-function mostAt(permissions: readonly Permission[], place: Place): Level {
+function mostAt(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
   const level = levelAt(permissions, place);
-  return rank(level) > rank("use") ? "use" : level;
+  return levelRank(level) > levelRank("use") ? "use" : level;
 }

@@ -6,11 +6,11 @@ import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
-import { permissionWords } from "../../format/permissions.js";
+import { permissionText } from "../../format/permissions.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { TokenRow } from "../../wire/admin-types.js";
@@ -36,7 +36,7 @@ export class AccountTokens extends LitElement {
   @state() private revoking: TokenRow | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly rows = new LoadController<readonly TokenRow[]>(this);
   private readonly action = new ActionController(this);
 
@@ -97,7 +97,7 @@ export class AccountTokens extends LitElement {
             <span class="name">${row.name}</span>
             ${row.ends_us <= now ? html`<t-status kind="offline" word="ended"></t-status>` : nothing}
             <div class="facts">
-              <span>may ${permissionWords(row.permissions)}</span>
+              <span>may ${permissionText(row.permissions)}</span>
               <span>until <t-time .us=${row.ends_us} .zone=${zone}></t-time></span>
               <span>last used <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
             </div>

@@ -3,9 +3,9 @@
 import type { AlarmDefinition } from "../../wire/alarms-api.js";
 import type { SignalInfo } from "../../wire/api-types.js";
 
-export type Kind = AlarmDefinition["kind"];
+export type AlarmKind = AlarmDefinition["kind"];
 
-export const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = [
+export const KINDS: readonly { readonly kind: AlarmKind; readonly name: string }[] = [
   { kind: "limit", name: "Limit" },
   { kind: "state", name: "State or text" },
   { kind: "stale", name: "No fresh value" },
@@ -17,20 +17,20 @@ export const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = 
 ];
 
 /** Texts of the form's fields, by name; a ticked box is "on". */
-export type Fields = Readonly<Record<string, string>>;
+export type AlarmFields = Readonly<Record<string, string>>;
 
-export interface Field {
+export interface AlarmField {
   readonly labelControl: string;
   readonly label: string;
   readonly hint?: string;
-  readonly kinds: readonly Kind[];
+  readonly kinds: readonly AlarmKind[];
   readonly sort: "number" | "text" | "words" | "signal" | "stream" | "people";
 }
 
 const ALL = KINDS.map(({ kind }) => kind);
 
 /** Every field, in the order of the form, with the kinds that have it. */
-export const FIELDS: readonly Field[] = [
+export const FIELDS: readonly AlarmField[] = [
   { labelControl: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
   { labelControl: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
   { labelControl: "label", label: "What is seen", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
@@ -58,12 +58,12 @@ export const FIELDS: readonly Field[] = [
 const IN_UNIT = ["above", "below", "hysteresis"];
 
 /** What a field is called, with the unit of its number. */
-export function labelOf(field: Field, unit: string): string {
+export function fieldLabel(field: AlarmField, unit: string): string {
   return IN_UNIT.includes(field.labelControl) && unit !== "" ? `${field.label} (${unit})` : field.label;
 }
 
 /** Whether an alarm of a kind can watch a signal of a type. */
-export function fits(kind: Kind, type: SignalInfo["type"]): boolean {
+export function kindFitsType(kind: AlarmKind, type: SignalInfo["type"]): boolean {
   if (kind === "limit" || kind === "anomaly") return type === "number" || type === "position";
   if (kind === "state") return type === "state" || type === "text";
   return true;
@@ -74,11 +74,11 @@ const OPTIONAL = ["above", "below", "max_age", "unknown_after", "repeat", "remin
 const FIRST: Readonly<Record<string, number>> = { count: 1, confidence: 0.5 };
 
 /** The form's texts for a definition. */
-export function fieldsOf(definition: AlarmDefinition): Fields {
+export function alarmFields(definition: AlarmDefinition): AlarmFields {
   const said: Record<string, string> = {};
   for (const [name, value] of Object.entries(definition)) {
     if (value === null || value === undefined) said[name] = "";
-    else if (Array.isArray(value)) said[name] = value.map((one: string | Step) => (typeof one === "string" ? one : `${one.who} ${String(one.after)}`)).join(", ");
+    else if (Array.isArray(value)) said[name] = value.map((step: string | EscalationStep) => (typeof step === "string" ? step : `${step.who} ${String(step.after)}`)).join(", ");
     else if (typeof value === "boolean") said[name] = value ? "on" : "";
     else said[name] = String(value);
   }
@@ -86,8 +86,8 @@ export function fieldsOf(definition: AlarmDefinition): Fields {
 }
 
 /** The definition that a form says; a text where a number is wanted gives what is wrong, by field. */
-export function definitionOf(fields: Fields): { readonly definition: AlarmDefinition } | { readonly wrong: string } {
-  const kind = (fields["kind"] ?? "limit") as Kind;
+export function definitionOf(fields: AlarmFields): { readonly definition: AlarmDefinition } | { readonly wrong: string } {
+  const kind = (fields["kind"] ?? "limit") as AlarmKind;
   const said: Record<string, unknown> = {
     name: (fields["name"] ?? "").trim(),
     kind,
@@ -98,7 +98,7 @@ export function definitionOf(fields: Fields): { readonly definition: AlarmDefini
     const text = (fields[name] ?? "").trim();
     if (!kinds.includes(kind)) continue;
     if (sort === "people") {
-      const steps = stepsOf(text);
+      const steps = parseSteps(text);
       if (steps === null) return { wrong: name };
       said[name] = steps;
     } else if (sort === "words") said[name] = text.split(",").map((word) => word.trim()).filter(Boolean);
@@ -113,15 +113,15 @@ export function definitionOf(fields: Fields): { readonly definition: AlarmDefini
   return { definition: said as unknown as AlarmDefinition };
 }
 
-interface Step {
+interface EscalationStep {
   readonly who: string;
   readonly after: number;
 }
 
 /** `anna 0, ben 300` as steps; null when it is not of this form. */
-function stepsOf(text: string): readonly Step[] | null {
-  const steps: Step[] = [];
-  for (const word of text.split(",").map((one) => one.trim()).filter(Boolean)) {
+function parseSteps(text: string): readonly EscalationStep[] | null {
+  const steps: EscalationStep[] = [];
+  for (const word of text.split(",").map((address) => address.trim()).filter(Boolean)) {
     const [, who, after] = /^(\S+)(?:\s+(\d+(?:\.\d+)?))?$/.exec(word) ?? [];
     if (who === undefined) return null;
     steps.push({ who, after: Number(after ?? 0) });

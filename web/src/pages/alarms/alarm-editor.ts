@@ -6,7 +6,7 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
@@ -16,7 +16,7 @@ import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AlarmsApi, type AlarmDefinition, type PreviewShape } from "../../wire/alarms-api.js";
 import type { SignalInfo, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { definitionOf, FIELDS, fieldsOf, fits, idOf, KINDS, labelOf, type Field, type Fields, type Kind } from "./alarm-definition.js";
+import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, type AlarmField, type AlarmFields, type AlarmKind } from "./alarm-definition.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/forms/field.js";
@@ -60,7 +60,7 @@ export class AlarmEditor extends LitElement {
   @property() alarm = "";
   @property({ attribute: false }) definition: AlarmDefinition | null = null;
 
-  @state() private kind: Kind | null = null;
+  @state() private kind: AlarmKind | null = null;
   /** The channel that was chosen in the form; null: none yet. */
   @state() private signal: string | null = null;
   @state() private wrong = "";
@@ -69,7 +69,7 @@ export class AlarmEditor extends LitElement {
   @query("form") private readonly form!: HTMLFormElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly action = new ActionController(this);
 
@@ -80,7 +80,7 @@ export class AlarmEditor extends LitElement {
   }
 
   override render(): TemplateResult {
-    const fields = this.definition === null ? {} : fieldsOf(this.definition);
+    const fields = this.definition === null ? {} : alarmFields(this.definition);
     const kind = this.kind ?? this.definition?.kind ?? "limit";
     const signal = this.signalOf(kind, fields["signal"] ?? "");
     return html`<h2>${this.alarm === "" ? "New alarm" : "Change the alarm"}</h2>
@@ -88,7 +88,7 @@ export class AlarmEditor extends LitElement {
         <t-field label="Name"><input name="name" maxlength="100" autocomplete="off" .value=${fields["name"] ?? ""} /></t-field>
         <t-field label="Kind">
           <select name="kind" @change=${this.onChoose}>
-            ${map(KINDS, (one) => html`<option value=${one.kind} ?selected=${one.kind === kind}>${one.name}</option>`)}
+            ${map(KINDS, (option) => html`<option value=${option.kind} ?selected=${option.kind === kind}>${option.name}</option>`)}
           </select>
         </t-field>
         <t-field label="Severity">
@@ -103,7 +103,7 @@ export class AlarmEditor extends LitElement {
           FIELDS.filter(({ kinds }) => kinds.includes(kind)),
           (field) => html`<t-field
             class=${field.labelControl === "expression" || field.labelControl === "advice" ? "wide" : ""}
-            label=${labelOf(field, signal?.unit ?? "")}
+            label=${fieldLabel(field, signal?.unit ?? "")}
             .hint=${this.hintOf(field, signal?.states ?? [])}
             .error=${this.errorOf(field.labelControl)}
             >${this.renderControl(field.labelControl, field.sort, fields, kind)}</t-field
@@ -142,14 +142,14 @@ export class AlarmEditor extends LitElement {
     return "";
   }
 
-  private hintOf(field: Field, states: readonly string[]): string {
+  private hintOf(field: AlarmField, states: readonly string[]): string {
     if (field.sort === "words" && states.length > 0) return `With commas between: ${states.join(", ")}`;
     return field.hint ?? "";
   }
 
   /** The signal that is chosen; at first that of the definition, else the first that fits. */
-  private signalOf(kind: Kind, defined: string): SignalInfo | undefined {
-    const signals = (this.detail.value?.devices ?? []).flatMap((device) => device.signals).filter(({ type }) => fits(kind, type));
+  private signalOf(kind: AlarmKind, defined: string): SignalInfo | undefined {
+    const signals = (this.detail.value?.devices ?? []).flatMap((device) => device.signals).filter(({ type }) => kindFitsType(kind, type));
     const channelSignal = (channel: string): SignalInfo | undefined => signals.find(({ channels }) => channels.includes(channel));
     return channelSignal(this.signal ?? defined) ?? signals[0];
   }
@@ -165,10 +165,10 @@ export class AlarmEditor extends LitElement {
   }
 
   /** Every channel as a choice; of one kind of alarm, those that fit. */
-  private renderChannels(kind: Kind | null, chosen: string): unknown {
+  private renderChannels(kind: AlarmKind | null, chosen: string): unknown {
     return map(this.detail.value?.devices ?? [], (device) =>
       map(
-        device.signals.filter(({ type }) => kind === null || fits(kind, type)),
+        device.signals.filter(({ type }) => kind === null || kindFitsType(kind, type)),
         (signal) =>
           map(
             signal.channels,
@@ -178,7 +178,7 @@ export class AlarmEditor extends LitElement {
     );
   }
 
-  private renderControl(name: string, sort: string, fields: Fields, kind: Kind): TemplateResult {
+  private renderControl(name: string, sort: string, fields: AlarmFields, kind: AlarmKind): TemplateResult {
     const value = fields[name] ?? "";
     const devices = this.detail.value?.devices ?? [];
     if (sort === "signal") {
@@ -243,7 +243,7 @@ export class AlarmEditor extends LitElement {
   }
 
   private readonly onChoose = (event: Event): void => {
-    if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as Kind;
+    if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as AlarmKind;
   };
 
   private readonly onSignalChange = (event: Event): void => {

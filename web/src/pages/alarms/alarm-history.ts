@@ -15,7 +15,7 @@ import "../../elements/feedback/problem.js";
 import "../../elements/values/time.js";
 
 @customElement("t-alarm-past")
-export class AlarmPastView extends LitElement {
+export class AlarmHistoryView extends LitElement {
   static override styles = [
     base,
     css`
@@ -60,9 +60,9 @@ export class AlarmPastView extends LitElement {
     return html`<ol>
         ${map(
           value.past,
-          (one) => html`<li>
-            <t-time .us=${one.time_us} .zone=${this.zone}></t-time>
-            <strong>${one.what}</strong>${one.who === "" ? "" : ` by ${one.who}`}${one.message === "" ? "" : `: ${one.message}`}
+          (event) => html`<li>
+            <t-time .us=${event.time_us} .zone=${this.zone}></t-time>
+            <strong>${event.what}</strong>${event.who === "" ? "" : ` by ${event.who}`}${event.message === "" ? "" : `: ${event.message}`}
           </li>`,
         )}
       </ol>
@@ -72,6 +72,6 @@ export class AlarmPastView extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-alarm-past": AlarmPastView;
+    "t-alarm-past": AlarmHistoryView;
   }
 }

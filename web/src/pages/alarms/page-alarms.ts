@@ -7,8 +7,8 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import type { AlarmNews } from "../../generated/wire.js";
@@ -17,7 +17,7 @@ import { alarmsContext, alarmSoundContext, apiContext, routerContext, sessionCon
 import { sitePath } from "../../state/router.js";
 import { AlarmsApi, type AlarmList, type AlarmShape } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { historyAt, standing } from "./alarm-labels.js";
+import { historyAt, alarmStatus } from "./alarm-labels.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/feedback/empty.js";
@@ -29,9 +29,9 @@ import "../../elements/values/time.js";
 import "./alarm-editor.js";
 import "./alarm-history.js";
 
-type Doing = "assign" | "comment" | "shelve";
+type AlarmAction = "assign" | "comment" | "shelve";
 
-const QUESTIONS: Readonly<Record<Doing, readonly [heading: string, label: string, action: string]>> = {
+const QUESTIONS: Readonly<Record<AlarmAction, readonly [heading: string, label: string, action: string]>> = {
   assign: ["Who sees to it?", "Name of the person (empty: nobody)", "Assign"],
   comment: ["Say something about it", "Comment", "Keep"],
   shelve: ["Put it aside for a while", "Why", "Shelve"],
@@ -91,7 +91,7 @@ export class PageAlarms extends LitElement {
     `,
   ];
 
-  @state() private doing: { readonly what: Doing; readonly about: AlarmNews } | null = null;
+  @state() private doing: { readonly what: AlarmAction; readonly about: AlarmNews } | null = null;
   @state() private open = "";
   /** Site and alarm that is being changed, or a site and nothing for a new one. */
   @state() private editing: { readonly site: string; readonly alarm: string } | null = null;
@@ -100,11 +100,11 @@ export class PageAlarms extends LitElement {
   @query("#hours") private readonly hours!: HTMLSelectElement | null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly alarms = new StoreController(this, alarmsContext);
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly session = new StoreController(this, sessionContext);
-  private readonly sound = new StoreController(this, alarmSoundContext);
-  private readonly router = new StoreController(this, routerContext);
+  private readonly alarms = new ContextStoreController(this, alarmsContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly sound = new ContextStoreController(this, alarmSoundContext);
+  private readonly router = new ContextStoreController(this, routerContext);
   /** The alarm that the address named last, and that was shown for it. */
   private shownFor = "";
   private readonly defined = new LoadController<ReadonlyMap<string, AlarmList>>(this);
@@ -112,13 +112,13 @@ export class PageAlarms extends LitElement {
 
   constructor() {
     super();
-    new TickController(this, 1000);
+    new TickerController(this, 1000);
   }
 
   override willUpdate(): void {
     const sites = (this.sites.store?.list ?? []).map(({ site }) => site);
     // What is defined changes when an alarm comes or goes.
-    const names = (this.alarms.store?.list ?? []).map((one) => `${one.site}/${one.alarm}/${one.name}`).sort();
+    const names = (this.alarms.store?.list ?? []).map((alarm) => `${alarm.site}/${alarm.alarm}/${alarm.name}`).sort();
     this.defined.load([...sites, ...names].join("\n"), async () => {
       const api = new AlarmsApi(this.api);
       return new Map(await Promise.all(sites.map(async (site) => [site, await api.listAlarms(site)] as const)));
@@ -203,81 +203,81 @@ export class PageAlarms extends LitElement {
       <ul class="rows">
         ${repeat(
           list,
-          (one) => `${one.site}/${one.alarm}`,
-          (one) => this.renderLine(one),
+          (alarm) => `${alarm.site}/${alarm.alarm}`,
+          (alarm) => this.renderLine(alarm),
         )}
       </ul>
     </section>`;
   }
 
-  private shapeOf(one: AlarmNews): AlarmShape | undefined {
-    return this.defined.value?.get(one.site)?.alarms.find(({ alarm }) => alarm === one.alarm);
+  private shapeOf(news: AlarmNews): AlarmShape | undefined {
+    return this.defined.value?.get(news.site)?.alarms.find(({ alarm }) => alarm === news.alarm);
   }
 
-  private renderLine(one: AlarmNews): TemplateResult {
-    const row = this.sites.store?.siteRow(one.site);
+  private renderLine(alarm: AlarmNews): TemplateResult {
+    const row = this.sites.store?.siteRow(alarm.site);
     const zone = row?.zone ?? "UTC";
-    const [kind, word] = standing(one, this.alarms.store?.isShelved(one) ?? false);
-    const on = one.phase === "active" || one.phase === "acknowledged" ? "on" : "";
+    const [kind, word] = alarmStatus(alarm, this.alarms.store?.isShelved(alarm) ?? false);
+    const on = alarm.phase === "active" || alarm.phase === "acknowledged" ? "on" : "";
     const many = (this.sites.store?.list.length ?? 0) > 1;
-    const id = `${one.site}/${one.alarm}`;
+    const id = `${alarm.site}/${alarm.alarm}`;
     const named = id === this.addressedAlarm();
-    return html`<li class="alarm ${one.severity} ${on} ${named ? "named" : ""}" data-alarm=${one.alarm} tabindex=${named ? "-1" : nothing} aria-current=${named ? "true" : nothing}>
+    return html`<li class="alarm ${alarm.severity} ${on} ${named ? "named" : ""}" data-alarm=${alarm.alarm} tabindex=${named ? "-1" : nothing} aria-current=${named ? "true" : nothing}>
       <div>
-        <div class="facts"><t-status kind=${kind} word=${word}></t-status><span class="chip">${one.severity}</span></div>
-        <div class="name">${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</div>
-        ${one.why === "" ? nothing : html`<div class="why">${one.why}</div>`}
-        ${one.known ? nothing : html`<div class="why">It cannot be judged now: ${sentence(one.unknown_why)}</div>`}
-        ${one.advice === "" || on === "" ? nothing : html`<div class="advice"><strong>What to do:</strong> ${one.advice}</div>`}
-        ${one.undelivered === "" ? nothing : html`<div class="undelivered">Could not be delivered: ${one.undelivered}</div>`}
+        <div class="facts"><t-status kind=${kind} word=${word}></t-status><span class="chip">${alarm.severity}</span></div>
+        <div class="name">${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</div>
+        ${alarm.why === "" ? nothing : html`<div class="why">${alarm.why}</div>`}
+        ${alarm.known ? nothing : html`<div class="why">It cannot be judged now: ${capitalized(alarm.unknown_why)}</div>`}
+        ${alarm.advice === "" || on === "" ? nothing : html`<div class="advice"><strong>What to do:</strong> ${alarm.advice}</div>`}
+        ${alarm.undelivered === "" ? nothing : html`<div class="undelivered">Could not be delivered: ${alarm.undelivered}</div>`}
         <div class="facts">
-          ${one.raised_us === 0 ? nothing : html`<span>raised <t-time .us=${one.raised_us} .zone=${zone}></t-time></span>`}
-          ${one.cleared_us === 0 ? nothing : html`<span>over <t-time .us=${one.cleared_us} .zone=${zone}></t-time></span>`}
-          ${one.acked_by === "" ? nothing : html`<span>acknowledged by ${one.acked_by}</span>`}
-          ${one.assigned === "" ? nothing : html`<span>${one.assigned} sees to it</span>`}
-          ${this.alarms.store?.isShelved(one) === true
-            ? html`<span>shelved by ${one.shelved_by} until <t-time .us=${one.shelved_until_us} .zone=${zone}></t-time>${one.shelved_why === "" ? "" : `: ${one.shelved_why}`}</span>`
+          ${alarm.raised_us === 0 ? nothing : html`<span>raised <t-time .us=${alarm.raised_us} .zone=${zone}></t-time></span>`}
+          ${alarm.cleared_us === 0 ? nothing : html`<span>over <t-time .us=${alarm.cleared_us} .zone=${zone}></t-time></span>`}
+          ${alarm.acked_by === "" ? nothing : html`<span>acknowledged by ${alarm.acked_by}</span>`}
+          ${alarm.assigned === "" ? nothing : html`<span>${alarm.assigned} sees to it</span>`}
+          ${this.alarms.store?.isShelved(alarm) === true
+            ? html`<span>shelved by ${alarm.shelved_by} until <t-time .us=${alarm.shelved_until_us} .zone=${zone}></t-time>${alarm.shelved_why === "" ? "" : `: ${alarm.shelved_why}`}</span>`
             : nothing}
-          ${one.raised_us === 0 || one.signals.length === 0 ? nothing : html`<a href=${historyAt(one)}>Chart</a>`}
+          ${alarm.raised_us === 0 || alarm.signals.length === 0 ? nothing : html`<a href=${historyAt(alarm)}>Chart</a>`}
         </div>
       </div>
-      ${this.renderButtons(one)}
-      ${this.open === id ? html`<t-alarm-past .site=${one.site} .alarm=${one.alarm} .zone=${zone} .turn=${one.phase}></t-alarm-past>` : nothing}
-      ${this.editing?.site === one.site && this.editing.alarm === one.alarm
+      ${this.renderButtons(alarm)}
+      ${this.open === id ? html`<t-alarm-past .site=${alarm.site} .alarm=${alarm.alarm} .zone=${zone} .turn=${alarm.phase}></t-alarm-past>` : nothing}
+      ${this.editing?.site === alarm.site && this.editing.alarm === alarm.alarm
         ? html`<t-alarm-editor
-            .site=${one.site}
-            .alarm=${one.alarm}
-            .definition=${this.shapeOf(one)?.definition ?? null}
+            .site=${alarm.site}
+            .alarm=${alarm.alarm}
+            .definition=${this.shapeOf(alarm)?.definition ?? null}
             @t-done=${this.onAlarmSaved}
           ></t-alarm-editor>`
         : nothing}
     </li>`;
   }
 
-  private renderButtons(one: AlarmNews): TemplateResult {
-    const may = this.shapeOf(one)?.may_use === true;
-    const manage = one.made && this.defined.value?.get(one.site)?.may_manage === true;
-    const unseen = one.phase === "active" || one.phase === "cleared";
-    const shelved = this.alarms.store?.isShelved(one) === true;
-    const id = `${one.site}/${one.alarm}`;
+  private renderButtons(alarm: AlarmNews): TemplateResult {
+    const may = this.shapeOf(alarm)?.may_use === true;
+    const manage = alarm.made && this.defined.value?.get(alarm.site)?.may_manage === true;
+    const unseen = alarm.phase === "active" || alarm.phase === "cleared";
+    const shelved = this.alarms.store?.isShelved(alarm) === true;
+    const id = `${alarm.site}/${alarm.alarm}`;
     const open = this.open === id;
     // Of what is well there is little to do: a long list of it stays short.
-    const more = open || shelved || one.phase !== "normal";
+    const more = open || shelved || alarm.phase !== "normal";
     return html`<div class="actions">
       ${may && unseen
-        ? html`<t-button kind="primary" label=${`Acknowledge ${one.name}`} ?busy=${this.action.runningKey === id} @click=${this.acknowledgeAsker(one)}
+        ? html`<t-button kind="primary" label=${`Acknowledge ${alarm.name}`} ?busy=${this.action.runningKey === id} @click=${this.acknowledgeAsker(alarm)}
             >Acknowledge</t-button
           >`
         : nothing}
       ${may && more
-        ? html`<t-button label=${`Assign ${one.name}`} @click=${this.dialogOpener("assign", one)}>Assign</t-button>
-            <t-button label=${`Comment on ${one.name}`} @click=${this.dialogOpener("comment", one)}>Comment</t-button>
+        ? html`<t-button label=${`Assign ${alarm.name}`} @click=${this.dialogOpener("assign", alarm)}>Assign</t-button>
+            <t-button label=${`Comment on ${alarm.name}`} @click=${this.dialogOpener("comment", alarm)}>Comment</t-button>
             ${shelved
-              ? html`<t-button label=${`Unshelve ${one.name}`} @click=${this.unshelveAction(one)}>Unshelve</t-button>`
-              : html`<t-button label=${`Shelve ${one.name}`} @click=${this.dialogOpener("shelve", one)}>Shelve</t-button>`}`
+              ? html`<t-button label=${`Unshelve ${alarm.name}`} @click=${this.unshelveAction(alarm)}>Unshelve</t-button>`
+              : html`<t-button label=${`Shelve ${alarm.name}`} @click=${this.dialogOpener("shelve", alarm)}>Shelve</t-button>`}`
         : nothing}
-      <t-button label=${`More about ${one.name}`} pressed=${open ? "true" : "false"} @click=${this.detailsToggler(id)}>More</t-button>
-      ${manage && (more || !one.known) ? html`<t-button label=${`Change ${one.name}`} @click=${this.editorOpener(one)}>Change</t-button>` : nothing}
+      <t-button label=${`More about ${alarm.name}`} pressed=${open ? "true" : "false"} @click=${this.detailsToggler(id)}>More</t-button>
+      ${manage && (more || !alarm.known) ? html`<t-button label=${`Change ${alarm.name}`} @click=${this.editorOpener(alarm)}>Change</t-button>` : nothing}
     </div>`;
   }
 
@@ -311,24 +311,24 @@ export class PageAlarms extends LitElement {
     </t-dialog>`;
   }
 
-  private acknowledgeAsker(one: AlarmNews): () => void {
+  private acknowledgeAsker(alarm: AlarmNews): () => void {
     return () => {
       void this.action.run(
         "acknowledge the alarm",
-        () => new AlarmsApi(this.api).applyAction(one.site, one.alarm, { act: "acknowledge" }),
+        () => new AlarmsApi(this.api).applyAction(alarm.site, alarm.alarm, { act: "acknowledge" }),
         "",
-        `${one.site}/${one.alarm}`,
+        `${alarm.site}/${alarm.alarm}`,
       );
     };
   }
 
-  private unshelveAction(one: AlarmNews): () => void {
+  private unshelveAction(alarm: AlarmNews): () => void {
     return () => {
-      void this.action.run("unshelve the alarm", () => new AlarmsApi(this.api).applyAction(one.site, one.alarm, { act: "unshelve" }));
+      void this.action.run("unshelve the alarm", () => new AlarmsApi(this.api).applyAction(alarm.site, alarm.alarm, { act: "unshelve" }));
     };
   }
 
-  private dialogOpener(what: Doing, about: AlarmNews): () => void {
+  private dialogOpener(what: AlarmAction, about: AlarmNews): () => void {
     return () => {
       this.action.clear();
       if (this.text) this.text.value = what === "assign" ? about.assigned : "";
@@ -342,9 +342,9 @@ export class PageAlarms extends LitElement {
     };
   }
 
-  private editorOpener(one: AlarmNews): () => void {
+  private editorOpener(alarm: AlarmNews): () => void {
     return () => {
-      this.editing = this.editing?.alarm === one.alarm && this.editing.site === one.site ? null : { site: one.site, alarm: one.alarm };
+      this.editing = this.editing?.alarm === alarm.alarm && this.editing.site === alarm.site ? null : { site: alarm.site, alarm: alarm.alarm };
     };
   }
 
@@ -389,7 +389,7 @@ export class PageAlarms extends LitElement {
   };
 }
 
-function sentence(text: string): string {
+function capitalized(text: string): string {
   return /[.?!]$/.test(text) ? text : `${text}.`;
 }
 

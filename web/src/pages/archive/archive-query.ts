@@ -1,6 +1,6 @@
 /** What of the archive is asked for, as the page's address and as the hub's question. Pure. */
 
-import { formatDec, formatRa, turned } from "../../format/sexagesimal.js";
+import { formatDec, formatRa, wrapped } from "../../format/sexagesimal.js";
 
 export interface ArchiveFilter {
   /** Local date at which the night began; empty for all. */
@@ -19,22 +19,22 @@ export const NO_FILTER: ArchiveFilter = { night: "", target: "", filter: "", dev
 const WORDS = ["night", "target", "filter", "device", "ra", "dec", "radius"] as const;
 
 /** Reads the page's address. */
-export function readFilter(search: string): ArchiveFilter {
+export function readArchiveFilter(search: string): ArchiveFilter {
   const asked = new URLSearchParams(search);
-  const text = (key: (typeof WORDS)[number]): string => asked.get(key) ?? "";
+  const readText = (key: (typeof WORDS)[number]): string => asked.get(key) ?? "";
   return {
-    night: text("night"),
-    target: text("target"),
-    filter: text("filter"),
-    device: text("device"),
-    ra: text("ra"),
-    dec: text("dec"),
-    radius: text("radius"),
+    night: readText("night"),
+    target: readText("target"),
+    filter: readText("filter"),
+    device: readText("device"),
+    ra: readText("ra"),
+    dec: readText("dec"),
+    radius: readText("radius"),
   };
 }
 
 /** The filter as a query, for the address; empty for all. */
-export function writeFilter(filter: ArchiveFilter): string {
+export function writeArchiveFilter(filter: ArchiveFilter): string {
   const asked = new URLSearchParams();
   for (const key of WORDS) if (filter[key] !== "") asked.set(key, filter[key]);
   return asked.toString();
@@ -44,9 +44,9 @@ export function writeFilter(filter: ArchiveFilter): string {
 export function placeProblem({ ra, dec, radius }: ArchiveFilter): string {
   if (ra === "" && dec === "") return "";
   if (ra === "" || dec === "") return "Give both right ascension and declination.";
-  if (!within(ra, 0, 360)) return "Right ascension: expected 0 to 360 degrees.";
-  if (!within(dec, -90, 90)) return "Declination: expected -90 to 90 degrees.";
-  if (radius !== "" && !within(radius, 0.001, 180)) return "Radius: expected 0.001 to 180 degrees.";
+  if (!isWithin(ra, 0, 360)) return "Right ascension: expected 0 to 360 degrees.";
+  if (!isWithin(dec, -90, 90)) return "Declination: expected -90 to 90 degrees.";
+  if (radius !== "" && !isWithin(radius, 0.001, 180)) return "Radius: expected 0.001 to 180 degrees.";
   return "";
 }
 
@@ -54,23 +54,23 @@ export function placeProblem({ ra, dec, radius }: ArchiveFilter): string {
 export function frameQuery(filter: ArchiveFilter, limit: number): string {
   const { ra, dec } = filter;
   const placed = ra !== "" && dec !== "" && placeProblem(filter) === "";
-  const asked = new URLSearchParams(writeFilter(placed ? filter : { ...filter, ra: "", dec: "", radius: "" }));
+  const asked = new URLSearchParams(writeArchiveFilter(placed ? filter : { ...filter, ra: "", dec: "", radius: "" }));
   asked.set("limit", String(limit));
   return asked.toString();
 }
 
-function within(text: string, low: number, high: number): boolean {
-  const value = Number(text);
-  return text.trim() !== "" && Number.isFinite(value) && value >= low && value <= high;
+function isWithin(readText: string, low: number, high: number): boolean {
+  const value = Number(readText);
+  return readText.trim() !== "" && Number.isFinite(value) && value >= low && value <= high;
 }
 
 /** Degrees as people read a place: `00h 42m 44s +41° 16′ 09″`. */
 export function skyPlace(raDeg: number, decDeg: number): string {
-  return `${formatRa(turned(raDeg, 360) / 15)} ${formatDec(decDeg)}`;
+  return `${formatRa(wrapped(raDeg, 360) / 15)} ${formatDec(decDeg)}`;
 }
 
 /** A size as people read it. */
-export function formatBytes(bytes: number): string {
+export function formatFileSize(bytes: number): string {
   if (bytes < 1e6) return `${(bytes / 1e3).toFixed(0)} kB`;
   return bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(2)} GB`;
 }

@@ -12,7 +12,7 @@ import { apiContext } from "../../state/contexts.js";
 import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../../tiles/archive/frame-preview.js";
-import { formatBytes, skyPlace } from "./archive-query.js";
+import { formatFileSize, skyPlace } from "./archive-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
@@ -113,7 +113,7 @@ export class FrameDetailSheet extends LitElement {
         </div>
         <div class="actions">
           <a class="file" download=${found.frame.name} href=${filePath(this.site, this.frame)}
-            >Download FITS (${formatBytes(found.frame.bytes)})</a
+            >Download FITS (${formatFileSize(found.frame.bytes)})</a
           >
           <t-button @click=${this.close}>Close</t-button>
         </div>

@@ -7,24 +7,24 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
-import { typedText } from "../../format/form-values.js";
+import { formText } from "../../format/form-values.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { ArchiveApi, previewPath, type FrameList, type FrameRow, type NightList } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import {
-  formatBytes,
+  formatFileSize,
   frameQuery,
   NO_FILTER,
   placeProblem,
-  readFilter,
+  readArchiveFilter,
   skyPlace,
-  writeFilter,
+  writeArchiveFilter,
   type ArchiveFilter,
 } from "./archive-query.js";
 import "../../elements/forms/button.js";
@@ -94,20 +94,20 @@ export class PageArchive extends LitElement {
   @state() private limit = FIRST;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly router = new StoreController(this, routerContext);
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly router = new ContextStoreController(this, routerContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly nights = new LoadController<NightList>(this);
   private readonly found = new LoadController<FrameList>(this);
   private readonly form = new FilterForm<ArchiveFilter>(
     this,
     (said) => ({
-      night: typedText(said, "night"),
-      target: typedText(said, "target"),
-      filter: typedText(said, "filter"),
-      device: typedText(said, "device"),
-      ra: typedText(said, "ra"),
-      dec: typedText(said, "dec"),
-      radius: typedText(said, "radius"),
+      night: formText(said, "night"),
+      target: formText(said, "target"),
+      filter: formText(said, "filter"),
+      device: formText(said, "device"),
+      ra: formText(said, "ra"),
+      dec: formText(said, "dec"),
+      radius: formText(said, "radius"),
     }),
     (filter) => {
       this.limit = FIRST;
@@ -134,7 +134,7 @@ export class PageArchive extends LitElement {
           <p class="muted">
             ${this.nights.value === undefined
               ? "Pictures that the cameras took, by night."
-              : `${String(total)} ${total === 1 ? "picture" : "pictures"} of ${String(nights.length)} ${nights.length === 1 ? "night" : "nights"}, ${formatBytes(bytes)}. A night lasts from noon to noon.`}
+              : `${String(total)} ${total === 1 ? "picture" : "pictures"} of ${String(nights.length)} ${nights.length === 1 ? "night" : "nights"}, ${formatFileSize(bytes)}. A night lasts from noon to noon.`}
           </p>
         </div>
       </div>
@@ -154,8 +154,8 @@ export class PageArchive extends LitElement {
           <option value="">all</option>
           ${map(
             nights,
-            (one) =>
-              html`<option value=${one.night} .selected=${one.night === filter.night}>${one.night} (${one.frames})</option>`,
+            (night) =>
+              html`<option value=${night.night} .selected=${night.night === filter.night}>${night.night} (${night.frames})</option>`,
           )}
         </select>
       </t-field>
@@ -173,7 +173,7 @@ export class PageArchive extends LitElement {
       </t-field>
       <div class="actions">
         <t-button type="submit">Search</t-button>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeArchiveFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </div>
     </form>`;
   }
@@ -191,7 +191,7 @@ export class PageArchive extends LitElement {
       return this.found.result.state === "failed" ? nothing : html`<t-loading what="Loading the archive"></t-loading>`;
     }
     if (found.frames.length === 0) {
-      const all = writeFilter(this.filter()) === "";
+      const all = writeArchiveFilter(this.filter()) === "";
       return html`<t-empty heading=${all ? "No pictures yet" : "Nothing fits"} icon="camera">
         <p>
           ${all
@@ -235,11 +235,11 @@ export class PageArchive extends LitElement {
   }
 
   private filter(): ArchiveFilter {
-    return readFilter(this.router.store?.search ?? "");
+    return readArchiveFilter(this.router.store?.search ?? "");
   }
 
   private pathOf(frame: string, filter = this.filter()): string {
-    const asked = new URLSearchParams(writeFilter(filter));
+    const asked = new URLSearchParams(writeArchiveFilter(filter));
     if (frame !== "") asked.set("frame", frame);
     return withQuery(sitePath(this.site, "archive"), asked.toString());
   }

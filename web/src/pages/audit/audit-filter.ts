@@ -8,10 +8,10 @@ import { base } from "../../elements/base/base-style.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
-import { typedText } from "../../format/form-values.js";
+import { formText } from "../../format/form-values.js";
 import { ZoneClock } from "../../series/zone-clock.js";
 import type { SiteRow } from "../../wire/api-types.js";
-import { NO_FILTER, writeFilter, type AuditFilter } from "./audit-query.js";
+import { NO_FILTER, writeAuditFilter, type AuditFilter } from "./audit-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
@@ -65,22 +65,22 @@ export class AuditFilterForm extends LitElement {
       </t-field>
       <div class="actions">
         <t-button type="submit">Show</t-button>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeAuditFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </div>
     </form>`;
   }
 
   private readFilter(said: FormData): AuditFilter {
     const clock = new ZoneClock(knownZone(this.zone));
-    const good = typedText(said, "good");
+    const good = formText(said, "good");
     return {
-      who: typedText(said, "who"),
-      site: typedText(said, "site"),
-      device: typedText(said, "device"),
-      kind: typedText(said, "kind"),
+      who: formText(said, "who"),
+      site: formText(said, "site"),
+      device: formText(said, "device"),
+      kind: formText(said, "kind"),
       good: good === "true" || good === "false" ? good : "",
-      fromUs: clock.fromInput(typedText(said, "from")),
-      toUs: clock.fromInput(typedText(said, "to")),
+      fromUs: clock.fromInput(formText(said, "from")),
+      toUs: clock.fromInput(formText(said, "to")),
     };
   }
 }

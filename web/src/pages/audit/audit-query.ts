@@ -26,7 +26,7 @@ export const NO_FILTER: AuditFilter = {
 const WORDS = ["who", "site", "device", "kind"] as const;
 
 /** Reads the page's address; what makes no sense is as if it were not there. */
-export function readFilter(search: string): AuditFilter {
+export function readAuditFilter(search: string): AuditFilter {
   const asked = new URLSearchParams(search);
   const text = (key: string): string => asked.get(key) ?? "";
   const good = text("good");
@@ -42,7 +42,7 @@ export function readFilter(search: string): AuditFilter {
 }
 
 /** The filter as a query, for the address and for the hub alike; empty for all. */
-export function writeFilter(filter: AuditFilter): string {
+export function writeAuditFilter(filter: AuditFilter): string {
   const asked = new URLSearchParams();
   for (const key of WORDS) if (filter[key] !== "") asked.set(key, filter[key]);
   if (filter.good !== "") asked.set("good", filter.good);
@@ -52,8 +52,8 @@ export function writeFilter(filter: AuditFilter): string {
 }
 
 /** The hub's question for one page of rows. `before` is the last row of the page before; empty for the newest. */
-export function pageQuery(filter: AuditFilter, before: string, limit: number): string {
-  const asked = new URLSearchParams(writeFilter(filter));
+export function auditPageQuery(filter: AuditFilter, before: string, limit: number): string {
+  const asked = new URLSearchParams(writeAuditFilter(filter));
   if (before !== "") asked.set("before", before);
   asked.set("limit", String(limit));
   return asked.toString();

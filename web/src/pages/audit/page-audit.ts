@@ -7,7 +7,7 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
@@ -17,7 +17,7 @@ import type { AuditCheck, AuditPage, AuditRow } from "../../wire/admin-types.js"
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { auditStyle } from "./audit-style.js";
-import { NO_FILTER, pageQuery, readFilter, writeFilter, type AuditFilter } from "./audit-query.js";
+import { NO_FILTER, auditPageQuery, readAuditFilter, writeAuditFilter, type AuditFilter } from "./audit-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
@@ -39,20 +39,20 @@ export class PageAudit extends LitElement {
   @state() private check: AuditCheck | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly router = new StoreController(this, routerContext);
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly router = new ContextStoreController(this, routerContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly page = new LoadController<AuditPage>(this);
   private readonly action = new ActionController(this);
   private shown = "";
 
   override willUpdate(): void {
     const filter = this.filter();
-    const written = writeFilter(filter);
+    const written = writeAuditFilter(filter);
     if (written !== this.shown) {
       this.shown = written;
       this.trail = [];
     }
-    const query = pageQuery(filter, this.trail.at(-1) ?? "", ROWS);
+    const query = auditPageQuery(filter, this.trail.at(-1) ?? "", ROWS);
     this.page.load(query, () => new AdminApi(this.api).audit(query));
   }
 
@@ -67,7 +67,7 @@ export class PageAudit extends LitElement {
           <div role="status">${this.renderChain()}</div>
         </div>
         <div class="actions">
-          <a class="export" download href=${`/api/audit/export?${writeFilter(filter)}`}>Export as CSV</a>
+          <a class="export" download href=${`/api/audit/export?${writeAuditFilter(filter)}`}>Export as CSV</a>
           <t-button ?busy=${this.action.busy} @click=${this.verifyChain}>Verify the chain</t-button>
         </div>
       </div>
@@ -109,8 +109,8 @@ export class PageAudit extends LitElement {
     }
     if (page.rows.length === 0) {
       return html`<t-empty heading="Nothing fits" icon="info">
-        <p>${writeFilter(filter) === "" ? "Nothing has been noted yet." : "No row of the log is like this."}</p>
-        ${writeFilter(filter) === "" ? nothing : html`<t-button @click=${this.clearFilter}>Show everything</t-button>`}
+        <p>${writeAuditFilter(filter) === "" ? "Nothing has been noted yet." : "No row of the log is like this."}</p>
+        ${writeAuditFilter(filter) === "" ? nothing : html`<t-button @click=${this.clearFilter}>Show everything</t-button>`}
       </t-empty>`;
     }
     return html`<div class="table" role="table" aria-label="Audit log" aria-busy=${this.page.result.state === "loading"}>
@@ -147,15 +147,15 @@ export class PageAudit extends LitElement {
   }
 
   private filter(): AuditFilter {
-    return readFilter(this.router.store?.search ?? "");
+    return readAuditFilter(this.router.store?.search ?? "");
   }
 
   private readonly onChoose = (event: CustomEvent<AuditFilter>): void => {
-    this.router.store?.replace(withQuery("/admin/audit", writeFilter(event.detail)));
+    this.router.store?.replace(withQuery("/admin/audit", writeAuditFilter(event.detail)));
   };
 
   private readonly clearFilter = (): void => {
-    this.router.store?.replace(withQuery("/admin/audit", writeFilter(NO_FILTER)));
+    this.router.store?.replace(withQuery("/admin/audit", writeAuditFilter(NO_FILTER)));
   };
 
   private readonly retry = (): void => {

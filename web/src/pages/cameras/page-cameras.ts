@@ -3,9 +3,9 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
@@ -42,8 +42,8 @@ export class PageCameras extends LitElement {
 
   @property() site = "";
 
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly link = new LinkController(this);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
 
   override willUpdate(): void {

@@ -2,7 +2,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
-import { differenceLines, differenceWords, type DifferenceLine } from "../../format/unified-diff.js";
+import { differenceLines, differenceText, type DifferenceLine } from "../../format/unified-diff.js";
 import type { DifferencePart } from "../../wire/descriptions-api.js";
 
 const KINDS: Readonly<Record<DifferencePart["kind"], string>> = {
@@ -14,7 +14,7 @@ const KINDS: Readonly<Record<DifferencePart["kind"], string>> = {
 
 /** Two descriptions held against each other: the parts in words, the lines with signs and colours. */
 @customElement("t-difference")
-export class Difference extends LitElement {
+export class DescriptionDiff extends LitElement {
   static override styles = [
     base,
     css`
@@ -109,7 +109,7 @@ export class Difference extends LitElement {
         : html`<ul aria-label="What differs">
             ${map(this.parts, (part) => this.renderPart(part))}
           </ul>`}
-      <p class="muted">${differenceWords(lines)}</p>
+      <p class="muted">${differenceText(lines)}</p>
       <div class="lines" role="region" tabindex="0" aria-label="The lines that differ">${map(lines, (line) => this.renderLine(line))}</div>`;
   }
 
@@ -135,6 +135,6 @@ export class Difference extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-difference": Difference;
+    "t-difference": DescriptionDiff;
   }
 }

@@ -8,7 +8,7 @@ import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
-import { Edits } from "../../state/edit-history.js";
+import { EditHistory } from "../../state/edit-history.js";
 import { DescriptionsApi, type ChangeAnswer, type CheckAnswer, type DescriptionList, type Finding, type Schema } from "../../wire/descriptions-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { changedAt, isObject, movedAt, pathOf, renamedAt, type JsonObject } from "./json-schema.js";
@@ -79,7 +79,7 @@ export class DescriptionEditor extends LitElement {
   @property({ attribute: false }) known: DescriptionList | null = null;
 
   @state() private view = "form";
-  @state() private edits: Edits | null = null;
+  @state() private edits: EditHistory | null = null;
   @state() private checked: CheckAnswer | null = null;
   @state() private described: JsonObject | null = null;
   @state() private schema: Schema | null = null;
@@ -217,7 +217,7 @@ export class DescriptionEditor extends LitElement {
       this.from = { site, number, digest: found.digest, text: found.text };
       this.schema = schema;
       this.failed = null;
-      this.edits = new Edits(found.text);
+      this.edits = new EditHistory(found.text);
       await this.checkText();
     } catch (error) {
       this.failed = adviceFor(error, "the description");
@@ -261,7 +261,7 @@ export class DescriptionEditor extends LitElement {
   };
 
   /** Puts what the form says into the text; the hub keeps comments and order. */
-  private async writeFormToText(edits: Edits, wanted: JsonObject): Promise<void> {
+  private async writeFormToText(edits: EditHistory, wanted: JsonObject): Promise<void> {
     try {
       const made = await new DescriptionsApi(this.api).editText(this.from.site, edits.text, wanted);
       if (this.described !== wanted) return;
@@ -320,7 +320,7 @@ export class DescriptionEditor extends LitElement {
       if (area === null) return;
       const lines = area.value.split("\n");
       const at = Math.max(0, line - 1);
-      const start = lines.slice(0, at).reduce((sum, each) => sum + each.length + 1, 0);
+      const start = lines.slice(0, at).reduce((sum, address) => sum + address.length + 1, 0);
       area.focus();
       area.setSelectionRange(start, start + (lines[at]?.length ?? 0));
       area.scrollTop = Math.max(0, (at / lines.length) * area.scrollHeight - area.clientHeight / 2);

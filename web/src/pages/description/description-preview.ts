@@ -63,33 +63,33 @@ export class DescriptionPreview extends LitElement {
   }
 
   private renderDevice(device: JsonObject): TemplateResult {
-    const commands = entries(device["commands"]).map((each) => text(each["name"]));
-    return html`<section aria-label=${`Preview of ${text(device["name"])}`}>
-      <h3>${text(device["name"])}</h3>
+    const commands = objectsOf(device["commands"]).map((command) => textOf(command["name"]));
+    return html`<section aria-label=${`Preview of ${textOf(device["name"])}`}>
+      <h3>${textOf(device["name"])}</h3>
       <div class="tiles">
         ${map(
-          entries(device["signals"]),
+          objectsOf(device["signals"]),
           (signal) => html`<div class="tile">
-            <span>${text(signal["name"])}</span><b>— <span class="muted">${text(signal["unit"])}</span></b
-            ><span class="muted">${signal["primary"] === false ? "among the details" : range(signal)}</span>
+            <span>${textOf(signal["name"])}</span><b>— <span class="muted">${textOf(signal["unit"])}</span></b
+            ><span class="muted">${signal["primary"] === false ? "among the details" : rangeText(signal)}</span>
           </div>`,
         )}
-        ${map(entries(device["streams"]), (stream) => html`<div class="tile"><span>${text(stream["name"])}</span><span class="muted">camera</span></div>`)}
+        ${map(objectsOf(device["streams"]), (stream) => html`<div class="tile"><span>${textOf(stream["name"])}</span><span class="muted">camera</span></div>`)}
       </div>
       ${commands.length === 0 ? nothing : html`<p class="muted">Commands: ${commands.join(", ")}</p>`}
     </section>`;
   }
 }
 
-function entries(value: Json | undefined): JsonObject[] {
+function objectsOf(value: Json | undefined): JsonObject[] {
   return isObject(value) ? Object.values(value).filter(isObject) : [];
 }
 
-function text(value: Json | undefined): string {
+function textOf(value: Json | undefined): string {
   return typeof value === "string" ? value : "";
 }
 
-function range(signal: JsonObject): string {
+function rangeText(signal: JsonObject): string {
   const { minimum, maximum } = signal;
   const low = typeof minimum === "number" ? String(minimum) : "";
   const high = typeof maximum === "number" ? String(maximum) : "";

@@ -10,7 +10,7 @@ import type { Finding } from "../../wire/descriptions-api.js";
  * @fires t-place detail is the finding that was pressed; only where `places` is set
  */
 @customElement("t-findings")
-export class Findings extends LitElement {
+export class DescriptionProblems extends LitElement {
   static override styles = [
     base,
     css`
@@ -60,30 +60,30 @@ export class Findings extends LitElement {
 
   override render(): TemplateResult {
     return html`<ul aria-label="What does not fit">
-      ${map(this.findings, (each) => this.renderRow(each))}
+      ${map(this.findings, (problem) => this.renderRow(problem))}
     </ul>`;
   }
 
-  private renderRow(each: Finding): TemplateResult {
-    const where = each.where.replace(/^\$\.?/, "") || "the whole";
-    const line = each.line > 0 ? `${where} (line ${String(each.line)})` : where;
+  private renderRow(problem: Finding): TemplateResult {
+    const where = problem.where.replace(/^\$\.?/, "") || "the whole";
+    const line = problem.line > 0 ? `${where} (line ${String(problem.line)})` : where;
     return html`<li>
       ${this.places
-        ? html`<button type="button" @click=${this.problemOpener(each)}>${line}</button>`
+        ? html`<button type="button" @click=${this.problemOpener(problem)}>${line}</button>`
         : html`<code>${line}</code>`}
-      <div>${each.problem}${each.remedy === "" ? "" : html`<span class="remedy"> — ${each.remedy}</span>`}</div>
+      <div>${problem.problem}${problem.remedy === "" ? "" : html`<span class="remedy"> — ${problem.remedy}</span>`}</div>
     </li>`;
   }
 
-  private problemOpener(each: Finding): () => void {
+  private problemOpener(problem: Finding): () => void {
     return () => {
-      this.dispatchEvent(new CustomEvent("t-place", { detail: each }));
+      this.dispatchEvent(new CustomEvent("t-place", { detail: problem }));
     };
   }
 }
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-findings": Findings;
+    "t-findings": DescriptionProblems;
   }
 }

@@ -4,12 +4,12 @@ import type { Schema } from "../../wire/descriptions-api.js";
 
 export type Json = string | number | boolean | null | readonly Json[] | { readonly [key: string]: Json };
 export type JsonObject = Readonly<Record<string, Json>>;
-export type Path = readonly string[];
+export type JsonPath = readonly string[];
 
 export type FieldKind = "text" | "number" | "whole" | "truth" | "choice" | "words" | "part" | "parts" | "other";
 
 /** One line of a form. */
-export interface Field {
+export interface SchemaField {
   readonly key: string;
   readonly kind: FieldKind;
   readonly label: string;
@@ -26,7 +26,7 @@ export interface Field {
 }
 
 /** What a schema says after its references are followed. */
-export function resolved(root: Schema, part: Schema): Schema {
+export function resolveSchema(root: Schema, part: Schema): Schema {
   const reference = part["$ref"];
   if (typeof reference !== "string") return part;
   const name = reference.split("/").at(-1) ?? "";
@@ -35,8 +35,8 @@ export function resolved(root: Schema, part: Schema): Schema {
 }
 
 /** The lines of an object's form, in the order of the schema; what must be said comes first. */
-export function fieldsOf(root: Schema, part: Schema): Field[] {
-  const whole = resolved(root, part);
+export function schemaFields(root: Schema, part: Schema): SchemaField[] {
+  const whole = resolveSchema(root, part);
   const properties = (whole["properties"] ?? {}) as Readonly<Record<string, Schema>>;
   const required = (whole["required"] ?? []) as readonly string[];
   const fields = Object.entries(properties).map(([key, schema]) => fieldOf(root, key, schema, required.includes(key)));
@@ -46,9 +46,9 @@ export function fieldsOf(root: Schema, part: Schema): Field[] {
 /** The least that a new part has to say, named after its key. */
 export function emptyOf(root: Schema, part: Schema, key: string): JsonObject {
   const made: Record<string, Json> = {};
-  for (const field of fieldsOf(root, part)) {
+  for (const field of schemaFields(root, part)) {
     if (!field.required) continue;
-    if (field.key === "name") made[field.key] = labelOf(key);
+    if (field.key === "name") made[field.key] = keyLabel(key);
     else if (field.kind === "part") made[field.key] = emptyOf(root, field.schema, field.key);
     else if (field.kind === "number" || field.kind === "whole") made[field.key] = 1;
     else if (field.kind === "truth") made[field.key] = false;
@@ -60,17 +60,17 @@ export function emptyOf(root: Schema, part: Schema, key: string): JsonObject {
 }
 
 /** `max_rate` as people read it: Max rate. */
-export function labelOf(key: string): string {
+export function keyLabel(key: string): string {
   const words = key.replaceAll("_", " ");
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-export function valueAt(value: Json | undefined, path: Path): Json | undefined {
+export function valueAt(value: Json | undefined, path: JsonPath): Json | undefined {
   return path.reduce<Json | undefined>((at, key) => (isObject(at) ? at[key] : undefined), value);
 }
 
 /** A copy in which something stands at a path; `undefined` takes it away. */
-export function changedAt(value: JsonObject, path: Path, wanted: Json | undefined): JsonObject {
+export function changedAt(value: JsonObject, path: JsonPath, wanted: Json | undefined): JsonObject {
   const [key, ...rest] = path;
   if (key === undefined) return isObject(wanted) ? wanted : value;
   if (rest.length === 0) {
@@ -86,7 +86,7 @@ export function changedAt(value: JsonObject, path: Path, wanted: Json | undefine
  *
  * A signal says what it was, so that its history goes on under the new name.
  */
-export function renamedAt(value: JsonObject, path: Path, name: string): JsonObject {
+export function renamedAt(value: JsonObject, path: JsonPath, name: string): JsonObject {
   const key = path.at(-1);
   const above = valueAt(value, path.slice(0, -1));
   if (key === undefined || !isObject(above) || name === key || name === "" || name in above) return value;
@@ -99,17 +99,17 @@ export function renamedAt(value: JsonObject, path: Path, name: string): JsonObje
 }
 
 /** A copy in which a named part stands further up (-1) or down (1) among the others. */
-export function movedAt(value: JsonObject, path: Path, by: -1 | 1): JsonObject {
+export function movedAt(value: JsonObject, path: JsonPath, by: -1 | 1): JsonObject {
   const key = path.at(-1);
   const above = valueAt(value, path.slice(0, -1));
   if (key === undefined || !isObject(above)) return value;
   const entries = Object.entries(above);
   const from = entries.findIndex(([each]) => each === key);
-  const one = entries[from];
+  const entry = entries[from];
   const other = entries[from + by];
-  if (one === undefined || other === undefined) return value;
+  if (entry === undefined || other === undefined) return value;
   entries[from] = other;
-  entries[from + by] = one;
+  entries[from + by] = entry;
   return changedAt(value, path.slice(0, -1), Object.fromEntries(entries));
 }
 
@@ -122,25 +122,25 @@ export function freeName(taken: JsonObject | undefined, wish: string): string {
 }
 
 /** `$.devices.base.name` of a finding as a path. */
-export function pathOf(where: string): Path {
-  return where.startsWith("$") ? where.slice(1).split(/[.[\]]/).filter((each) => each !== "") : [];
+export function pathOf(where: string): JsonPath {
+  return where.startsWith("$") ? where.slice(1).split(/[.[\]]/).filter((address) => address !== "") : [];
 }
 
 export function isObject(value: unknown): value is JsonObject {
   return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
-function fieldOf(root: Schema, key: string, schema: Schema, required: boolean): Field {
+function fieldOf(root: Schema, key: string, schema: Schema, required: boolean): SchemaField {
   const choices = (schema["anyOf"] ?? []) as readonly Schema[];
-  const nullable = choices.some((each) => each["type"] === "null");
-  const real = choices.filter((each) => each["type"] !== "null");
+  const nullable = choices.some((choice) => choice["type"] === "null");
+  const real = choices.filter((choice) => choice["type"] !== "null");
   const only = real.length === 1 ? real[0] : undefined;
-  const inner = resolved(root, only === undefined ? schema : only);
+  const inner = resolveSchema(root, only === undefined ? schema : only);
   const help = schema["description"] ?? (inner["properties"] === undefined ? "" : inner["description"]) ?? "";
   return {
     key,
     ...shapeOf(root, inner),
-    label: labelOf(key),
+    label: keyLabel(key),
     help: typeof help === "string" ? help : "",
     required,
     nullable,
@@ -148,29 +148,29 @@ function fieldOf(root: Schema, key: string, schema: Schema, required: boolean): 
   };
 }
 
-function shapeOf(root: Schema, inner: Schema): Pick<Field, "kind" | "choices" | "schema"> {
+function shapeOf(root: Schema, inner: Schema): Pick<SchemaField, "kind" | "choices" | "schema"> {
   const words = inner["enum"];
   if (Array.isArray(words)) return { kind: "choice", choices: words.map(String), schema: {} };
-  const plain = (kind: FieldKind): Pick<Field, "kind" | "choices" | "schema"> => ({ kind, choices: [], schema: {} });
+  const plainField = (kind: FieldKind): Pick<SchemaField, "kind" | "choices" | "schema"> => ({ kind, choices: [], schema: {} });
   switch (inner["type"]) {
     case "string":
-      return plain("text");
+      return plainField("text");
     case "number":
-      return plain("number");
+      return plainField("number");
     case "integer":
-      return plain("whole");
+      return plainField("whole");
     case "boolean":
-      return plain("truth");
+      return plainField("truth");
     case "array":
-      return plain((inner["items"] as Schema | undefined)?.["type"] === "string" ? "words" : "other");
+      return plainField((inner["items"] as Schema | undefined)?.["type"] === "string" ? "words" : "other");
     case "object": {
-      const each = inner["additionalProperties"];
+      const values = inner["additionalProperties"];
       if (inner["properties"] !== undefined) return { kind: "part", choices: [], schema: inner };
-      const part = isObject(each) ? resolved(root, each) : {};
-      return part["properties"] === undefined ? plain("other") : { kind: "parts", choices: [], schema: part };
+      const part = isObject(values) ? resolveSchema(root, values) : {};
+      return part["properties"] === undefined ? plainField("other") : { kind: "parts", choices: [], schema: part };
     }
     default:
-      return plain("other");
+      return plainField("other");
   }
 }
 

@@ -7,7 +7,7 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
@@ -88,7 +88,7 @@ export class PageDescription extends LitElement {
   @state() private older: readonly Version[] = [];
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly known = new LoadController<DescriptionList>(this);
   private readonly difference = new LoadController<DifferenceAnswer>(this);
   private readonly action = new ActionController(this);
@@ -229,7 +229,7 @@ export class PageDescription extends LitElement {
       heading=${`Go back to version ${String(backTo?.number ?? 0)}?`}
       action=${this.action.busy ? "The gateway changes over…" : "Go back to this one"}
       ?busy=${this.action.busy}
-      .problem=${this.action.problem ?? refusal(answer)}
+      .problem=${this.action.problem ?? refusalAdvice(answer)}
       @t-confirm=${this.versionRestorer(known)}
       @t-close=${this.closeQuestion}
     >
@@ -308,7 +308,7 @@ export class PageDescription extends LitElement {
 }
 
 /** What a gateway's answer means; null when there is nothing to say. */
-export function refusal(answer: ChangeAnswer | null): Advice | null {
+export function refusalAdvice(answer: ChangeAnswer | null): Advice | null {
   if (answer === null || answer.phase === "applied") return null;
   const what = answer.phase === "refused" ? "The gateway refused it." : "Nobody knows whether it was done.";
   return { what, how: answer.message };

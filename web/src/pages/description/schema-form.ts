@@ -5,15 +5,15 @@ import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
 import { UNITS } from "../../generated/units.js";
 import type { Finding, Schema } from "../../wire/descriptions-api.js";
-import { emptyOf, fieldsOf, freeName, isObject, pathOf, type Field, type Json, type JsonObject, type Path } from "./json-schema.js";
+import { emptyOf, schemaFields, freeName, isObject, pathOf, type SchemaField, type Json, type JsonObject, type JsonPath } from "./json-schema.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
 /** What a form wants: `set` a value (undefined takes it away), give a part another name or place. */
 export type FormEdit =
-  | { readonly what: "set"; readonly path: Path; readonly value: Json | undefined }
-  | { readonly what: "rename"; readonly path: Path; readonly name: string }
-  | { readonly what: "move"; readonly path: Path; readonly by: -1 | 1 };
+  | { readonly what: "set"; readonly path: JsonPath; readonly value: Json | undefined }
+  | { readonly what: "rename"; readonly path: JsonPath; readonly name: string }
+  | { readonly what: "move"; readonly path: JsonPath; readonly by: -1 | 1 };
 
 /**
  * The form of one part of a description: its own lines, and the forms of its parts below it.
@@ -21,7 +21,7 @@ export type FormEdit =
  * @fires t-edit detail is a FormEdit; it bubbles
  */
 @customElement("t-form-part")
-export class FormPart extends LitElement {
+export class SchemaForm extends LitElement {
   static override styles = [
     base,
     css`
@@ -103,13 +103,13 @@ export class FormPart extends LitElement {
   @property({ attribute: false }) root: Schema = {};
   @property({ attribute: false }) schema: Schema = {};
   @property({ attribute: false }) value: JsonObject = {};
-  @property({ attribute: false }) path: Path = [];
+  @property({ attribute: false }) path: JsonPath = [];
   @property({ attribute: false }) findings: readonly Finding[] = [];
 
   @state() private open: ReadonlySet<string> = new Set();
 
   override render(): TemplateResult {
-    const fields = fieldsOf(this.root, this.schema);
+    const fields = schemaFields(this.root, this.schema);
     const plain = fields.filter((field) => field.kind !== "part" && field.kind !== "parts" && field.kind !== "other");
     const inner = fields.filter((field) => field.kind === "part" || field.kind === "parts");
     const other = fields.filter((field) => field.kind === "other" && this.value[field.key] !== undefined);
@@ -123,7 +123,7 @@ export class FormPart extends LitElement {
         : html`<p class="muted">Changed in the text only: ${other.map((field) => field.label.toLowerCase()).join(", ")}.</p>`}`;
   }
 
-  private renderLine(field: Field): TemplateResult {
+  private renderLine(field: SchemaField): TemplateResult {
     const value = this.value[field.key] ?? field.standard;
     const error = this.problemAt([field.key]);
     if (field.kind === "truth") {
@@ -137,7 +137,7 @@ export class FormPart extends LitElement {
     return html`<t-field label=${field.required ? `${field.label} *` : field.label} hint=${field.help} error=${error}>${this.renderControl(field, value)}</t-field>`;
   }
 
-  private renderControl(field: Field, value: Json): TemplateResult {
+  private renderControl(field: SchemaField, value: Json): TemplateResult {
     if (field.kind === "choice") {
       return html`<select @change=${this.valueSetter(field, (input) => input.value)}>
         ${map(field.choices, (word) => html`<option value=${word} ?selected=${word === value}>${word}</option>`)}
@@ -145,7 +145,7 @@ export class FormPart extends LitElement {
     }
     if (field.kind === "words") {
       const words = Array.isArray(value) ? value.map(String).join(", ") : "";
-      return html`<input .value=${words} autocomplete="off" @change=${this.valueSetter(field, (input) => split(input.value))} />`;
+      return html`<input .value=${words} autocomplete="off" @change=${this.valueSetter(field, (input) => splitList(input.value))} />`;
     }
     if (field.kind === "number" || field.kind === "whole") {
       const shown = typeof value === "number" ? String(value) : "";
@@ -154,7 +154,7 @@ export class FormPart extends LitElement {
         inputmode="decimal"
         step=${field.kind === "whole" ? "1" : "any"}
         .value=${shown}
-        @change=${this.valueSetter(field, (input) => number(input.value, field))}
+        @change=${this.valueSetter(field, (input) => parseNumber(input.value, field))}
       />`;
     }
     return html`<input
@@ -167,7 +167,7 @@ export class FormPart extends LitElement {
     />`;
   }
 
-  private renderPart(field: Field): TemplateResult {
+  private renderPart(field: SchemaField): TemplateResult {
     const value = this.value[field.key];
     if (!isObject(value)) {
       return html`<div class="ways"><t-button @click=${this.partAdder([field.key], field)}>Add: ${field.label.toLowerCase()}</t-button></div>`;
@@ -183,7 +183,7 @@ export class FormPart extends LitElement {
     </details>`;
   }
 
-  private renderParts(field: Field): TemplateResult {
+  private renderParts(field: SchemaField): TemplateResult {
     const value = this.value[field.key];
     const entries = isObject(value) ? Object.entries(value) : [];
     return html`<details ?open=${this.isOpen(field.key)} @toggle=${this.openToggler(field.key)}>
@@ -200,7 +200,7 @@ export class FormPart extends LitElement {
     </details>`;
   }
 
-  private renderEntry(field: Field, key: string, part: Json, at: number, count: number): TemplateResult {
+  private renderEntry(field: SchemaField, key: string, part: Json, at: number, count: number): TemplateResult {
     const path = [field.key, key];
     const mark = path.join("/");
     const name = isObject(part) && typeof part["name"] === "string" ? part["name"] : "";
@@ -222,7 +222,7 @@ export class FormPart extends LitElement {
     </details>`;
   }
 
-  private renderBelow(schema: Schema, value: JsonObject, path: Path): TemplateResult {
+  private renderBelow(schema: Schema, value: JsonObject, path: JsonPath): TemplateResult {
     return html`<t-form-part
       .root=${this.root}
       .schema=${schema}
@@ -233,17 +233,17 @@ export class FormPart extends LitElement {
   }
 
   /** How many things do not fit below a path, in words. */
-  private renderProblemCount(path: Path): unknown {
+  private renderProblemCount(path: JsonPath): unknown {
     const at = [...this.path, ...path].join("/");
-    const count = this.findings.filter((each) => `${pathOf(each.where).join("/")}/`.startsWith(`${at}/`)).length;
+    const count = this.findings.filter((problem) => `${pathOf(problem.where).join("/")}/`.startsWith(`${at}/`)).length;
     if (count === 0) return nothing;
     return html`<span class="wrong">${count === 1 ? "1 problem" : `${String(count)} problems`}</span>`;
   }
 
-  private problemAt(path: Path): string {
+  private problemAt(path: JsonPath): string {
     const at = [...this.path, ...path].join("/");
-    const found = this.findings.find((each) => pathOf(each.where).join("/") === at);
-    return found === undefined ? "" : [found.problem, found.remedy].filter((each) => each !== "").join("; ");
+    const found = this.findings.find((problem) => pathOf(problem.where).join("/") === at);
+    return found === undefined ? "" : [found.problem, found.remedy].filter((address) => address !== "").join("; ");
   }
 
   private isOpen(mark: string): boolean {
@@ -260,19 +260,19 @@ export class FormPart extends LitElement {
     };
   }
 
-  private valueSetter(field: Field, read: (input: HTMLInputElement) => Json | undefined): (event: Event) => void {
+  private valueSetter(field: SchemaField, read: (input: HTMLInputElement) => Json | undefined): (event: Event) => void {
     return (event) => {
       this.fireEdit({ what: "set", path: this.fullPath([field.key]), value: read(event.target as HTMLInputElement) });
     };
   }
 
-  private partAdder(path: Path, field: Field): () => void {
+  private partAdder(path: JsonPath, field: SchemaField): () => void {
     return () => {
       this.fireEdit({ what: "set", path: this.fullPath(path), value: emptyOf(this.root, field.schema, field.key) });
     };
   }
 
-  private optionAdder(field: Field, value: Json | undefined): () => void {
+  private optionAdder(field: SchemaField, value: Json | undefined): () => void {
     return () => {
       const taken = isObject(value) ? value : undefined;
       const key = freeName(taken, `new_${field.key.replace(/s$/, "")}`);
@@ -281,13 +281,13 @@ export class FormPart extends LitElement {
     };
   }
 
-  private partRemover(path: Path): () => void {
+  private partRemover(path: JsonPath): () => void {
     return () => {
       this.fireEdit({ what: "set", path: this.fullPath(path), value: undefined });
     };
   }
 
-  private partRenamer(path: Path): (event: Event) => void {
+  private partRenamer(path: JsonPath): (event: Event) => void {
     return (event) => {
       const name = (event.target as HTMLInputElement).value.trim();
       const key = path.at(-1) ?? "";
@@ -296,13 +296,13 @@ export class FormPart extends LitElement {
     };
   }
 
-  private partMover(path: Path, by: -1 | 1): () => void {
+  private partMover(path: JsonPath, by: -1 | 1): () => void {
     return () => {
       this.fireEdit({ what: "move", path: this.fullPath(path), by });
     };
   }
 
-  private fullPath(path: Path): Path {
+  private fullPath(path: JsonPath): JsonPath {
     return [...this.path, ...path];
   }
 
@@ -311,12 +311,12 @@ export class FormPart extends LitElement {
   }
 }
 
-function split(text: string): string[] {
-  return text.split(",").map((each) => each.trim()).filter((each) => each !== "");
+function splitList(text: string): string[] {
+  return text.split(",").map((address) => address.trim()).filter((address) => address !== "");
 }
 
 /** What was typed as a number; nothing where a field may say none. */
-function number(text: string, field: Field): Json | undefined {
+function parseNumber(text: string, field: SchemaField): Json | undefined {
   const value = Number(text);
   if (text.trim() === "" || !Number.isFinite(value)) return field.nullable ? null : undefined;
   return value;
@@ -324,6 +324,6 @@ function number(text: string, field: Field): Json | undefined {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-form-part": FormPart;
+    "t-form-part": SchemaForm;
   }
 }

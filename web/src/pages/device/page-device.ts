@@ -4,12 +4,12 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { CommandLine } from "../../controllers/drive/command-client.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { CommandClient } from "../../controllers/drive/command-client.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
-import { Painter } from "../../elements/chart/paint-scheduler.js";
+import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { formatClock } from "../../format/time.js";
@@ -18,7 +18,7 @@ import { apiContext, reachContext, sitesContext } from "../../state/contexts.js"
 import { archivePath, sitePath, withQuery } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/chart-feed.js";
 import { renderDrawnPart } from "../../tiles/observatory/drawn.js";
-import { partOf, shownBy } from "../../tiles/observatory/roles.js";
+import { partOf, commandsShownBy } from "../../tiles/observatory/roles.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/values/clock.js";
@@ -91,13 +91,13 @@ export class PageDevice extends LitElement {
   @property() device = "";
 
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
-  private readonly painter = new Painter();
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly reach = new StoreController(this, reachContext);
-  private readonly link = new LinkController(this);
+  private readonly painter = new PaintScheduler();
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly reach = new ContextStoreController(this, reachContext);
+  private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
   private feed: ChartFeed | null = null;
-  private commands: CommandLine | null = null;
+  private commands: CommandClient | null = null;
 
   override connectedCallback(): void {
     super.connectedCallback();
@@ -120,7 +120,7 @@ export class PageDevice extends LitElement {
     this.feed ??= new ChartFeed(this.site, connection, this.api, this.onSiteLoaded, LENGTH_US);
     this.feed.subscribeSignals(device.signals);
     if (this.commands !== null || !device.rights.includes("use")) return;
-    this.commands = new CommandLine(connection, this.site);
+    this.commands = new CommandClient(connection, this.site);
     this.commands.open();
   }
 
@@ -136,7 +136,7 @@ export class PageDevice extends LitElement {
           <div class="where">
             ${this.renderStatus(detail, device)}
             <t-clock zone=${detail.zone}></t-clock>
-            <span class="muted">${rightsWords(device)}</span>
+            <span class="muted">${deviceRightsText(device)}</span>
             <t-device-holder .site=${this.site} .device=${this.device}></t-device-holder>
           </div>
         </div>
@@ -261,13 +261,13 @@ export class PageDevice extends LitElement {
 
   /** There are cameras beside this device's own. */
   private others(device: DeviceInfo, detail: SiteDetail): boolean {
-    return detail.devices.some((each) => each.id !== device.id && each.streams.length > 0);
+    return detail.devices.some((other) => other.id !== device.id && other.streams.length > 0);
   }
 
   /** What can be done with it stands here only for who may do it. */
   private renderActions(device: DeviceInfo, detail: SiteDetail): unknown {
     if (!device.rights.includes("use")) return nothing;
-    const shown = shownBy(device);
+    const shown = commandsShownBy(device);
     return html`<t-commands
       .site=${this.site}
       .devices=${[device]}
@@ -313,7 +313,7 @@ export class PageDevice extends LitElement {
   };
 }
 
-function rightsWords(device: DeviceInfo): string {
+function deviceRightsText(device: DeviceInfo): string {
   if (device.rights.includes("admin")) return "you may manage it";
   if (device.rights.includes("use")) return "you may use it";
   return device.rights.includes("view") ? "you may view it" : "you see what is public";

@@ -2,19 +2,19 @@
 
 import type { DeviceRow } from "../../wire/api-types.js";
 
-export type Standing = "online" | "stale" | "unreached" | "offline";
+export type DeviceStatus = "online" | "stale" | "unreached" | "offline";
 
 /**
  * Stale: its site is linked, and yet signals have not come for longer than they may.
  * @param away its gateway does not reach it
  */
-export function standing(row: DeviceRow, away = false): Standing {
+export function deviceStatus(row: DeviceRow, away = false): DeviceStatus {
   if (!row.online) return "offline";
   if (away) return "unreached";
   return row.stale > 0 ? "stale" : "online";
 }
 
-export const STANDING_WORDS: Readonly<Record<Standing, (row: DeviceRow) => string>> = {
+export const STANDING_WORDS: Readonly<Record<DeviceStatus, (row: DeviceRow) => string>> = {
   online: () => "online",
   stale: (row) => `${String(row.stale)} of ${String(row.signals)} stale`,
   unreached: () => "not reached",
@@ -22,8 +22,8 @@ export const STANDING_WORDS: Readonly<Record<Standing, (row: DeviceRow) => strin
 };
 
 /** @param words all of them have to be found in the device's names, its kind, or its rights */
-export function isShown(row: DeviceRow, words: string, chosen: Standing | "", away = false): boolean {
-  if (chosen !== "" && standing(row, away) !== chosen) return false;
+export function matchesSearch(row: DeviceRow, words: string, chosen: DeviceStatus | "", away = false): boolean {
+  if (chosen !== "" && deviceStatus(row, away) !== chosen) return false;
   const text = [row.name, row.device, row.site, row.site_name, row.kind, ...row.rights, row.public ? "public" : ""];
   const all = text.join(" ").toLowerCase();
   return words.toLowerCase().split(/\s+/).every((word) => all.includes(word));

@@ -5,17 +5,17 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
-import type { Option } from "../../elements/forms/choice.js";
+import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { DeviceRow, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { isShown, standing, STANDING_WORDS, type Standing } from "./device-status.js";
+import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/feedback/empty.js";
@@ -28,7 +28,7 @@ import "../../tiles/observatory/device-summary.js";
 /** Counts of stale signals are asked for again this often (s). */
 const AGAIN_S = 5;
 
-const STANDINGS: readonly Option[] = [
+const STANDINGS: readonly ChoiceOption[] = [
   { id: "", label: "All" },
   { id: "online", label: "Online" },
   { id: "stale", label: "Stale" },
@@ -106,18 +106,18 @@ export class PageDevices extends LitElement {
   ];
 
   @state() private words = "";
-  @state() private chosen: Standing | "" = "";
+  @state() private chosen: DeviceStatus | "" = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly reach = new StoreController(this, reachContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly reach = new ContextStoreController(this, reachContext);
   private readonly rows = new LoadController<readonly DeviceRow[]>(this);
 
   private readonly details = new LoadController<readonly SiteDetail[]>(this);
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override willUpdate(): void {
@@ -131,7 +131,7 @@ export class PageDevices extends LitElement {
     const question = names.map((site) => `${site} ${sites.catalogueOf(site)}`).join("\n");
     this.details.load(question, async () => {
       const found = await Promise.allSettled(names.map((site) => sites.loadDetail(site)));
-      return found.flatMap((one) => (one.status === "fulfilled" ? [one.value] : []));
+      return found.flatMap((result) => (result.status === "fulfilled" ? [result.value] : []));
     });
   }
 
@@ -140,7 +140,7 @@ export class PageDevices extends LitElement {
     return html`<div class="head">
         <div>
           <h1>Devices</h1>
-          ${rows === undefined ? nothing : html`<p class="muted">${summary(rows)}</p>`}
+          ${rows === undefined ? nothing : html`<p class="muted">${devicesSummary(rows)}</p>`}
         </div>
         <div class="tools" role="search">
           <t-choice label="Status" .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>
@@ -167,7 +167,7 @@ export class PageDevices extends LitElement {
         <p>A device appears here once its gateway has connected, and it is public or your role may view it.</p>
       </t-empty>`;
     }
-    const shown = rows.filter((row) => isShown(row, this.words, this.chosen, this.isUnreachable(row)));
+    const shown = rows.filter((row) => matchesSearch(row, this.words, this.chosen, this.isUnreachable(row)));
     if (shown.length === 0) {
       return html`<t-empty heading="No device fits" icon="devices">
         <p>${String(rows.length)} devices are open to you, and none of them is like this.</p>
@@ -192,8 +192,8 @@ export class PageDevices extends LitElement {
 
   /** Domes and telescopes that nothing closes or parks by itself, said once for their site. */
   private renderUnguarded(site: string): unknown {
-    const detail = this.details.value?.find((each) => each.site === site);
-    const names = detail?.devices.filter((each) => each.unguarded).map((each) => each.name) ?? [];
+    const detail = this.details.value?.find((detail) => detail.site === site);
+    const names = detail?.devices.filter((device) => device.unguarded).map((device) => device.name) ?? [];
     if (names.length === 0) return nothing;
     return html`<p class="muted" role="note">
       <t-icon name="info"></t-icon> ${names.join(", ")}: nothing closes or parks by itself. Rain, wind or a lost weather
@@ -206,7 +206,7 @@ export class PageDevices extends LitElement {
   }
 
   private renderCard(row: DeviceRow): TemplateResult {
-    const how = standing(row, this.isUnreachable(row));
+    const how = deviceStatus(row, this.isUnreachable(row));
     return html`<a class="device" href=${devicePath(row.site, row.device)}>
       <div class="top">
         <h3>${row.name}</h3>
@@ -233,7 +233,7 @@ export class PageDevices extends LitElement {
   }
 
   private readonly onChoose = (event: CustomEvent<string>): void => {
-    this.chosen = event.detail as Standing | "";
+    this.chosen = event.detail as DeviceStatus | "";
   };
 
   private readonly onInput = (event: Event): void => {
@@ -250,7 +250,7 @@ export class PageDevices extends LitElement {
   };
 }
 
-function summary(rows: readonly DeviceRow[]): string {
+function devicesSummary(rows: readonly DeviceRow[]): string {
   const online = rows.filter((row) => row.online).length;
   return `${String(online)} of ${String(rows.length)} online`;
 }

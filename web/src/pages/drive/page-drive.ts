@@ -3,12 +3,12 @@
 import { ContextConsumer } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { Cockpit } from "../../controllers/drive/drive-controller.js";
-import { CommandLine } from "../../controllers/drive/command-client.js";
-import type { StopLine } from "../../controllers/drive/stop-client.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { DriveController } from "../../controllers/drive/drive-controller.js";
+import { CommandClient } from "../../controllers/drive/command-client.js";
+import type { StopClient } from "../../controllers/drive/stop-client.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import "../../elements/layout/card.js";
 import "../../elements/forms/choice.js";
@@ -33,12 +33,12 @@ export class PageDrive extends LitElement {
   @state() private full = false;
   @query(".page") private readonly pageBox!: HTMLElement | null;
 
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly news = new ContextConsumer(this, { context: robotNewsContext });
-  private readonly link = new LinkController(this);
+  private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
-  private cockpit: Cockpit | null = null;
-  private commands: CommandLine | null = null;
+  private cockpit: DriveController | null = null;
+  private commands: CommandClient | null = null;
   private built = "";
   private pictureAt: number | null = null;
   private leavingFull = false;
@@ -135,7 +135,7 @@ export class PageDrive extends LitElement {
         ></t-camera>
       <div class="right">
         <t-stop-bar class="stop" .line=${stop}></t-stop-bar>
-        <div class="stopped ${stop === null || calm(stop) ? "calm" : ""}">
+        <div class="stopped ${stop === null || isStopIdle(stop) ? "calm" : ""}">
           <t-stop
             .line=${stop}
             .zone=${detail.zone}
@@ -189,11 +189,11 @@ export class PageDrive extends LitElement {
     this.closeController();
     this.built = wanted;
     if (!detail || !connection || wanted === "") return;
-    this.commands = new CommandLine(connection, this.site);
+    this.commands = new CommandClient(connection, this.site);
     this.commands.open();
     if (!device) return;
     const online = this.sites.store?.siteRow(this.site)?.online ?? detail.online;
-    this.cockpit = new Cockpit(connection, this.site, device, online);
+    this.cockpit = new DriveController(connection, this.site, device, online);
     const news = this.news.value;
     this.cockpit.openAll({ lease: news?.leaseOf(this.site, device.id), stop: news?.stopOf(this.site, device.id) });
     const redraw = (): void => {
@@ -266,7 +266,7 @@ export class PageDrive extends LitElement {
 }
 
 /** Nothing is to be said of STOP but that it is there. */
-function calm(stop: StopLine): boolean {
+function isStopIdle(stop: StopClient): boolean {
   const { phase, trouble } = stop.desk;
   return stop.online && trouble === "" && (phase === "clear" || phase === "unknown");
 }

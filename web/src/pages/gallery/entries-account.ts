@@ -5,7 +5,7 @@ import { passwordRules } from "../../format/password-rules.js";
 import { ANY } from "../../state/rights.js";
 import type { RoleRow } from "../../wire/admin-types.js";
 import type { DeviceRow } from "../../wire/api-types.js";
-import { draftsOf, edited, linesOf } from "../roles/permission-matrix.js";
+import { draftsOf, withLevelEdited, matrixLines } from "../roles/permission-matrix.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/forms/copy-text.js";
 import "../../elements/values/qr-code.js";
@@ -31,8 +31,8 @@ const ROLES: readonly RoleRow[] = [
   { id: "3", name: "admin", seeded: true, people: 1, permissions: [{ right: "admin", site: ANY, device: ANY }] },
   { id: "4", name: "camera crew", seeded: false, people: 0, permissions: [{ right: "view", site: "agv", device: "camera" }] },
 ];
-const LINES = linesOf(DEVICES, ROLES);
-const CHANGED = edited(draftsOf(ROLES), "4", { site: "agv", device: "base" }, "use");
+const LINES = matrixLines(DEVICES, ROLES);
+const CHANGED = withLevelEdited(draftsOf(ROLES), "4", { site: "agv", device: "base" }, "use");
 
 function openQuestion(event: Event): void {
   if (!(event.currentTarget instanceof HTMLElement)) return;

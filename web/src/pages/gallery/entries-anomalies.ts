@@ -4,17 +4,17 @@ import { html, type TemplateResult } from "lit";
 import { anomalyMarks } from "../../elements/chart/anomaly-marks.js";
 import { indentOf, type ChartSeries } from "../../elements/chart/chart-model.js";
 import { Trace } from "../../series/trace.js";
-import type { Span } from "../../series/time-window.js";
+import type { TimeSpan } from "../../series/time-window.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
 import type { AnomalyInfo, AnomalyList, History } from "../../wire/api-types.js";
 import { Refused, Unreachable } from "../../wire/hub-api.js";
-import type { Scores } from "../history/chart/anomaly-scores.js";
+import type { ScoreSource } from "../history/chart/anomaly-scores.js";
 import type { GalleryEntry } from "./entry.js";
 import "../../elements/analysis/detector.js";
 import "../history/chart/anomaly-scores.js";
 
 const END_US = 1_780_000_000_000_000;
-const SPAN: Span = { fromUs: END_US - 600e6, toUs: END_US };
+const SPAN: TimeSpan = { fromUs: END_US - 600e6, toUs: END_US };
 const BEGAN_US = END_US - 150e6;
 const ENDED_US = END_US - 90e6;
 const ZONE = "Europe/Madrid";
@@ -46,19 +46,19 @@ function past(): Promise<History> {
 }
 
 /** A hub that answers this way and no other. */
-function hub(anomalies: () => Promise<AnomalyList>, forgive: () => Promise<boolean> = () => Promise.resolve(true)): Scores {
+function hub(anomalies: () => Promise<AnomalyList>, forgive: () => Promise<boolean> = () => Promise.resolve(true)): ScoreSource {
   return { anomalies, history: past, dismissAnomaly: forgive };
 }
 
-function listed(one: AnomalyInfo, may_forgive = true): () => Promise<AnomalyList> {
-  return () => Promise.resolve({ detectors: [one], may_forgive, skipped: 0 });
+function listed(detector: AnomalyInfo, may_forgive = true): () => Promise<AnomalyList> {
+  return () => Promise.resolve({ detectors: [detector], may_forgive, skipped: 0 });
 }
 
 function never<T>(): Promise<T> {
   return new Promise<T>(() => undefined);
 }
 
-function renderAnomalies(answers: Scores, channels: readonly string[] = ["power/voltage"]): TemplateResult {
+function renderAnomalies(answers: ScoreSource, channels: readonly string[] = ["power/voltage"]): TemplateResult {
   return html`<t-anomalies site="gallery" .hub=${answers} .channels=${channels} .span=${SPAN} width="800" zone=${ZONE}></t-anomalies>`;
 }
 
@@ -73,14 +73,14 @@ const SERIES: ChartSeries = {
 };
 
 function renderDetector(change: Partial<Detector>, mayForgive = true): TemplateResult {
-  const one: Detector = {
+  const detector: Detector = {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
     learns: true, learning: 0, on: false, anomaly: null, ...change,
   };
-  const marks = one.anomaly === null ? [] : anomalyMarks([one.anomaly]);
+  const marks = detector.anomaly === null ? [] : anomalyMarks([detector.anomaly]);
   return html`<t-detector
-    .detector=${one}
-    .score=${one.score}
+    .detector=${detector}
+    .score=${detector.score}
     .series=${SERIES}
     .marks=${marks}
     .span=${SPAN}

@@ -1,16 +1,16 @@
 /** Charts and what stands around them, with samples that do not change. */
 
 import { html, type TemplateResult } from "lit";
-import { indentOf, type Axis, type ChartSeries } from "../../elements/chart/chart-model.js";
+import { indentOf, type ChartAxis, type ChartSeries } from "../../elements/chart/chart-model.js";
 import { Trace } from "../../series/trace.js";
 import { outliersOf } from "../../series/outliers.js";
-import type { Span } from "../../series/time-window.js";
-import { ChartFeed, type Past, type Source } from "../../tiles/chart/chart-feed.js";
+import type { TimeSpan } from "../../series/time-window.js";
+import { ChartFeed, type HistorySource, type SampleSource } from "../../tiles/chart/chart-feed.js";
 import type { DeviceInfo, SignalInfo, StatisticsInfo } from "../../wire/api-types.js";
-import { loadedOf, type Loaded } from "../history/data/history-loader.js";
-import type { Mark, MarkKind } from "../history/chart/event-marks.js";
+import { loadedSeries, type LoadedSeries } from "../history/data/history-loader.js";
+import type { EventMark, MarkKind } from "../history/chart/event-marks.js";
 import type { HistoryView } from "../history/history-query.js";
-import type { Row, Together } from "../history/data/channel-rows.js";
+import type { ChannelRow, ChartGroup } from "../history/data/channel-rows.js";
 import type { GalleryEntry } from "./entry.js";
 import "../../elements/chart/chart.js";
 import "../../tiles/chart/chart-tile.js";
@@ -25,8 +25,8 @@ import "../history/view-options.js";
 const END_US = 1_780_000_000_000_000;
 const LENGTH_US = 30e6;
 const STEP_US = 50_000;
-const SPAN: Span = { fromUs: END_US - LENGTH_US, toUs: END_US };
-const AXIS: Axis = { limits: { minimum: null, maximum: null }, least: 0 };
+const SPAN: TimeSpan = { fromUs: END_US - LENGTH_US, toUs: END_US };
+const AXIS: ChartAxis = { limits: { minimum: null, maximum: null }, least: 0 };
 const ZONE = "Europe/Madrid";
 
 function wave(seconds: number, phase = 0): number {
@@ -63,7 +63,7 @@ function series(change: Partial<ChartSeries> = {}): ChartSeries {
   };
 }
 
-function renderChart(list: readonly ChartSeries[], span: Span = SPAN): TemplateResult {
+function renderChart(list: readonly ChartSeries[], span: TimeSpan = SPAN): TemplateResult {
   return html`<t-chart .series=${list} .span=${span} .axis=${AXIS} zone=${ZONE} label="A chart" zoomable></t-chart>`;
 }
 
@@ -94,8 +94,8 @@ function signal(change: Partial<SignalInfo> = {}): SignalInfo {
   return { ...plain, ...change };
 }
 
-const NOBODY: Source = { subscribe: () => () => undefined };
-const NO_PAST: Past = { history: () => Promise.resolve({ series: [] }) };
+const NOBODY: SampleSource = { subscribe: () => () => undefined };
+const NO_PAST: HistorySource = { history: () => Promise.resolve({ series: [] }) };
 
 /** A feed that has heard all its samples this long ago (s). */
 function feed(what: SignalInfo, ageS: number, valueAt: (seconds: number) => number, text: string | null = null): ChartFeed {
@@ -124,21 +124,21 @@ const PLACE = signal({ name: "Position", type: "position", channels: ["base/pose
 const WORDS = signal({ name: "Last message", type: "text", max_age: 86_400 });
 
 const DEVICE: DeviceInfo = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: [] };
-const ROWS: readonly Row[] = [
+const ROWS: readonly ChannelRow[] = [
   { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
   { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
 ];
-const GROUP: Together = { key: "m/s", title: "m/s", type: "number", rows: ROWS };
+const GROUP: ChartGroup = { key: "m/s", title: "m/s", type: "number", rows: ROWS };
 
-const TEXT_ROW: Row = {
+const TEXT_ROW: ChannelRow = {
   address: "base/said", device: DEVICE, name: "Last message", type: "text", unit: "", decimals: -1, states: [], maxAge: 60, primary: true, former: false,
 };
-const TEXT_GROUP: Together = { key: "said", title: "Last message", type: "text", rows: [TEXT_ROW] };
+const TEXT_GROUP: ChartGroup = { key: "said", title: "Last message", type: "text", rows: [TEXT_ROW] };
 const NUMBERS: ReadonlyMap<string, StatisticsInfo> = new Map(
   ROWS.map(({ address }, i) => {
     const reading = (v: number): { t_us: number; v: number } => ({ t_us: SPAN.fromUs, v: v + i * 0.3 });
-    const one = { address, count: 480, numbers: 480, low: reading(-0.12), high: reading(0.62), mean: i * 0.3, deviation: 0.07 };
-    return [address, { ...one, first: null, last: null, gap_us: 6e6 }];
+    const statistics = { address, count: 480, numbers: 480, low: reading(-0.12), high: reading(0.62), mean: i * 0.3, deviation: 0.07 };
+    return [address, { ...statistics, first: null, last: null, gap_us: 6e6 }];
   }),
 );
 const UNITS: readonly ChartSeries[] = [
@@ -146,7 +146,7 @@ const UNITS: readonly ChartSeries[] = [
   series({ address: "v", name: "Voltage", unit: "V", colour: 1, samples: samples((s) => 12 - s / 100) }),
   series({ address: "t", name: "Temperature", unit: "°C", colour: 2, samples: samples((s) => 21 + Math.cos(s / 6)) }),
 ];
-const MARKS: readonly Mark[] = [
+const MARKS: readonly EventMark[] = [
   { timeUs: SPAN.fromUs + 4e6, kind: "driving", title: "lease taken", device: "Vehicle base", who: "ada", message: "", good: true },
   { timeUs: SPAN.fromUs + 9e6, kind: "command", title: "command asked", device: "Vehicle base", who: "ada", message: "wander(active=True)", good: true },
   { timeUs: SPAN.fromUs + 9.2e6, kind: "command", title: "command failed", device: "Vehicle base", who: "ada", message: "no answer", good: false },
@@ -164,24 +164,24 @@ function renderOptions(change: Partial<HistoryView>): TemplateResult {
   return html`<t-view-options .view=${view} .span=${SPAN} zone=${ZONE}></t-view-options>`;
 }
 
-function texts(): ReadonlyMap<string, Loaded> {
+function texts(): ReadonlyMap<string, LoadedSeries> {
   const said = ["Docked at the charger in the kitchen", "On the way to the hall", "Waiting"];
   const t_us = said.map((_, i) => SPAN.fromUs + i * 9e6);
-  return new Map([["base/said", loadedOf({ address: "base/said", t_us, v: [null, null, null], text: said, kind: "exact", gaps: [] }, 60e6)]]);
+  return new Map([["base/said", loadedSeries({ address: "base/said", t_us, v: [null, null, null], text: said, kind: "exact", gaps: [] }, 60e6)]]);
 }
 
 /** @param above added to each value */
-function past(above = 0): ReadonlyMap<string, Loaded> {
+function past(above = 0): ReadonlyMap<string, LoadedSeries> {
   const times = Array.from({ length: 600 }, (_, i) => SPAN.fromUs + i * STEP_US);
   return new Map(
     ROWS.map(({ address }, i) => {
       const v = times.map((us) => holed((us - SPAN.fromUs) / 1e6) + i * 0.3 + above).map((value) => (Number.isNaN(value) ? null : value));
-      return [address, loadedOf({ address, t_us: times, v, kind: "exact", gaps: [GAP] }, 5e6)];
+      return [address, loadedSeries({ address, t_us: times, v, kind: "exact", gaps: [GAP] }, 5e6)];
     }),
   );
 }
 
-function renderHistoryChart(data: ReadonlyMap<string, Loaded>, cursorUs: number | null): TemplateResult {
+function renderHistoryChart(data: ReadonlyMap<string, LoadedSeries>, cursorUs: number | null): TemplateResult {
   return html`<t-history-chart
     .group=${GROUP}
     .data=${data}

@@ -5,7 +5,7 @@ import { ref } from "lit/directives/ref.js";
 import { padStick } from "../../controllers/drive/stick.js";
 import { CameraView, type CameraLink } from "../../elements/camera/camera-view.js";
 import "../../elements/command/command-form.js";
-import type { AskState } from "../../elements/command/command-form.js";
+import type { RequestState } from "../../elements/command/command-form.js";
 import "../../elements/drive/arrow-pad.js";
 import "../../elements/drive/drive-readout.js";
 import "../../elements/drive/lease-line.js";
@@ -118,7 +118,7 @@ const SLEW: CommandInfo = {
   ],
 };
 
-function asked(phase: AskState["phase"], message = "", progress = 0): GalleryState {
+function asked(phase: RequestState["phase"], message = "", progress = 0): GalleryState {
   return {
     name: phase,
     show: () => html`<t-command .command=${WANDER} .asked=${{ phase, message, progress }}></t-command>`,

@@ -2,7 +2,7 @@
 
 import { html, type TemplateResult } from "lit";
 import type { FilmRow } from "../../wire/films-api.js";
-import type { Reel } from "../history/film/film-search.js";
+import type { CameraFilms } from "../history/film/film-search.js";
 import type { GalleryEntry } from "./entry.js";
 import "../history/film/film-view.js";
 
@@ -14,8 +14,8 @@ function film(state: FilmRow["state"], note = ""): FilmRow {
   };
 }
 
-function renderView(us: number, change: Partial<Reel>): TemplateResult {
-  const reel: Reel = { stream: "base/front", name: "Front camera", films: [], unfilmed: [], filming: false, ...change };
+function renderView(us: number, change: Partial<CameraFilms>): TemplateResult {
+  const reel: CameraFilms = { stream: "base/front", name: "Front camera", films: [], unfilmed: [], filming: false, ...change };
   return html`<t-film-view .reel=${reel} .us=${us} zone="Europe/Madrid"></t-film-view>`;
 }
 

@@ -3,37 +3,37 @@
 import { html, type TemplateResult } from "lit";
 import { styled } from "../../elements/base/style-directive.js";
 import "../../elements/camera/detection-boxes.js";
-import type { Boxed } from "../../elements/camera/detection-boxes.js";
+import type { DetectedObject } from "../../elements/camera/detection-boxes.js";
 import "../../elements/camera/objects-overlay.js";
-import type { Detector } from "../../elements/camera/objects-overlay.js";
+import type { DetectorState } from "../../elements/camera/objects-overlay.js";
 import "../../elements/camera/objects-choice.js";
-import type { Choosable } from "../../elements/camera/objects-choice.js";
+import type { ObjectOption } from "../../elements/camera/objects-choice.js";
 import "../../elements/analysis/sighting-card.js";
 import type { SightingFacts } from "../../elements/analysis/sighting-card.js";
 import type { GalleryEntry } from "./entry.js";
 
 const NOON_US = 1_780_000_000_000_000;
-const box = (label: string, score: number, left: number, top: number, right: number, bottom: number): Boxed => ({ label, score, left, top, right, bottom });
-const THINGS: readonly Boxed[] = [
+const box = (label: string, score: number, left: number, top: number, right: number, bottom: number): DetectedObject => ({ label, score, left, top, right, bottom });
+const THINGS: readonly DetectedObject[] = [
   box("person", 0.92, 0.1, 0.15, 0.35, 0.95),
   box("dog", 0.71, 0.42, 0.6, 0.64, 0.92),
   box("car", 0.55, 0.66, 0.02, 0.97, 0.4),
   box("chair", 0.34, 0.72, 0.62, 0.95, 0.9),
 ];
-const CLASSES: readonly Choosable[] = [
+const CLASSES: readonly ObjectOption[] = [
   { label: "person", wanted: true, described: true },
   { label: "dog", wanted: true, described: true },
   { label: "car", wanted: false, described: true },
   { label: "chair", wanted: false, described: false },
 ];
 
-function renderBoxed(things: readonly Boxed[], earlier = false, zoom = { scale: 1, x: 0, y: 0 }, ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
+function renderBoxed(things: readonly DetectedObject[], earlier = false, zoom = { scale: 1, x: 0, y: 0 }, ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
   return html`<div ${styled({ position: "relative", "aspect-ratio": "4 / 3", background: ground })}>
     <t-boxes .things=${things} ?earlier=${earlier} .zoom=${zoom}></t-boxes>
   </div>`;
 }
 
-function renderObjects(on: boolean, detector: Detector, counts: readonly { label: string; many: number }[], busy = false): TemplateResult {
+function renderObjects(on: boolean, detector: DetectorState, counts: readonly { label: string; many: number }[], busy = false): TemplateResult {
   return html`<div ${styled({ "block-size": "6rem", background: "#667" })}>
     <t-objects ?on=${on} detector=${detector} why="/gallery" .counts=${counts} ?busy=${busy}></t-objects>
   </div>`;

@@ -62,7 +62,7 @@ export class PageGallery extends LitElement {
           <div class=${entry.wide === true ? "states wide" : "states"}>
             ${map(
               entry.states,
-              (one) => html`<figure><div>${one.show()}</div><figcaption>${one.name}</figcaption></figure>`,
+              (state) => html`<figure><div>${state.show()}</div><figcaption>${state.name}</figcaption></figure>`,
             )}
           </div>
         </section>`,

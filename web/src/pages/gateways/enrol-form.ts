@@ -5,7 +5,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
-import { TickController } from "../../controllers/ticker.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formatDuration } from "../../format/duration.js";
@@ -27,7 +27,7 @@ const SITE_ID = /^[a-z][a-z0-9_]{0,62}$/;
  * @fires t-close
  */
 @customElement("t-enrol")
-export class Enrol extends LitElement {
+export class EnrolForm extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -67,7 +67,7 @@ export class Enrol extends LitElement {
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override firstUpdated(): void {
@@ -168,6 +168,6 @@ export class Enrol extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-enrol": Enrol;
+    "t-enrol": EnrolForm;
   }
 }

@@ -21,7 +21,7 @@ import "../../elements/values/time.js";
 
 /** @fires t-changed something was done: the list is old */
 @customElement("t-gateway-sheet")
-export class GatewaySheet extends LitElement {
+export class GatewaySection extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -112,7 +112,7 @@ export class GatewaySheet extends LitElement {
   }
 
   private renderDevice(row: GatewayRow, device: DeviceRow): TemplateResult {
-    const again = (): void => {
+    const onReconnect = (): void => {
       const api = new AdminApi(this.api);
       const done = `${device.name}: the gateway connects to it anew.`;
       void this.action.run(`connect ${device.name} anew`, () => api.reconnect(row.id, device.device), done, device.device);
@@ -127,7 +127,7 @@ export class GatewaySheet extends LitElement {
         label=${`Connect ${device.name} anew`}
         ?disabled=${!row.online}
         ?busy=${this.action.runningKey === device.device}
-        @click=${again}
+        @click=${onReconnect}
         >Connect anew</t-button
       >
     </li>`;
@@ -180,6 +180,6 @@ export class GatewaySheet extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-gateway-sheet": GatewaySheet;
+    "t-gateway-sheet": GatewaySection;
   }
 }

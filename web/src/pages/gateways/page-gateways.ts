@@ -6,8 +6,8 @@ import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formatDuration } from "../../format/duration.js";
@@ -28,7 +28,7 @@ import "./gateway-section.js";
 /** A gateway that comes or goes is seen this soon (s). */
 const AGAIN_S = 3;
 
-interface Known extends GatewayList {
+interface LoadedGateways extends GatewayList {
   readonly devices: readonly DeviceRow[];
 }
 
@@ -39,13 +39,13 @@ export class PageGateways extends LitElement {
   @state() private enrolling = false;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly known = new LoadController<Known>(this);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly known = new LoadController<LoadedGateways>(this);
   private readonly action = new ActionController(this);
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override willUpdate(): void {
@@ -93,7 +93,7 @@ export class PageGateways extends LitElement {
     return this.known.result.state === "failed" ? nothing : html`<t-loading what="Loading the gateways"></t-loading>`;
   }
 
-  private renderContent(known: Known): TemplateResult {
+  private renderContent(known: LoadedGateways): TemplateResult {
     const living = known.gateways.filter((row) => row.revoked_us === 0);
     const gone = known.gateways.filter((row) => row.revoked_us > 0);
     return html`${this.renderCodes(known.codes)}

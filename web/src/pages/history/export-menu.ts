@@ -4,13 +4,13 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
-import type { Option } from "../../elements/forms/choice.js";
-import type { Span } from "../../series/time-window.js";
+import type { ChoiceOption } from "../../elements/forms/choice.js";
+import type { TimeSpan } from "../../series/time-window.js";
 import { exportPath, type ExportQuery } from "../../wire/hub-api.js";
 import "../../elements/forms/choice.js";
 import "../../elements/layout/menu.js";
 
-const EXTENTS: readonly Option[] = [
+const EXTENTS: readonly ChoiceOption[] = [
   { id: "window", label: "Window" },
   { id: "drawn", label: "As drawn" },
   { id: "all", label: "Everything" },
@@ -70,7 +70,7 @@ export class ExportMenu extends LitElement {
 
   @property() site = "";
   @property({ attribute: false }) channels: readonly string[] = [];
-  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) span: TimeSpan = { fromUs: 0, toUs: 1 };
   /** CSS pixels of the charts. */
   @property({ type: Number }) width = 1000;
 

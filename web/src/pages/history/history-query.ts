@@ -1,6 +1,6 @@
 /** What the history page shows, as it stands in the address bar. */
 
-import type { Span } from "../../series/time-window.js";
+import type { TimeSpan } from "../../series/time-window.js";
 import { KINDS, type MarkKind } from "./chart/event-marks.js";
 import { LEAST_K, MOST_K } from "../../series/outliers.js";
 import { SECOND_US, type ZoneClock } from "../../series/zone-clock.js";
@@ -9,7 +9,7 @@ export interface HistoryView {
   /** Addresses of the chosen channels; null when the address says nothing of them. */
   readonly channels: readonly string[] | null;
   /** The last so many seconds, going on with the time; or a window that stands still. */
-  readonly shown: { readonly last: number } | Span;
+  readonly shown: { readonly last: number } | TimeSpan;
   /** Numbers of several units share a chart, with an axis for each unit. */
   readonly joined: boolean;
   /** Kinds of events that are not shown. */
@@ -83,17 +83,17 @@ function readAt(query: URLSearchParams): number | undefined {
 }
 
 /** How much before the shown window the other one lies (µs); whole days of the site's zone. */
-export function ghostUs(span: Span, versus: number, clock: ZoneClock): number {
+export function ghostUs(span: TimeSpan, versus: number, clock: ZoneClock): number {
   return versus === 0 ? 0 : span.fromUs - clock.sameTime(span.fromUs, -versus);
 }
 
 /** How far the other day is away: `1 day before`. */
-export function daysText(versus: number): string {
+export function comparedDaysText(versus: number): string {
   const days = Math.abs(versus);
   return `${String(days)} ${days === 1 ? "day" : "days"} ${versus > 0 ? "before" : "after"}`;
 }
 
-function readShown(query: URLSearchParams): { last: number } | Span {
+function readShown(query: URLSearchParams): { last: number } | TimeSpan {
   const [fromUs, toUs, last] = ["from", "to", "last"].map((key) => Number(query.get(key) ?? NaN));
   if (fromUs !== undefined && toUs !== undefined && Number.isSafeInteger(fromUs) && Number.isSafeInteger(toUs) && fromUs < toUs) {
     return { fromUs, toUs };
@@ -118,7 +118,7 @@ export const QUICK: readonly QuickRange[] = [
 ];
 
 /** What a quick range shows; days are those of the site's zone. */
-export function quickShown(id: string, nowUs: number, clock: ZoneClock): { last: number } | Span {
+export function quickShown(id: string, nowUs: number, clock: ZoneClock): { last: number } | TimeSpan {
   switch (id) {
     case "today":
       return { fromUs: clock.dayStart(nowUs), toUs: clock.dayAfter(nowUs, 1) };
@@ -132,14 +132,14 @@ export function quickShown(id: string, nowUs: number, clock: ZoneClock): { last:
 /** Which quick range is shown; empty for none. */
 export function quickOf(shown: HistoryView["shown"], nowUs: number, clock: ZoneClock): string {
   if ("last" in shown) return QUICK.some(({ id }) => id === String(shown.last)) ? String(shown.last) : "";
-  const same = (id: string): boolean => {
+  const isSameRange = (id: string): boolean => {
     const span = quickShown(id, nowUs, clock);
     return !("last" in span) && span.fromUs === shown.fromUs && span.toUs === shown.toUs;
   };
-  return ["today", "yesterday"].find(same) ?? "";
+  return ["today", "yesterday"].find(isSameRange) ?? "";
 }
 
 /** The window at a moment. */
-export function spanOf(shown: HistoryView["shown"], nowUs: number): Span {
+export function spanOf(shown: HistoryView["shown"], nowUs: number): TimeSpan {
   return "last" in shown ? { fromUs: nowUs - shown.last * SECOND_US, toUs: nowUs } : shown;
 }

@@ -4,13 +4,13 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { knownZone, timeText, zoneName } from "../../format/time.js";
-import { lengthOf, pan, zoom, type Span } from "../../series/time-window.js";
+import { lengthOf, panned, zoomed, type TimeSpan } from "../../series/time-window.js";
 import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { QUICK, quickOf, quickShown, spanOf, type HistoryView } from "./history-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 
-type Shown = HistoryView["shown"];
+type ShownRange = HistoryView["shown"];
 
 
 /** @fires t-shown detail is what is asked to be shown */
@@ -132,9 +132,9 @@ export class HistoryTools extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) shown: Shown = { last: 900 };
+  @property({ attribute: false }) shown: ShownRange = { last: 900 };
   /** The window that is on screen now. */
-  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) span: TimeSpan = { fromUs: 0, toUs: 1 };
   @property() zone = "UTC";
 
   @queryAll("input") private readonly inputs!: NodeListOf<HTMLInputElement>;
@@ -206,19 +206,19 @@ export class HistoryTools extends LitElement {
   };
 
   private readonly moveEarlier = (): void => {
-    this.fireWindowChange(pan(this.span, -lengthOf(this.span) / 2));
+    this.fireWindowChange(panned(this.span, -lengthOf(this.span) / 2));
   };
 
   private readonly moveLater = (): void => {
-    this.fireWindowChange(pan(this.span, lengthOf(this.span) / 2));
+    this.fireWindowChange(panned(this.span, lengthOf(this.span) / 2));
   };
 
   private readonly zoomIn = (): void => {
-    this.fireWindowChange(zoom(this.span, 0.5, (this.span.fromUs + this.span.toUs) / 2));
+    this.fireWindowChange(zoomed(this.span, 0.5, (this.span.fromUs + this.span.toUs) / 2));
   };
 
   private readonly zoomOut = (): void => {
-    this.fireWindowChange(zoom(this.span, 2, (this.span.fromUs + this.span.toUs) / 2));
+    this.fireWindowChange(zoomed(this.span, 2, (this.span.fromUs + this.span.toUs) / 2));
   };
 
   /** From a window that stands still to one of the same length that goes on, and back. */
@@ -227,7 +227,7 @@ export class HistoryTools extends LitElement {
     else this.fireWindowChange({ last: Math.max(1, Math.round(lengthOf(this.span) / 1e6)) });
   };
 
-  private fireWindowChange(detail: Shown): void {
+  private fireWindowChange(detail: ShownRange): void {
     this.wrong = "";
     this.dispatchEvent(new CustomEvent("t-shown", { detail }));
   }
@@ -238,6 +238,6 @@ declare global {
     "t-history-tools": HistoryTools;
   }
   interface HTMLElementEventMap {
-    "t-shown": CustomEvent<Shown>;
+    "t-shown": CustomEvent<ShownRange>;
   }
 }

@@ -9,15 +9,15 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { indentOf, type SpanChange } from "../../elements/chart/chart-model.js";
-import { Painter } from "../../elements/chart/paint-scheduler.js";
+import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { momentText } from "../../elements/chart/cursor-values.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { formatDate, knownZone, utcSpan } from "../../format/time.js";
-import { Pace } from "../../series/draw-rate.js";
-import { lengthOf, pan } from "../../series/time-window.js";
+import { DrawRate } from "../../series/draw-rate.js";
+import { lengthOf, panned } from "../../series/time-window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
@@ -27,13 +27,13 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { axesFor } from "./chart/axes-for.js";
 import { FilmController } from "./film/film-controller.js";
 import type { FilmPanel } from "./film/film-panel.js";
-import { marksOf, type Mark, type MarkKind } from "./chart/event-marks.js";
-import { daysText, ghostUs, writeView, type HistoryView } from "./history-query.js";
-import { firstChoice, rowsOf, together, unitsOf, type Row, type Together } from "./data/channel-rows.js";
+import { eventMarks, type EventMark, type MarkKind } from "./chart/event-marks.js";
+import { comparedDaysText, ghostUs, writeView, type HistoryView } from "./history-query.js";
+import { firstChoice, channelRows, groupChannels, unitsOf, type ChannelRow, type ChartGroup } from "./data/channel-rows.js";
 import { historyStyle } from "./history-style.js";
 import { WindowController } from "./window-controller.js";
 import { WindowData } from "./data/window-data.js";
-import { isBusy, isTaken, pageWish } from "./window-keys.js";
+import { isBusy, isTaken, pageKeyAction } from "./window-keys.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
@@ -69,8 +69,8 @@ export class PageHistory extends LitElement {
   @query(".charts") private readonly charts!: HTMLElement | null;
   @query("t-film-panel") private readonly panel!: FilmPanel | null;
 
-  private rows: readonly Row[] = [];
-  private groups: readonly Together[] = [];
+  private rows: readonly ChannelRow[] = [];
+  private groups: readonly ChartGroup[] = [];
   private groupsKey = "";
   private axisWidth = 0;
   private filmed = false;
@@ -78,21 +78,21 @@ export class PageHistory extends LitElement {
   private data: WindowData | null = null;
   private clock: ZoneClock | null = null;
   private ghostUs = 0;
-  private marks: readonly Mark[] = [];
+  private marks: readonly EventMark[] = [];
   private markedOf: EventList | null = null;
   private resized: ResizeObserver | null = null;
   // Nothing moves by itself here, so a round is drawn at the next frame, however dear the last one was.
-  private readonly painter = new Painter(new Pace(16, 1, 16));
+  private readonly painter = new PaintScheduler(new DrawRate(16, 1, 16));
   private readonly wide = matchMedia("(min-width: 60.01rem)");
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly former = new LoadController<readonly StoredInfo[]>(this);
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly window = new WindowController(this, {
     searchPart: () => this.router.store?.search ?? "",
     navigate: (search) => this.router.store?.navigate(sitePath(this.site, "history") + search),
     width: () => this.width,
   });
-  private readonly router = new StoreController(this, routerContext, () => {
+  private readonly router = new ContextStoreController(this, routerContext, () => {
     this.window.applyAddress();
   });
   private readonly live = new LiveValuesController(this);
@@ -103,7 +103,7 @@ export class PageHistory extends LitElement {
       const { span } = this.window;
       const part = (us - span.fromUs) / lengthOf(span);
       // Playing, the window is turned like a page, with a little of the last one at its left.
-      this.window.applySpanChange({ span: pan(span, (part - 0.05) * lengthOf(span)), settled: false });
+      this.window.applySpanChange({ span: panned(span, (part - 0.05) * lengthOf(span)), settled: false });
     },
   );
   /** The moment of the address that films were put to already. */
@@ -142,7 +142,7 @@ export class PageHistory extends LitElement {
     this.former.load(described, () => api.formerChannels(site));
     const detail = this.detail.value;
     if (detail === undefined) return;
-    this.rows = rowsOf(detail, this.former.value);
+    this.rows = channelRows(detail, this.former.value);
     this.clock = clockOf(knownZone(detail.zone));
     this.data ??= new WindowData(api, () => {
       this.requestUpdate();
@@ -151,7 +151,7 @@ export class PageHistory extends LitElement {
     this.loadWindow(this.data, this.clock);
     this.buildMarks(this.data, detail);
     this.loadFilms(detail);
-    this.live.observe(this.site, this.channelsWithoutData());
+    this.live.observeChannels(this.site, this.channelsWithoutData());
   }
 
   protected override updated(): void {
@@ -220,13 +220,13 @@ export class PageHistory extends LitElement {
     const { span, view } = this.window;
     const { ghostUs, painter, indent } = this;
     const cursorUs = this.shownCursor();
-    const newest = new Map(this.channelsWithoutData().map((address) => [address, this.live.reading(address)?.timeUs ?? 0]));
+    const newest = new Map(this.channelsWithoutData().map((address) => [address, this.live.readingOf(address)?.timeUs ?? 0]));
     const marks = view.without.length === 0 ? this.marks : this.marks.filter(({ kind }) => !view.without.includes(kind));
     const numbers = statistics.numbersOf(this.site, span);
     const fences = data.outliers.foundIn(this.site, span, view.outliers);
     const then = ghostUs === 0 ? "" : formatDate(span.fromUs - ghostUs, detail.zone);
     return html`<div class="progress" ?hidden=${now.state !== "loading"}></div>
-      ${then === "" ? nothing : html`<p class="then">Dashed lines: ${then}, ${daysText(view.versus)}, at the same time of day.</p>`}
+      ${then === "" ? nothing : html`<p class="then">Dashed lines: ${then}, ${comparedDaysText(view.versus)}, at the same time of day.</p>`}
       <t-marks-lane
         .marks=${this.marks}
         .without=${view.without}
@@ -358,7 +358,7 @@ export class PageHistory extends LitElement {
     const key = `${this.detail.value?.catalogue ?? ""} ${String(most)}\n${kinds.join("\n")}`;
     if (key === this.groupsKey) return;
     this.groupsKey = key;
-    this.groups = together(rows, most);
+    this.groups = groupChannels(rows, most);
     this.axisWidth = axisWidth;
     this.indent = indentOf(Math.max(1, ...this.groups.map(({ rows }) => unitsOf(rows).length)), axisWidth);
   }
@@ -377,7 +377,7 @@ export class PageHistory extends LitElement {
     const same = JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);
     this.markedOf = events;
     if (same) return;
-    this.marks = marksOf(events.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
+    this.marks = eventMarks(events.events, new Map(detail.devices.map(({ id, name }) => [id, name])));
   }
 
   /** Chosen channels of which nothing has come for this window. */
@@ -416,7 +416,7 @@ export class PageHistory extends LitElement {
       return;
     }
     if (isBusy(event.composedPath())) return;
-    const wish = pageWish(event.key, event.shiftKey, this.window.span, clock);
+    const wish = pageKeyAction(event.key, event.shiftKey, this.window.span, clock);
     if (wish === null) return;
     event.preventDefault();
     if (wish.wish === "back") this.window.resetWindow();
@@ -448,7 +448,7 @@ export class PageHistory extends LitElement {
     this.cursorUs = null;
     this.films.seek(event.detail);
     const { fromUs, toUs } = this.window.span;
-    if (event.detail < fromUs || event.detail > toUs) this.window.applySpanChange({ span: pan(this.window.span, event.detail - (fromUs + toUs) / 2), settled: true });
+    if (event.detail < fromUs || event.detail > toUs) this.window.applySpanChange({ span: panned(this.window.span, event.detail - (fromUs + toUs) / 2), settled: true });
   };
 
   private readonly onCamerasChange = (event: CustomEvent<readonly string[]>): void => {
@@ -469,7 +469,7 @@ export class PageHistory extends LitElement {
   };
 }
 
-function renderNothingChosen(rows: readonly Row[]): TemplateResult {
+function renderNothingChosen(rows: readonly ChannelRow[]): TemplateResult {
   return rows.length === 0
     ? html`<t-empty heading="Nothing to show" icon="history"><p>This site has no signals that you may see.</p></t-empty>`
     : html`<t-empty heading="Choose a signal" icon="history"

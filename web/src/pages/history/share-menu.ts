@@ -4,12 +4,12 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
-import type { Option } from "../../elements/forms/choice.js";
+import type { ChoiceOption } from "../../elements/forms/choice.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/layout/menu.js";
 
-const KINDS: readonly Option[] = [
+const KINDS: readonly ChoiceOption[] = [
   { id: "window", label: "This very window" },
   { id: "live", label: "Going on with the time" },
 ];

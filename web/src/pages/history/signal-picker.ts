@@ -5,7 +5,7 @@ import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
-import type { Row } from "./data/channel-rows.js";
+import type { ChannelRow } from "./data/channel-rows.js";
 import "../../elements/forms/button.js";
 
 /** @fires t-pick detail is the addresses that are chosen now, in the order of the description */
@@ -86,7 +86,7 @@ export class SignalPicker extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) rows: readonly Row[] = [];
+  @property({ attribute: false }) rows: readonly ChannelRow[] = [];
   @property({ attribute: false }) chosen: readonly string[] = [];
   /** What is no longer described could not be listed. */
   @property({ type: Boolean }) incomplete = false;
@@ -126,7 +126,7 @@ export class SignalPicker extends LitElement {
     `;
   }
 
-  private renderBoxes(rows: readonly Row[]): unknown {
+  private renderBoxes(rows: readonly ChannelRow[]): unknown {
     return repeat(
       rows,
       (row) => row.address,

@@ -6,7 +6,7 @@ import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
 import { knownZone } from "../../format/time.js";
-import type { Span } from "../../series/time-window.js";
+import type { TimeSpan } from "../../series/time-window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import type { HistoryView } from "./history-query.js";
 import "../../elements/forms/button.js";
@@ -21,7 +21,7 @@ const OTHER = "other";
 
 /** @fires t-view detail is what of the view is asked to be otherwise */
 @customElement("t-view-options")
-export class ViewOptions extends LitElement {
+export class ViewOptionsMenu extends LitElement {
   static override styles = [
     base,
     control,
@@ -44,7 +44,7 @@ export class ViewOptions extends LitElement {
   ];
 
   @property({ attribute: false }) view: HistoryView | null = null;
-  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) span: TimeSpan = { fromUs: 0, toUs: 1 };
   @property() zone = "UTC";
 
   /** A day of one's own is being chosen. */
@@ -113,7 +113,7 @@ export class ViewOptions extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-view-options": ViewOptions;
+    "t-view-options": ViewOptionsMenu;
   }
   interface HTMLElementEventMap {
     "t-view": CustomEvent<Partial<HistoryView>>;

@@ -2,12 +2,12 @@
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import type { SpanChange } from "../../elements/chart/chart-model.js";
-import { lengthOf, notAfter, zoom, type Span } from "../../series/time-window.js";
+import { lengthOf, notAfter, zoomed, type TimeSpan } from "../../series/time-window.js";
 import { HOUR_US, SECOND_US } from "../../series/zone-clock.js";
 import { readView, spanOf, writeView, type HistoryView } from "./history-query.js";
 
 /** The address bar, as far as it is this page's. */
-export interface Bar {
+export interface AddressBar {
   searchPart(): string;
   /** Goes to the same page with another search part. */
   navigate(search: string): void;
@@ -28,14 +28,14 @@ const MOST_BACK = 50;
 export class WindowController implements ReactiveController {
   nowUs = Date.now() * 1000;
   /** The window while fingers, keys or the wheel are at it. */
-  moving: Span | null = null;
+  moving: TimeSpan | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private settling: ReturnType<typeof setTimeout> | undefined;
   private readonly before: HistoryView["shown"][] = [];
 
   constructor(
     private readonly host: ReactiveControllerHost,
-    private readonly bar: Bar,
+    private readonly bar: AddressBar,
   ) {
     host.addController(this);
   }
@@ -54,7 +54,7 @@ export class WindowController implements ReactiveController {
     return readView(this.bar.searchPart());
   }
 
-  get span(): Span {
+  get span(): TimeSpan {
     return this.moving ?? spanOf(this.view.shown, this.nowUs);
   }
 
@@ -99,7 +99,7 @@ export class WindowController implements ReactiveController {
   resetWindow(): void {
     const shown = this.before.pop();
     if (shown !== undefined) this.showView({ ...this.view, shown });
-    else this.applySpanChange({ span: zoom(this.span, 2, (this.span.fromUs + this.span.toUs) / 2), settled: false });
+    else this.applySpanChange({ span: zoomed(this.span, 2, (this.span.fromUs + this.span.toUs) / 2), settled: false });
   }
 
   private showView(view: HistoryView): void {

@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
@@ -45,7 +45,7 @@ export class PageHome extends LitElement {
     `,
   ];
 
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
 
   override render(): TemplateResult | null {
     const sites = this.sites.store;
@@ -53,7 +53,7 @@ export class PageHome extends LitElement {
     return html`
       <div class="head">
         <h1>Sites</h1>
-        ${sites.list.length === 0 ? nothing : html`<p class="muted">${summary(sites)}</p>`}
+        ${sites.list.length === 0 ? nothing : html`<p class="muted">${sitesSummary(sites)}</p>`}
       </div>
       ${this.renderProblem(sites)} ${this.renderContent(sites)}
     `;
@@ -94,7 +94,7 @@ export class PageHome extends LitElement {
   };
 }
 
-function summary(sites: Sites): string {
+function sitesSummary(sites: Sites): string {
   const online = sites.list.filter((row) => row.online).length;
   return `${String(online)} of ${String(sites.list.length)} online`;
 }

@@ -5,14 +5,14 @@ import { html, LitElement, nothing, type PropertyValues, type TemplateResult } f
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
-import { DetectorsController } from "../../controllers/anomaly-detectors.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { AnomalyDetectorsController } from "../../controllers/anomaly-detectors.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
-import { Painter } from "../../elements/chart/paint-scheduler.js";
-import type { Option } from "../../elements/forms/choice.js";
+import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
+import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { AlarmMarks } from "../../series/alarm-marks.js";
 import { SECOND_US } from "../../series/zone-clock.js";
@@ -33,7 +33,7 @@ import "../../elements/analysis/outlier-tool.js";
 import "../../elements/feedback/problem.js";
 import "../../tiles/chart/chart-tile.js";
 
-const WINDOWS: readonly Option[] = [
+const WINDOWS: readonly ChoiceOption[] = [
   { id: "10", label: "10 s" },
   { id: "30", label: "30 s" },
   { id: "60", label: "1 min" },
@@ -45,7 +45,7 @@ const LONGEST_US = 300 * SECOND_US;
 const NO_DETECTORS: readonly Detector[] = [];
 const NO_ANOMALIES: readonly Anomaly[] = [];
 
-interface Group {
+interface DeviceGroup {
   readonly device: DeviceInfo;
   readonly signals: readonly SignalInfo[];
 }
@@ -69,13 +69,13 @@ export class PageLive extends LitElement {
   private bookOf: readonly Detector[] = [];
   private detectorsOf: ReadonlyMap<string, readonly Detector[]> = new Map();
   private anomaliesOf: ReadonlyMap<string, readonly Anomaly[]> = new Map();
-  private readonly painter = new Painter();
+  private readonly painter = new PaintScheduler();
   private readonly marks = new AlarmMarks();
   private readonly detail = new LoadController<SiteDetail>(this);
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly watching = new DetectorsController(this);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly watching = new AnomalyDetectorsController(this);
   private readonly action = new ActionController(this);
-  private readonly link = new LinkController(this, (connection) => [
+  private readonly link = new ConnectionStateController(this, (connection) => [
     connection.onMessage("event", (news) => {
       if (news.site !== this.site) return;
       this.marks.add([news]);
@@ -214,7 +214,7 @@ export class PageLive extends LitElement {
     )}`;
   }
 
-  private renderGroup({ device, signals }: Group, detail: SiteDetail): TemplateResult {
+  private renderGroup({ device, signals }: DeviceGroup, detail: SiteDetail): TemplateResult {
     return html`<section aria-labelledby=${`device-${device.id}`}>
       <h2 id=${`device-${device.id}`}>${device.name}</h2>
       <div class="charts">
@@ -263,15 +263,15 @@ export class PageLive extends LitElement {
   }
 
   // A filter looks through all signals: who types a name wants to find it.
-  private groupSignals(detail: SiteDetail): Group[] {
+  private groupSignals(detail: SiteDetail): DeviceGroup[] {
     const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
-    const fits = (device: DeviceInfo, signal: SignalInfo): boolean => {
+    const isShown = (device: DeviceInfo, signal: SignalInfo): boolean => {
       if (words.length === 0) return this.all || signal.primary;
       const text = `${device.name} ${signal.name} ${signal.address} ${signal.unit}`.toLowerCase();
       return words.every((word) => text.includes(word));
     };
     return detail.devices
-      .map((device) => ({ device, signals: device.signals.filter((signal) => fits(device, signal)) }))
+      .map((device) => ({ device, signals: device.signals.filter((signal) => isShown(device, signal)) }))
       .filter(({ signals }) => signals.length > 0);
   }
 

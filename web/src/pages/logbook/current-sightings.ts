@@ -4,9 +4,9 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
@@ -22,7 +22,7 @@ const MOST = 10;
 const SOON_MS = 300;
 
 @customElement("t-in-sight")
-export class InSight extends LitElement {
+export class CurrentSightings extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -43,14 +43,14 @@ export class InSight extends LitElement {
   @state() private more = false;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteDetail>(this);
   private asked: string | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor() {
     super();
-    new LinkController(this, (connection) => [
+    new ConnectionStateController(this, (connection) => [
       connection.onMessage("sighting", (news) => {
         if (news.site !== this.site) return;
         clearTimeout(this.timer);
@@ -120,6 +120,6 @@ export class InSight extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-in-sight": InSight;
+    "t-in-sight": CurrentSightings;
   }
 }

@@ -31,14 +31,14 @@ export const KINDS: readonly { readonly kind: string; readonly name: string }[] 
 /** Before an event in the history and behind it, so much is shown (µs). */
 const AROUND_US = 60e6;
 
-export function readFilter(search: string): LogbookFilter {
+export function readLogbookFilter(search: string): LogbookFilter {
   const asked = new URLSearchParams(search);
-  const text = (key: string): string => (asked.get(key) ?? "").slice(0, 200);
-  return { text: text("text"), kind: text("kind"), device: text("device"), who: text("who"), bad: asked.get("good") === "false" };
+  const readText = (key: string): string => (asked.get(key) ?? "").slice(0, 200);
+  return { text: readText("text"), kind: readText("kind"), device: readText("device"), who: readText("who"), bad: asked.get("good") === "false" };
 }
 
 /** The filter as a query, for the address and for the hub alike; empty for all. */
-export function writeFilter(filter: LogbookFilter): string {
+export function writeLogbookFilter(filter: LogbookFilter): string {
   const asked = new URLSearchParams();
   for (const key of ["text", "kind", "device", "who"] as const) if (filter[key] !== "") asked.set(key, filter[key]);
   if (filter.bad) asked.set("good", "false");
@@ -46,15 +46,15 @@ export function writeFilter(filter: LogbookFilter): string {
 }
 
 /** The hub's question for the page behind `before`; empty for the newest. */
-export function pageQuery(filter: LogbookFilter, before: string, limit: number): string {
-  const asked = new URLSearchParams(writeFilter(filter));
+export function logbookPageQuery(filter: LogbookFilter, before: string, limit: number): string {
+  const asked = new URLSearchParams(writeLogbookFilter(filter));
   if (before !== "") asked.set("before", before);
   asked.set("limit", String(limit));
   return asked.toString();
 }
 
 /** Whether what is in sight now fits: it has no line yet, so words are not looked for in it. */
-export function showsInSight({ text, kind, device, who, bad }: LogbookFilter): boolean {
+export function showsCurrentSightings({ text, kind, device, who, bad }: LogbookFilter): boolean {
   return text === "" && device === "" && who === "" && !bad && (kind === "" || kind === "sighting");
 }
 

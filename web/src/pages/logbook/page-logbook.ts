@@ -4,16 +4,16 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { EndlessList } from "../../controllers/infinite-list.js";
+import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { settled } from "../../elements/base/stable-field.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { typedText } from "../../format/form-values.js";
+import { formText } from "../../format/form-values.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { AlarmsApi, type EventShape } from "../../wire/alarms-api.js";
@@ -21,17 +21,17 @@ import type { SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
-import { renderListed } from "../infinite-list-view.js";
+import { renderInfiniteList } from "../infinite-list-view.js";
 import { historyQuery } from "../sightings/sightings-query.js";
 import {
   KINDS,
   momentQuery,
   NO_FILTER,
-  pageQuery,
-  readFilter,
+  logbookPageQuery,
+  readLogbookFilter,
   recordingAt,
-  showsInSight,
-  writeFilter,
+  showsCurrentSightings,
+  writeLogbookFilter,
   type LogbookFilter,
 } from "./logbook-query.js";
 import "../../elements/forms/button.js";
@@ -67,32 +67,32 @@ export class PageLogbook extends LitElement {
   @property() site = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly router = new StoreController(this, routerContext);
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly router = new ContextStoreController(this, routerContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly recordings = new LoadController<readonly RecordingRow[]>(this);
-  private readonly list = new EndlessList<EventShape>(this, async (before) => {
-    const { events, more } = await new AlarmsApi(this.api).events(this.site, pageQuery(this.filter(), before, ROWS));
+  private readonly list = new InfiniteList<EventShape>(this, async (before) => {
+    const { events, more } = await new AlarmsApi(this.api).events(this.site, logbookPageQuery(this.filter(), before, ROWS));
     return { rows: events, more };
   });
   private readonly form = new FilterForm<LogbookFilter>(
     this,
     (said) => ({
-      text: typedText(said, "text"),
-      kind: typedText(said, "kind"),
-      device: typedText(said, "device"),
-      who: typedText(said, "who"),
+      text: formText(said, "text"),
+      kind: formText(said, "kind"),
+      device: formText(said, "device"),
+      who: formText(said, "who"),
       bad: said.has("bad"),
     }),
     (filter) => {
-      this.router.store?.replace(withQuery(sitePath(this.site, "logbook"), writeFilter(filter)));
+      this.router.store?.replace(withQuery(sitePath(this.site, "logbook"), writeLogbookFilter(filter)));
     },
     NO_FILTER,
   );
 
   constructor() {
     super();
-    new LinkController(this, (connection) => [
+    new ConnectionStateController(this, (connection) => [
       connection.onMessage("event", (news) => {
         if (news.site !== this.site) return;
         this.list.scheduleRefresh();
@@ -106,8 +106,8 @@ export class PageLogbook extends LitElement {
     const sites = this.sites.store;
     if (sites !== undefined) this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     // Who may not see them has no links to them, and that is all.
-    this.recordings.load(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
-    this.list.load(`${this.site}\n${writeFilter(this.filter())}`);
+    this.recordings.load(this.site, async () => (await new RecordingsApi(this.api).listRecordings(this.site)).recordings);
+    this.list.load(`${this.site}\n${writeLogbookFilter(this.filter())}`);
   }
 
   override render(): TemplateResult {
@@ -142,11 +142,11 @@ export class PageLogbook extends LitElement {
             </select>
           </t-field>
           <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> Only what went wrong</label>
-          <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+          <t-button kind="quiet" ?disabled=${writeLogbookFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
         </form>
       </section>
-      ${showsInSight(filter) ? html`<t-in-sight .site=${this.site} .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}></t-in-sight>` : nothing}
-      ${renderListed(this.list, {
+      ${showsCurrentSightings(filter) ? html`<t-in-sight .site=${this.site} .zone=${this.sites.store?.zoneOf(this.site) ?? "UTC"}></t-in-sight>` : nothing}
+      ${renderInfiniteList(this.list, {
         label: "Events",
         what: "the logbook",
         row: (row) => this.renderRow(row),
@@ -155,7 +155,7 @@ export class PageLogbook extends LitElement {
   }
 
   private renderEmpty(filter: LogbookFilter): TemplateResult {
-    const all = writeFilter(filter) === "";
+    const all = writeLogbookFilter(filter) === "";
     return html`<t-empty heading="Nothing fits" icon="logbook">
       <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
       ${all ? nothing : html`<t-button @click=${this.form.clearFilter}>Show everything</t-button>`}
@@ -192,7 +192,7 @@ export class PageLogbook extends LitElement {
   }
 
   private filter(): LogbookFilter {
-    return readFilter(this.router.store?.search ?? "");
+    return readLogbookFilter(this.router.store?.search ?? "");
   }
 }
 

@@ -3,7 +3,7 @@
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
 import { sessionContext } from "../../state/contexts.js";
@@ -14,7 +14,7 @@ import "../../elements/feedback/loading.js";
 export class PageLogout extends LitElement {
   static override styles = [base, doorway];
 
-  private readonly session = new StoreController(this, sessionContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
   private readonly action = new ActionController(this);
 
   override render(): TemplateResult {

@@ -8,13 +8,13 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { Tester } from "../../controllers/test-message.js";
+import { TestMessageController } from "../../controllers/test-message.js";
 import { base } from "../../elements/base/base-style.js";
-import { focusIn } from "../../elements/base/focus.js";
+import { focusInside } from "../../elements/base/focus.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
-import { typedText } from "../../format/form-values.js";
+import { formText } from "../../format/form-values.js";
 import { apiContext } from "../../state/contexts.js";
 import { NotifyApi, type WayAsk, type WayShape } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -28,9 +28,9 @@ import "../../elements/feedback/status.js";
 import "../../elements/feedback/delivery-result.js";
 import "../admin-tabs.js";
 
-type Kind = WayAsk["kind"];
+type ChannelKind = WayAsk["kind"];
 
-const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = [
+const KINDS: readonly { readonly kind: ChannelKind; readonly name: string }[] = [
   { kind: "mail", name: "E-mail (SMTP)" },
   { kind: "webhook", name: "Webhook" },
   { kind: "chat", name: "ntfy, Matrix or Telegram" },
@@ -38,18 +38,18 @@ const KINDS: readonly { readonly kind: Kind; readonly name: string }[] = [
 ];
 
 @customElement("t-page-ways")
-export class PageWays extends LitElement {
+export class PageNotificationChannels extends LitElement {
   static override styles = [base, sheets, forms];
 
   /** Empty: a new one; null: none is being changed. */
   @state() private editing: string | null = null;
-  @state() private kind: Kind = "mail";
+  @state() private kind: ChannelKind = "mail";
   @state() private removing: WayShape | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly known = new LoadController<readonly WayShape[]>(this);
   private readonly action = new ActionController(this);
-  private readonly tester = new Tester(this, this.action, (id) => new NotifyApi(this.api).testChannel(id));
+  private readonly tester = new TestMessageController(this, this.action, (id) => new NotifyApi(this.api).testChannel(id));
 
   override willUpdate(): void {
     this.known.load("ways", async () => (await new NotifyApi(this.api).listChannels()).ways);
@@ -109,7 +109,7 @@ export class PageWays extends LitElement {
   }
 
   private renderFilmLink(way: WayShape): TemplateResult {
-    const kind = KINDS.find((one) => one.kind === way.kind)?.name ?? way.kind;
+    const kind = KINDS.find((option) => option.kind === way.kind)?.name ?? way.kind;
     return html`<li data-way=${way.id}>
       <div>
         <div class="name">${way.name}</div>
@@ -151,9 +151,9 @@ export class PageWays extends LitElement {
   }
 
   private renderFields(way: WayShape | undefined): TemplateResult {
-    const kept = (name: string): string => (way?.secrets.includes(name) === true ? "Kept; write only to change it" : "");
+    const secretHint = (name: string): string => (way?.secrets.includes(name) === true ? "Kept; write only to change it" : "");
     const renderSecret = (name: string, label: string, hint: string): TemplateResult =>
-      html`<t-field label=${label} hint=${kept(name) || hint}><input name=${name} type="password" autocomplete="new-password" maxlength="2000" /></t-field>`;
+      html`<t-field label=${label} hint=${secretHint(name) || hint}><input name=${name} type="password" autocomplete="new-password" maxlength="2000" /></t-field>`;
     switch (this.kind) {
       case "mail":
         return html`<t-field label="Server"><input name="host" maxlength="200" .value=${way?.host ?? ""} /></t-field>
@@ -188,11 +188,11 @@ export class PageWays extends LitElement {
     };
   }
 
-  private openForm(id: string, kind: Kind): void {
+  private openForm(id: string, kind: ChannelKind): void {
     this.action.clear();
     this.kind = kind;
     this.editing = id;
-    void focusIn(this, "form input");
+    void focusInside(this, "form input");
   }
 
   /** Back to the button that opened the form. */
@@ -200,18 +200,18 @@ export class PageWays extends LitElement {
     const { editing } = this;
     this.action.clear();
     this.editing = null;
-    void focusIn(this, editing === null || editing === "" ? ".add" : `li[data-way="${editing}"] .change`);
+    void focusInside(this, editing === null || editing === "" ? ".add" : `li[data-way="${editing}"] .change`);
   };
 
   private readonly onKindChange = (event: Event): void => {
-    if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as Kind;
+    if (event.target instanceof HTMLSelectElement) this.kind = event.target.value as ChannelKind;
   };
 
   private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
     if (this.editing === null || !(event.currentTarget instanceof HTMLFormElement)) return;
     const data = new FormData(event.currentTarget);
-    const text = (name: string): string => typedText(data, name);
+    const text = (name: string): string => formText(data, name);
     const secrets: Record<string, string> = {};
     for (const key of ["password", "url", "token"]) if (text(key) !== "") secrets[key] = text(key);
     const security = text("security");
@@ -249,6 +249,6 @@ export class PageWays extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-page-ways": PageWays;
+    "t-page-ways": PageNotificationChannels;
   }
 }

@@ -6,7 +6,7 @@ import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
@@ -22,7 +22,7 @@ import "../admin-tabs.js";
 import "./person-form.js";
 import "./person-row.js";
 
-interface Everyone {
+interface LoadedPeople {
   readonly people: readonly PersonRow[];
   readonly roles: readonly RoleRow[];
 }
@@ -52,9 +52,9 @@ export class PagePeople extends LitElement {
   @state() private open = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly session = new StoreController(this, sessionContext);
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly everyone = new LoadController<Everyone>(this);
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly everyone = new LoadController<LoadedPeople>(this);
   private readonly action = new ActionController(this);
 
   override willUpdate(): void {
@@ -71,7 +71,7 @@ export class PagePeople extends LitElement {
       <div class="head">
         <div>
           <h1>People</h1>
-          ${everyone === undefined ? nothing : html`<p class="muted">${summary(everyone.people)}</p>`}
+          ${everyone === undefined ? nothing : html`<p class="muted">${peopleSummary(everyone.people)}</p>`}
         </div>
         ${this.adding || everyone === undefined
           ? nothing
@@ -102,7 +102,7 @@ export class PagePeople extends LitElement {
     return this.everyone.result.state === "failed" ? nothing : html`<t-loading what="Loading the people"></t-loading>`;
   }
 
-  private renderList({ people, roles }: Everyone): TemplateResult {
+  private renderList({ people, roles }: LoadedPeople): TemplateResult {
     const me = this.session.store?.person?.name ?? "";
     return html`<ul class="sheet">
       ${repeat(
@@ -154,7 +154,7 @@ export class PagePeople extends LitElement {
   };
 }
 
-function summary(people: readonly PersonRow[]): string {
+function peopleSummary(people: readonly PersonRow[]): string {
   const off = people.filter((row) => row.disabled).length;
   const here = people.filter((row) => row.sessions > 0).length;
   const many = `${String(people.length)} ${people.length === 1 ? "person" : "people"}`;

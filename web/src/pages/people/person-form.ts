@@ -5,7 +5,7 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { passwordRules, passwordTrouble } from "../../format/password-rules.js";
+import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import type { Advice } from "../../format/error-advice.js";
 import type { RoleRow } from "../../wire/admin-types.js";
 import "../../elements/forms/button.js";
@@ -107,7 +107,7 @@ export class PersonForm extends LitElement {
     event.preventDefault();
     if (this.busy) return;
     const name = this.typed.name.trim();
-    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordTrouble(this.rules()) };
+    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordProblem(this.rules()) };
     if (this.errors.name !== "" || this.errors.password !== "") return;
     const detail: NewPerson = { name, password: this.typed.password, role: this.roleBox.value };
     this.dispatchEvent(new CustomEvent("t-add", { detail }));

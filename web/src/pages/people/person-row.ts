@@ -7,7 +7,7 @@ import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { passwordRules, passwordTrouble } from "../../format/password-rules.js";
+import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import { apiContext } from "../../state/contexts.js";
 import type { PersonRow, RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -20,14 +20,14 @@ import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
 /** What is asked about before it is done. */
-type Question = "" | "remove" | "factor" | "disable";
+type PersonQuestion = "" | "remove" | "factor" | "disable";
 
 /**
  * @fires t-toggle it is to be unfolded or folded
  * @fires t-changed something was done: the list is old
  */
 @customElement("t-person-row")
-export class PersonLine extends LitElement {
+export class PersonSection extends LitElement {
   static override styles = [
     base,
     sheets,
@@ -87,7 +87,7 @@ export class PersonLine extends LitElement {
   /** It is the admin who looks at it. */
   @property({ type: Boolean }) self = false;
   @property({ type: Boolean }) open = false;
-  @state() private question: Question = "";
+  @state() private question: PersonQuestion = "";
   @state() private trouble = "";
   @query("#role") private readonly roleBox!: HTMLSelectElement;
   @query("#password") private readonly password!: HTMLInputElement;
@@ -169,7 +169,7 @@ export class PersonLine extends LitElement {
     >`;
   }
 
-  private questionOpener(question: Question): () => void {
+  private questionOpener(question: PersonQuestion): () => void {
     return () => {
       this.action.clear();
       this.question = question;
@@ -228,10 +228,10 @@ export class PersonLine extends LitElement {
     const { row } = this;
     if (row === null) return;
     const password = this.password.value;
-    this.trouble = passwordTrouble(passwordRules(password, row.name, password));
+    this.trouble = passwordProblem(passwordRules(password, row.name, password));
     if (this.trouble !== "") return;
-    const change = (): Promise<unknown> => new AdminApi(this.api).changePerson(row.id, { password });
-    void this.runAction("set the password", change, "The password is set.", "password").then((done) => {
+    const sendPassword = (): Promise<unknown> => new AdminApi(this.api).changePerson(row.id, { password });
+    void this.runAction("set the password", sendPassword, "The password is set.", "password").then((done) => {
       if (done) this.password.value = "";
     });
   };
@@ -244,7 +244,7 @@ export class PersonLine extends LitElement {
   }
 }
 
-const WORDS: Readonly<Record<Question, { heading: string; what: string; action: string }>> = {
+const WORDS: Readonly<Record<PersonQuestion, { heading: string; what: string; action: string }>> = {
   "": { heading: "", what: "", action: "" },
   remove: {
     heading: "Remove {}?",
@@ -265,6 +265,6 @@ const WORDS: Readonly<Record<Question, { heading: string; what: string; action: 
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-person-row": PersonLine;
+    "t-person-row": PersonSection;
   }
 }

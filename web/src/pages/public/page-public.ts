@@ -3,9 +3,9 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
@@ -61,8 +61,8 @@ export class PagePublic extends LitElement {
     `,
   ];
 
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly link = new LinkController(this);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly link = new ConnectionStateController(this);
   private readonly details = new LoadController<readonly SiteDetail[]>(this);
 
   override willUpdate(): void {
@@ -131,7 +131,7 @@ export class PagePublic extends LitElement {
         ${repeat(
           devices,
           ({ device }) => device.id,
-          (one) => this.renderDeviceView(detail.site, one, online),
+          (device) => this.renderDeviceView(detail.site, device, online),
         )}
       </div>
     </section>`;

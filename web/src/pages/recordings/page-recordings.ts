@@ -9,8 +9,8 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
@@ -88,8 +88,8 @@ export class PageRecordings extends LitElement {
   @state() private removing: RecordingRow | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly router = new StoreController(this, routerContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly router = new ContextStoreController(this, routerContext);
   /** The moment that the address named last, and whose recording was shown. */
   private shownFor = "";
   private readonly known = new LoadController<RecordingList>(this);
@@ -98,12 +98,12 @@ export class PageRecordings extends LitElement {
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override willUpdate(): void {
     const turn = Math.floor(Date.now() / (AGAIN_S * 1000));
-    this.known.load(`${this.site} ${String(turn)}`, () => new RecordingsApi(this.api).list(this.site));
+    this.known.load(`${this.site} ${String(turn)}`, () => new RecordingsApi(this.api).listRecordings(this.site));
   }
 
   /** Brings the recording into view that holds the moment which the address names. */
@@ -286,7 +286,7 @@ export class PageRecordings extends LitElement {
     event.preventDefault();
     const api = new RecordingsApi(this.api);
     void this.action
-      .run("begin the recording", () => api.record(this.site, true, this.why), "", "begin")
+      .run("begin the recording", () => api.setRecording(this.site, true, this.why), "", "begin")
       .then((done) => {
         if (done) this.why = "";
         this.known.invalidate();
@@ -295,7 +295,7 @@ export class PageRecordings extends LitElement {
 
   private readonly stopRecording = (): void => {
     const api = new RecordingsApi(this.api);
-    void this.action.run("end the recording", () => api.record(this.site, false, ""), "", "end").then(() => {
+    void this.action.run("end the recording", () => api.setRecording(this.site, false, ""), "", "end").then(() => {
       this.known.invalidate();
     });
   };
@@ -311,7 +311,7 @@ export class PageRecordings extends LitElement {
     const row = this.removing;
     if (row === null) return;
     const api = new RecordingsApi(this.api);
-    void this.action.run("delete the recording", () => api.remove(this.site, row.id)).then((done) => {
+    void this.action.run("delete the recording", () => api.removeRecording(this.site, row.id)).then((done) => {
       if (done) this.removing = null;
       this.known.invalidate();
     });

@@ -14,7 +14,7 @@ import type { RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { changesOf, draftsOf, edited, isChanged, linesOf, redrafted, type Change, type Draft, type Line } from "./permission-matrix.js";
+import { changesOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import type { CellEdit } from "./role-matrix.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
@@ -23,7 +23,7 @@ import "../admin-tabs.js";
 import "./role-dialog.js";
 import "./role-matrix.js";
 
-interface Given {
+interface LoadedRoles {
   readonly roles: readonly RoleRow[];
   readonly devices: readonly DeviceRow[];
 }
@@ -65,15 +65,15 @@ export class PageRoles extends LitElement {
     `,
   ];
 
-  @state() private drafts: readonly Draft[] = [];
+  @state() private drafts: readonly RoleDraft[] = [];
   /** The role in the dialog; null for none, a new one without id. */
   @state() private dialog: RoleRow | "new" | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly given = new LoadController<Given>(this);
+  private readonly given = new LoadController<LoadedRoles>(this);
   private readonly action = new ActionController(this);
-  private lines: readonly Line[] = [];
-  private drawn: Given | undefined;
+  private lines: readonly MatrixLine[] = [];
+  private drawn: LoadedRoles | undefined;
 
   override willUpdate(): void {
     this.given.load("roles", async () => {
@@ -83,8 +83,8 @@ export class PageRoles extends LitElement {
     const { result } = this.given;
     if (result.state !== "ready" || result.value === this.drawn) return;
     this.drawn = result.value;
-    this.lines = linesOf(result.value.devices, result.value.roles);
-    this.drafts = redrafted(this.drafts, result.value.roles);
+    this.lines = matrixLines(result.value.devices, result.value.roles);
+    this.drafts = updatedDrafts(this.drafts, result.value.roles);
   }
 
   override render(): TemplateResult {
@@ -137,12 +137,12 @@ export class PageRoles extends LitElement {
       </p>`;
   }
 
-  private renderBar(changes: readonly Change[]): TemplateResult {
+  private renderBar(changes: readonly RoleChange[]): TemplateResult {
     const { problem } = this.action;
     const roles = this.drafts.filter(isChanged).length;
     return html`<section class="bar" aria-label="Unsaved changes">
       <div class="head">
-        <h2>${count(changes.length, "change")} in ${count(roles, "role")}, not saved yet</h2>
+        <h2>${countText(changes.length, "change")} in ${countText(roles, "role")}, not saved yet</h2>
         <div class="actions">
           <t-button ?disabled=${this.action.busy} @click=${this.discardChanges}>Undo all</t-button>
           <t-button kind="primary" ?busy=${this.action.busy} @click=${this.saveChanges}>Save</t-button>
@@ -162,7 +162,7 @@ export class PageRoles extends LitElement {
   private readonly onCellEdit = (event: CustomEvent<CellEdit>): void => {
     const { role, line, level } = event.detail;
     this.action.clear();
-    this.drafts = edited(this.drafts, role, line, level);
+    this.drafts = withLevelEdited(this.drafts, role, line, level);
   };
 
   private readonly discardChanges = (): void => {
@@ -210,7 +210,7 @@ export class PageRoles extends LitElement {
   };
 }
 
-function count(number: number, noun: string): string {
+function countText(number: number, noun: string): string {
   return `${String(number)} ${noun}${number === 1 ? "" : "s"}`;
 }
 

@@ -9,13 +9,13 @@ import {
   placeKey,
   samePermissions,
   withLevel,
-  type Level,
-  type Place,
+  type AccessLevel,
+  type AccessPlace,
 } from "../../state/rights.js";
 import type { RoleRow } from "../../wire/admin-types.js";
 import type { DeviceRow, Permission } from "../../wire/api-types.js";
 
-export interface Line extends Place {
+export interface MatrixLine extends AccessPlace {
   readonly name: string;
   /** 0: the hub, 1: a site, 2: a device. */
   readonly depth: 0 | 1 | 2;
@@ -23,27 +23,27 @@ export interface Line extends Place {
   readonly open: boolean;
 }
 
-export interface Cell {
+export interface MatrixCell {
   /** What was given for this very place. */
-  readonly own: Level;
+  readonly own: AccessLevel;
   /** What wider places give. */
-  readonly inherited: Level;
+  readonly inherited: AccessLevel;
   /** What holds. */
-  readonly level: Level;
+  readonly level: AccessLevel;
 }
 
 /** A role as it is being edited. */
-export interface Draft {
+export interface RoleDraft {
   readonly role: RoleRow;
   readonly permissions: readonly Permission[];
 }
 
 /** One cell that was changed, in words. */
-export interface Change {
+export interface RoleChange {
   readonly role: string;
   readonly place: string;
-  readonly before: Level;
-  readonly after: Level;
+  readonly before: AccessLevel;
+  readonly after: AccessLevel;
 }
 
 /** The role that can do everything, always: nobody can lock everyone out. */
@@ -52,24 +52,24 @@ export function isFixed(role: RoleRow): boolean {
 }
 
 /** Every place: the hub, its sites and devices, and what else a role names (a site that never came). */
-export function linesOf(devices: readonly DeviceRow[], roles: readonly RoleRow[]): readonly Line[] {
-  const lines: Line[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, open: false }];
+export function matrixLines(devices: readonly DeviceRow[], roles: readonly RoleRow[]): readonly MatrixLine[] {
+  const lines: MatrixLine[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, open: false }];
   const given = roles.flatMap(({ permissions }) => permissions);
   const named = given.map(({ site }) => site).filter((site) => site !== ANY);
   const names = new Map(devices.map((row) => [row.site, row.site_name]));
   for (const site of new Set([...names.keys(), ...named])) {
     const here = devices.filter((row) => row.site === site);
     lines.push({ site, device: ANY, name: names.get(site) ?? site, depth: 1, open: here.some((row) => row.public) });
-    const others = given.filter((one) => one.site === site && one.device !== ANY).map(({ device }) => device);
+    const others = given.filter((permission) => permission.site === site && permission.device !== ANY).map(({ device }) => device);
     for (const device of new Set([...here.map((row) => row.device), ...others])) {
-      const row = here.find((one) => one.device === device);
+      const row = here.find((row) => row.device === device);
       lines.push({ site, device, name: row?.name ?? device, depth: 2, open: row?.public ?? false });
     }
   }
   return lines;
 }
 
-export function cellOf(permissions: readonly Permission[], place: Place): Cell {
+export function cellOf(permissions: readonly Permission[], place: AccessPlace): MatrixCell {
   return {
     own: ownLevel(permissions, place),
     inherited: inheritedLevel(permissions, place),
@@ -77,12 +77,12 @@ export function cellOf(permissions: readonly Permission[], place: Place): Cell {
   };
 }
 
-export function draftsOf(roles: readonly RoleRow[]): readonly Draft[] {
+export function draftsOf(roles: readonly RoleRow[]): readonly RoleDraft[] {
   return roles.map((role) => ({ role, permissions: role.permissions }));
 }
 
 /** Takes in what the hub says now, and keeps what is not saved yet. */
-export function redrafted(drafts: readonly Draft[], roles: readonly RoleRow[]): readonly Draft[] {
+export function updatedDrafts(drafts: readonly RoleDraft[], roles: readonly RoleRow[]): readonly RoleDraft[] {
   return roles.map((role) => {
     const held = drafts.find((draft) => draft.role.id === role.id && isChanged(draft));
     return { role, permissions: held?.permissions ?? role.permissions };
@@ -90,7 +90,7 @@ export function redrafted(drafts: readonly Draft[], roles: readonly RoleRow[]): 
 }
 
 /** Choosing what a wider place gives already gives nothing of its own. */
-export function edited(drafts: readonly Draft[], role: string, place: Place, level: Level): readonly Draft[] {
+export function withLevelEdited(drafts: readonly RoleDraft[], role: string, place: AccessPlace, level: AccessLevel): readonly RoleDraft[] {
   return drafts.map((draft) => {
     if (draft.role.id !== role || isFixed(draft.role)) return draft;
     const own = level === inheritedLevel(draft.permissions, place) ? "none" : level;
@@ -98,12 +98,12 @@ export function edited(drafts: readonly Draft[], role: string, place: Place, lev
   });
 }
 
-export function isChanged(draft: Draft): boolean {
+export function isChanged(draft: RoleDraft): boolean {
   return !samePermissions(draft.permissions, draft.role.permissions);
 }
 
 /** Every place whose own level was changed, in the order of the matrix. */
-export function changesOf(drafts: readonly Draft[], lines: readonly Line[]): readonly Change[] {
+export function changesOf(drafts: readonly RoleDraft[], lines: readonly MatrixLine[]): readonly RoleChange[] {
   return drafts.flatMap(({ role, permissions }) =>
     lines
       .filter((line) => ownLevel(permissions, line) !== ownLevel(role.permissions, line))
@@ -116,12 +116,12 @@ export function changesOf(drafts: readonly Draft[], lines: readonly Line[]): rea
   );
 }
 
-function placeName(line: Line, lines: readonly Line[]): string {
+function placeName(line: MatrixLine, lines: readonly MatrixLine[]): string {
   if (line.depth !== 2) return line.name;
-  const site = lines.find((one) => one.depth === 1 && one.site === line.site);
+  const site = lines.find((candidate) => candidate.depth === 1 && candidate.site === line.site);
   return `${site?.name ?? line.site}, ${line.name}`;
 }
 
-export function lineKey(line: Line): string {
+export function lineKey(line: MatrixLine): string {
   return placeKey(line);
 }

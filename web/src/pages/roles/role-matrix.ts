@@ -5,16 +5,16 @@ import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
-import { LEVELS, rank, type Level } from "../../state/rights.js";
-import { cellOf, isFixed, lineKey, type Draft, type Line } from "./permission-matrix.js";
+import { LEVELS, levelRank, type AccessLevel } from "../../state/rights.js";
+import { cellOf, isFixed, lineKey, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import { matrixStyle } from "./role-matrix-style.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 
 export interface CellEdit {
   readonly role: string;
-  readonly line: Line;
-  readonly level: Level;
+  readonly line: MatrixLine;
+  readonly level: AccessLevel;
 }
 
 /**
@@ -25,8 +25,8 @@ export interface CellEdit {
 export class RoleMatrix extends LitElement {
   static override styles = [base, matrixStyle];
 
-  @property({ attribute: false }) lines: readonly Line[] = [];
-  @property({ attribute: false }) drafts: readonly Draft[] = [];
+  @property({ attribute: false }) lines: readonly MatrixLine[] = [];
+  @property({ attribute: false }) drafts: readonly RoleDraft[] = [];
   @property({ type: Boolean }) busy = false;
   /** The role that a narrow page shows. */
   @state() private chosen = "";
@@ -60,7 +60,7 @@ export class RoleMatrix extends LitElement {
       </div>`;
   }
 
-  private renderHead({ role }: Draft, shown: boolean): TemplateResult {
+  private renderHead({ role }: RoleDraft, shown: boolean): TemplateResult {
     const people = role.people === 1 ? "1 person" : `${String(role.people)} people`;
     const edit = (): void => {
       this.dispatchEvent(new CustomEvent("t-role", { detail: role.id }));
@@ -74,7 +74,7 @@ export class RoleMatrix extends LitElement {
     </th>`;
   }
 
-  private renderLine(line: Line, shown: Draft | undefined): TemplateResult {
+  private renderLine(line: MatrixLine, shown: RoleDraft | undefined): TemplateResult {
     return html`<tr class=${`d${String(line.depth)}`}>
       <th scope="row">
         <span class="place">${line.name}</span>
@@ -88,7 +88,7 @@ export class RoleMatrix extends LitElement {
     </tr>`;
   }
 
-  private renderCell({ role, permissions }: Draft, line: Line): TemplateResult {
+  private renderCell({ role, permissions }: RoleDraft, line: MatrixLine): TemplateResult {
     const { level, own, inherited } = cellOf(permissions, line);
     const before = cellOf(role.permissions, line);
     const changed = own !== before.own;
@@ -97,11 +97,11 @@ export class RoleMatrix extends LitElement {
       return html`<span class=${classes} title="This role can do everything, always.">${level}</span>`;
     }
     // What a wider place gives cannot be taken away below it.
-    const choices = LEVELS.filter((one) => rank(one) >= rank(inherited));
+    const choices = LEVELS.filter((level) => levelRank(level) >= levelRank(inherited));
     const edit = (event: Event): void => {
       const select = event.target;
       if (!(select instanceof HTMLSelectElement)) return;
-      const chosen = LEVELS.find((one) => one === select.value) ?? "none";
+      const chosen = LEVELS.find((level) => level === select.value) ?? "none";
       this.dispatchEvent(
         new CustomEvent<CellEdit>("t-edit", { detail: { role: role.id, line, level: chosen } }),
       );
@@ -115,7 +115,7 @@ export class RoleMatrix extends LitElement {
     >
       ${map(
         choices,
-        (one) => html`<option value=${one} .selected=${one === level}>${one === "none" ? "–" : one}</option>`,
+        (candidate) => html`<option value=${candidate} .selected=${candidate === level}>${candidate === "none" ? "–" : candidate}</option>`,
       )}
     </select>`;
   }

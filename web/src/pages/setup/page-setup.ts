@@ -5,7 +5,7 @@ import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
-import { passwordRules, passwordTrouble } from "../../format/password-rules.js";
+import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
 import type { Router } from "../../state/router.js";
@@ -104,7 +104,7 @@ export class PageSetup extends LitElement {
     event.preventDefault();
     if (this.busy) return;
     const name = this.name.trim();
-    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordTrouble(this.rules()) };
+    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordProblem(this.rules()) };
     if (Object.values(this.errors).every((error) => error === "")) void this.createAdmin(name, this.password);
   };
 
@@ -112,7 +112,7 @@ export class PageSetup extends LitElement {
     this.busy = true;
     this.advice = null;
     try {
-      await this.api.setup(this.token(), name, password);
+      await this.api.setUpAdmin(this.token(), name, password);
       await this.session.refresh();
       // The hub signs in whom it has just made; if it did not, the person does so by hand.
       if (this.session.state === "known") this.router.replace("/home");

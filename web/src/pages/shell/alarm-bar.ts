@@ -2,8 +2,8 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { alarmsContext, alarmSoundContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
@@ -86,16 +86,16 @@ export class AlarmBar extends LitElement {
   ];
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly alarms = new StoreController(this, alarmsContext);
-  private readonly session = new StoreController(this, sessionContext);
-  private readonly sound = new StoreController(this, alarmSoundContext);
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly alarms = new ContextStoreController(this, alarmsContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly sound = new ContextStoreController(this, alarmSoundContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly action = new ActionController(this);
 
   constructor() {
     super();
     // A shelf's end comes by itself.
-    new TickController(this, 1000);
+    new TickerController(this, 1000);
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -125,13 +125,13 @@ export class AlarmBar extends LitElement {
     </div>`;
   }
 
-  private renderMessage(one: AlarmNews): TemplateResult {
-    const row = this.sites.store?.siteRow(one.site);
+  private renderMessage(alarm: AlarmNews): TemplateResult {
+    const row = this.sites.store?.siteRow(alarm.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
-    return html`<a class="which" href=${alarmPath(one)}>${many ? `${row?.name ?? one.site}: ` : ""}${one.name}</a> – ${one.why}
+    return html`<a class="which" href=${alarmPath(alarm)}>${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</a> – ${alarm.why}
       <span class="more"
-        >${one.phase === "cleared" ? "over, not acknowledged; " : ""}since
-        <t-time .us=${one.raised_us} .zone=${row?.zone ?? "UTC"} short></t-time
+        >${alarm.phase === "cleared" ? "over, not acknowledged; " : ""}since
+        <t-time .us=${alarm.raised_us} .zone=${row?.zone ?? "UTC"} short></t-time
       ></span>`;
   }
 

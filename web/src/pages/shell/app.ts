@@ -23,13 +23,13 @@ import { Alarms } from "../../state/alarms.js";
 import { DeviceHolders } from "../../state/device-holders.js";
 import { Interlocks } from "../../state/interlocks.js";
 import { LiveValues } from "../../state/live-values.js";
-import { Reach } from "../../state/device-reachability.js";
-import { RobotNews } from "../../state/robot-state.js";
+import { DeviceReachability } from "../../state/device-reachability.js";
+import { RobotState } from "../../state/robot-state.js";
 import { Router } from "../../state/router.js";
 import { Session } from "../../state/session.js";
 import { Sites } from "../../state/sites.js";
 import { ThemeChoice } from "../../state/theme.js";
-import { Touched } from "../../state/user-activity.js";
+import { UserActivity } from "../../state/user-activity.js";
 import { Connection } from "../../wire/connection.js";
 import { HubApi, Unreachable } from "../../wire/hub-api.js";
 import { socketUrl } from "../../wire/media-socket.js";
@@ -45,22 +45,22 @@ export class App extends LitElement {
   @state() private unreachable = false;
 
   private readonly api = new HubApi();
-  private readonly touched = new Touched(window);
+  private readonly touched = new UserActivity(window);
   private readonly connection = new Connection({
     url: socketUrl("/ws", location),
     touched: () => this.touched.consumeTouch(),
   });
   private readonly alarms = new Alarms(this.connection);
-  private readonly alarmSound = new AlarmSound(storage());
+  private readonly alarmSound = new AlarmSound(browserStorage());
   private readonly deviceHolders = new DeviceHolders(this.connection);
   private readonly interlocks = new Interlocks(this.connection);
   private readonly live = new LiveValues(this.connection);
-  private readonly reach = new Reach(this.connection);
-  private readonly robotNews = new RobotNews(this.connection);
+  private readonly reach = new DeviceReachability(this.connection);
+  private readonly robotNews = new RobotState(this.connection);
   private readonly router = new Router(window);
-  private readonly session = new Session(this.api, storage());
+  private readonly session = new Session(this.api, browserStorage());
   private readonly sites = new Sites(this.api);
-  private readonly theme = new ThemeChoice(document.documentElement, storage());
+  private readonly theme = new ThemeChoice(document.documentElement, browserStorage());
   private stops: (() => void)[] = [];
   private rights = "";
   private resumedAt = Number.NEGATIVE_INFINITY;
@@ -202,7 +202,7 @@ export class App extends LitElement {
 }
 
 /** A browser that forbids storage throws at the mere mention of it. */
-function storage(): Storage | null {
+function browserStorage(): Storage | null {
   try {
     return window.localStorage;
   } catch {

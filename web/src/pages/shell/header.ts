@@ -5,9 +5,9 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/connection-state.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
@@ -188,14 +188,14 @@ export class Header extends LitElement {
 
   @query("t-menu") private readonly menu!: Menu;
   @consume({ context: routerContext }) private readonly router!: Router;
-  private readonly link = new LinkController(this);
-  private readonly session = new StoreController(this, sessionContext);
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly theme = new StoreController(this, themeContext);
+  private readonly link = new ConnectionStateController(this);
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly theme = new ContextStoreController(this, themeContext);
 
   constructor() {
     super();
-    new TickController(this, 2000);
+    new TickerController(this, 2000);
   }
 
   override render(): TemplateResult {
@@ -287,7 +287,7 @@ export class Header extends LitElement {
   };
 
   private readonly chooseTheme = (event: CustomEvent<string>): void => {
-    const theme = THEMES.find((one) => one === event.detail);
+    const theme = THEMES.find((candidate) => candidate === event.detail);
     if (theme !== undefined) this.theme.store?.setTheme(theme);
   };
 

@@ -8,9 +8,9 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/connection-state.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
@@ -90,9 +90,9 @@ export class InterlockBar extends LitElement {
   @query("input[name=reason]") private readonly reason!: HTMLInputElement | null;
   @query("input[name=minutes]") private readonly minutes!: HTMLInputElement | null;
 
-  private readonly interlocks = new StoreController(this, interlocksContext);
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly link = new LinkController(this, (connection) => [
+  private readonly interlocks = new ContextStoreController(this, interlocksContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly link = new ConnectionStateController(this, (connection) => [
     connection.onMessage("problem", (news) => {
       if (news.about === "override") this.problem = news.message;
     }),
@@ -100,7 +100,7 @@ export class InterlockBar extends LitElement {
 
   constructor() {
     super();
-    new TickController(this, 1000);
+    new TickerController(this, 1000);
   }
 
   override willUpdate(): void {
@@ -115,7 +115,7 @@ export class InterlockBar extends LitElement {
     return html`
       ${this.renderStrip(list, unfolded)}
       <div class="all" id="all" ?hidden=${!unfolded}>
-        ${repeat(list, ({ news }) => `${news.site} ${news.interlock}`, (one) => this.renderLine(one))}
+        ${repeat(list, ({ news }) => `${news.site} ${news.interlock}`, (interlock) => this.renderLine(interlock))}
       </div>
       ${this.renderDialog()}
     `;
@@ -154,26 +154,26 @@ export class InterlockBar extends LitElement {
     this.unfolded = !this.unfolded;
   };
 
-  private renderLine(one: Interlock): TemplateResult {
-    const { news } = one;
+  private renderLine(interlock: Interlock): TemplateResult {
+    const { news } = interlock;
     const store = this.interlocks.store;
     const row = this.sites.store?.siteRow(news.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
-    const override = (): void => {
+    const askOverride = (): void => {
       this.problem = "";
       this.chosen = news;
     };
-    const end = (): void => {
+    const endOverride = (): void => {
       this.sendOverride(news, 0, "");
     };
     return html`<t-interlock
       .news=${news}
       .site=${many ? (row?.name ?? news.site) : ""}
       .zone=${row?.zone ?? "UTC"}
-      .clears=${store?.remainingMs(one, news.clears_ms) ?? 0}
-      .override_=${store?.remainingMs(one, news.override_ms) ?? 0}
-      @t-override=${override}
-      @t-end-override=${end}
+      .clears=${store?.remainingMs(interlock, news.clears_ms) ?? 0}
+      .override_=${store?.remainingMs(interlock, news.override_ms) ?? 0}
+      @t-override=${askOverride}
+      @t-end-override=${endOverride}
     ></t-interlock>`;
   }
 

@@ -11,13 +11,13 @@ import type { Person } from "../../wire/api-types.js";
 import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/base/icon.js";
 
-interface Place {
+interface NavigationPlace {
   readonly page: "home" | "public" | "devices" | "live" | "history" | "alarms" | "drive" | "archive" | "people";
   readonly icon: IconName;
   readonly title?: string;
 }
 
-const PLACES: readonly Place[] = [
+const PLACES: readonly NavigationPlace[] = [
   { page: "home", icon: "home" },
   { page: "public", icon: "open" },
   { page: "devices", icon: "devices" },
@@ -30,7 +30,7 @@ const PLACES: readonly Place[] = [
 ];
 
 @customElement("t-nav")
-export class Nav extends LitElement {
+export class Navigation extends LitElement {
   static override styles = [
     base,
     css`
@@ -144,7 +144,7 @@ export class Nav extends LitElement {
     </nav>`;
   }
 
-  private visiblePlaces(): readonly Place[] {
+  private visiblePlaces(): readonly NavigationPlace[] {
     const { person } = this;
     if (person === null) return [];
     // One beginning for each: the sites for who may see them, all public data for who sees no more.
@@ -154,7 +154,7 @@ export class Nav extends LitElement {
     );
   }
 
-  private isCurrent(page: Place["page"]): boolean {
+  private isCurrent(page: NavigationPlace["page"]): boolean {
     if (page === "people") return ADMIN_PAGES.includes(this.page);
     return (
       page === this.page ||
@@ -165,7 +165,7 @@ export class Nav extends LitElement {
   }
 
   /** Null when there is no site to go to. */
-  private pathOf(page: Place["page"]): string | null {
+  private pathOf(page: NavigationPlace["page"]): string | null {
     switch (page) {
       case "people":
         return "/admin/people";
@@ -185,6 +185,6 @@ export class Nav extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-nav": Nav;
+    "t-nav": Navigation;
   }
 }

@@ -3,13 +3,13 @@
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { ContextConsumer } from "@lit/context";
-import { LinkController } from "../../controllers/connection-state.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatDuration } from "../../format/duration.js";
 import { robotNewsContext, sessionContext } from "../../state/contexts.js";
-import { isNear, timeLeft, type TimeLeft } from "../../state/session-time-left.js";
+import { isNear, sessionTimeLeft, type SessionTimeLeft } from "../../state/session-time-left.js";
 import "../../elements/feedback/banner.js";
 import "../../elements/forms/button.js";
 
@@ -17,19 +17,19 @@ import "../../elements/forms/button.js";
 const ASK_EVERY_MS = 30_000;
 
 @customElement("t-session-end")
-export class SessionEnd extends LitElement {
+export class SessionWarning extends LitElement {
   static override styles = [base];
 
   @state() private failed = false;
   private askedAt = 0;
   private hubAheadUs = 0;
-  private readonly session = new StoreController(this, sessionContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
   private readonly news = new ContextConsumer(this, { context: robotNewsContext });
 
   constructor() {
     super();
-    new TickController(this);
-    new LinkController(this, (connection) => [
+    new TickerController(this);
+    new ConnectionStateController(this, (connection) => [
       connection.onMessage("greeting", ({ time_us }) => {
         this.hubAheadUs = time_us - Date.now() * 1000;
       }),
@@ -45,11 +45,11 @@ export class SessionEnd extends LitElement {
   override render(): TemplateResult | typeof nothing {
     const person = this.session.store?.person ?? null;
     if (person === null || this.news.value?.holdsAny() !== true) return nothing;
-    const left = timeLeft(person, Date.now() * 1000 + this.hubAheadUs);
+    const left = sessionTimeLeft(person, Date.now() * 1000 + this.hubAheadUs);
     return isNear(left) ? this.renderWarning(left) : nothing;
   }
 
-  private renderWarning(left: TimeLeft): TemplateResult {
+  private renderWarning(left: SessionTimeLeft): TemplateResult {
     const time = formatDuration(left.seconds);
     if (left.kind === "whole") {
       return html`<t-banner kind="warn"
@@ -81,6 +81,6 @@ export class SessionEnd extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-session-end": SessionEnd;
+    "t-session-end": SessionWarning;
   }
 }

@@ -4,9 +4,9 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { ADMIN_PAGES, localPath } from "../../state/router.js";
@@ -105,10 +105,10 @@ export class Shell extends LitElement {
   private shown = "";
   private shownPath = "";
   private lastSite = "";
-  private readonly router = new StoreController(this, routerContext);
-  private readonly session = new StoreController(this, sessionContext);
-  private readonly sites = new StoreController(this, sitesContext);
-  private readonly link = new LinkController(this);
+  private readonly router = new ContextStoreController(this, routerContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
+  private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly nights = new LoadController<NightList>(this);
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
@@ -150,7 +150,7 @@ export class Shell extends LitElement {
     return this.lastSite || (this.sites.store?.list[0]?.site ?? "");
   }
 
-  private actuable(): boolean {
+  private hasActuators(): boolean {
     const devices = this.detail.value?.devices ?? [];
     return devices.some(({ drive, commands }) => drive !== null || commands.length > 0);
   }
@@ -160,7 +160,7 @@ export class Shell extends LitElement {
     const inside = person !== null;
     const page = this.router.store?.route.page ?? "home";
     const site = this.siteNow();
-    const actuable = this.actuable();
+    const actuable = this.hasActuators();
     const archived = this.hasArchive();
     return html`
       <a class="skip" href="#main" @click=${this.focusContent}>Skip to the page</a>
@@ -213,7 +213,7 @@ export class Shell extends LitElement {
         >No connection to the hub. What you see is old; it is tried again by itself.</t-banner
       >`;
     }
-    const rivals = this.sites.store?.list.filter((each) => each.rival_us > 0) ?? [];
+    const rivals = this.sites.store?.list.filter((row) => row.rival_us > 0) ?? [];
     return html`${repeat(rivals, ({ site }) => site, renderRivalry)} ${this.renderUnreachable()}`;
   }
 

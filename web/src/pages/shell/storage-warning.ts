@@ -3,7 +3,7 @@
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import type { Outlook } from "../../wire/admin-types.js";
@@ -23,8 +23,8 @@ export class StorageWarning extends LitElement {
   private asked = false;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly session = new StoreController(this, sessionContext);
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
 
   override connectedCallback(): void {
     super.connectedCallback();
@@ -58,7 +58,7 @@ export class StorageWarning extends LitElement {
   private async loadForecast(): Promise<void> {
     if (!this.isAdmin()) return;
     try {
-      this.outlook = await new AdminApi(this.api).outlook();
+      this.outlook = await new AdminApi(this.api).storageForecast();
     } catch {
       // Nothing is said of what is not known; that the hub cannot be reached is told elsewhere.
       this.outlook = null;

@@ -4,17 +4,17 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { EndlessList } from "../../controllers/infinite-list.js";
+import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { settled } from "../../elements/base/stable-field.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
-import { typedText } from "../../format/form-values.js";
+import { formText } from "../../format/form-values.js";
 import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
@@ -22,9 +22,9 @@ import type { SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
 import { sightingPicturePath, SightingsApi, type SeenLabel, type Sighting } from "../../wire/sightings-api.js";
-import { renderListed } from "../infinite-list-view.js";
+import { renderInfiniteList } from "../infinite-list-view.js";
 import { recordingAt } from "../logbook/logbook-query.js";
-import { historyQuery, NO_FILTER, pageQuery, readFilter, told, writeFilter, type SightingFilter } from "./sightings-query.js";
+import { historyQuery, NO_FILTER, sightingsPageQuery, readSightingFilter, withUpdate, writeSightingFilter, type SightingFilter } from "./sightings-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
@@ -59,15 +59,15 @@ export class PageSightings extends LitElement {
   @property() site = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly router = new StoreController(this, routerContext);
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly router = new ContextStoreController(this, routerContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly labels = new LoadController<readonly SeenLabel[]>(this);
   private readonly recordings = new LoadController<readonly RecordingRow[]>(this);
-  private readonly list = new EndlessList<Sighting>(
+  private readonly list = new InfiniteList<Sighting>(
     this,
     async (before) => {
-      const { sightings, more } = await this.sightingsApi().findSightings(pageQuery(this.filter(), this.knownLabels(), before, ROWS));
+      const { sightings, more } = await this.sightingsApi().findSightings(sightingsPageQuery(this.filter(), this.knownLabels(), before, ROWS));
       return { rows: sightings, more };
     },
     (row) => !this.filter().open || row.ended_us === null,
@@ -76,17 +76,17 @@ export class PageSightings extends LitElement {
     this,
     (said) => this.readFilter(said),
     (filter) => {
-      this.router.store?.replace(withQuery(sitePath(this.site, "sightings"), writeFilter(filter)));
+      this.router.store?.replace(withQuery(sitePath(this.site, "sightings"), writeSightingFilter(filter)));
     },
     NO_FILTER,
   );
 
   constructor() {
     super();
-    new LinkController(this, (connection) => [
+    new ConnectionStateController(this, (connection) => [
       connection.onMessage("sighting", (news) => {
         if (news.site !== this.site) return;
-        this.list.updateRows((rows) => told(rows, news) ?? rows);
+        this.list.updateRows((rows) => withUpdate(rows, news) ?? rows);
         // Whether there is a picture, and whether it fits the filter, only the hub knows.
         this.list.scheduleRefresh();
       }),
@@ -99,11 +99,11 @@ export class PageSightings extends LitElement {
     this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
     this.labels.load(this.site, () => this.sightingsApi().labels());
     // Who may not see them has no links to them, and that is all.
-    this.recordings.load(this.site, async () => (await new RecordingsApi(this.api).list(this.site)).recordings);
+    this.recordings.load(this.site, async () => (await new RecordingsApi(this.api).listRecordings(this.site)).recordings);
     const filter = this.filter();
     // What was typed means a class only once the classes are known.
     if (filter.what !== "" && this.labels.value === undefined && this.labels.result.state !== "failed") return;
-    this.list.load(`${this.site}\n${writeFilter(filter)}`);
+    this.list.load(`${this.site}\n${writeSightingFilter(filter)}`);
   }
 
   override render(): TemplateResult {
@@ -118,7 +118,7 @@ export class PageSightings extends LitElement {
         </div>
       </div>
       ${this.renderSearch(this.filter())}
-      ${renderListed(this.list, {
+      ${renderInfiniteList(this.list, {
         label: "Sightings",
         what: "the sightings",
         row: (row) => this.renderRow(row),
@@ -144,13 +144,13 @@ export class PageSightings extends LitElement {
         <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="datetime-local" step="1" .value=${settled(shown(filter.fromUs))} /></t-field>
         <t-field class="time" label=${`To (${clock.zone})`}><input name="to" type="datetime-local" step="1" .value=${settled(shown(filter.toUs))} /></t-field>
         <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is in sight now</label>
-        <t-button kind="quiet" ?disabled=${writeFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
+        <t-button kind="quiet" ?disabled=${writeSightingFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </form>
     </section>`;
   }
 
   private renderEmpty(): TemplateResult {
-    const all = writeFilter(this.filter()) === "";
+    const all = writeSightingFilter(this.filter()) === "";
     const looking = this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
     if (!all) {
       return html`<t-empty heading="Nothing fits" icon="camera">
@@ -209,7 +209,7 @@ export class PageSightings extends LitElement {
   }
 
   private filter(): SightingFilter {
-    return readFilter(this.router.store?.search ?? "");
+    return readSightingFilter(this.router.store?.search ?? "");
   }
 
   private sightingsApi(): SightingsApi {
@@ -218,10 +218,10 @@ export class PageSightings extends LitElement {
 
   private readFilter(said: FormData): SightingFilter {
     const time = (name: string): number | null => {
-      const us = this.clock().fromInput(typedText(said, name));
+      const us = this.clock().fromInput(formText(said, name));
       return Number.isNaN(us) ? null : us;
     };
-    return { what: typedText(said, "what"), camera: typedText(said, "camera"), fromUs: time("from"), toUs: time("to"), open: said.has("open") };
+    return { what: formText(said, "what"), camera: formText(said, "camera"), fromUs: time("from"), toUs: time("to"), open: said.has("open") };
   }
 }
 

@@ -1,6 +1,6 @@
 /** Which sightings are shown, as the page's address and as the hub's question. Pure. */
 
-import { countWords } from "../../format/object-names.js";
+import { countText } from "../../format/object-names.js";
 import type { SightingNews } from "../../generated/wire.js";
 import type { SiteDetail } from "../../wire/api-types.js";
 import type { Sighting } from "../../wire/sightings-api.js";
@@ -22,18 +22,18 @@ const LATEST_US = 2 ** 53;
 /** Before and behind a sighting, so much is shown of the history (µs). */
 const AROUND_US = 60e6;
 
-export function readFilter(search: string): SightingFilter {
+export function readSightingFilter(search: string): SightingFilter {
   const asked = new URLSearchParams(search);
-  const text = (key: string): string => (asked.get(key) ?? "").slice(0, 200);
-  const time = (key: string): number | null => {
+  const readText = (key: string): string => (asked.get(key) ?? "").slice(0, 200);
+  const readTime = (key: string): number | null => {
     const us = Number(asked.get(key) ?? Number.NaN);
     return asked.get(key) !== "" && Number.isFinite(us) && us >= 0 && us <= LATEST_US ? Math.round(us) : null;
   };
-  return { what: text("what"), camera: text("camera"), fromUs: time("from"), toUs: time("to"), open: asked.get("open") === "true" };
+  return { what: readText("what"), camera: readText("camera"), fromUs: readTime("from"), toUs: readTime("to"), open: asked.get("open") === "true" };
 }
 
 /** For the address; empty for all. */
-export function writeFilter(filter: SightingFilter): string {
+export function writeSightingFilter(filter: SightingFilter): string {
   const asked = new URLSearchParams();
   if (filter.what !== "") asked.set("what", filter.what);
   if (filter.camera !== "") asked.set("camera", filter.camera);
@@ -44,19 +44,19 @@ export function writeFilter(filter: SightingFilter): string {
 }
 
 /** The class that was meant: `Persons`, `pers` and `person` are one, where no other begins so. */
-export function labelOf(what: string, labels: readonly string[]): string {
+export function matchingLabel(what: string, labels: readonly string[]): string {
   const word = what.trim().toLowerCase();
   if (word === "") return "";
-  const exact = labels.find((label) => label.toLowerCase() === word || countWords(2, label.toLowerCase()) === `2 ${word}`);
+  const exact = labels.find((label) => label.toLowerCase() === word || countText(2, label.toLowerCase()) === `2 ${word}`);
   if (exact !== undefined) return exact;
   const near = labels.filter((label) => label.toLowerCase().includes(word));
   return near.length === 1 ? (near[0] ?? word) : word;
 }
 
 /** The hub's question for the page behind `before`; empty for the newest. */
-export function pageQuery(filter: SightingFilter, labels: readonly string[], before: string, limit: number): string {
+export function sightingsPageQuery(filter: SightingFilter, labels: readonly string[], before: string, limit: number): string {
   const asked = new URLSearchParams();
-  const label = labelOf(filter.what, labels);
+  const label = matchingLabel(filter.what, labels);
   if (label !== "") asked.set("label", label);
   if (filter.camera !== "") asked.set("camera", filter.camera);
   if (filter.fromUs !== null) asked.set("from_us", String(filter.fromUs));
@@ -68,7 +68,7 @@ export function pageQuery(filter: SightingFilter, labels: readonly string[], bef
 }
 
 /** What the hub tells while it happens, put into a row that is shown; null where none is of it. */
-export function told(rows: readonly Sighting[], news: SightingNews): readonly Sighting[] | null {
+export function withUpdate(rows: readonly Sighting[], news: SightingNews): readonly Sighting[] | null {
   const id = String(news.id);
   if (!rows.some((row) => row.id === id)) return null;
   const { many, confidence, began_us } = news;
@@ -79,7 +79,7 @@ export function told(rows: readonly Sighting[], news: SightingNews): readonly Si
 export function historyQuery(sighting: Sighting, detail: SiteDetail | undefined): string {
   const asked = new URLSearchParams();
   const address = `${sighting.camera}_${sighting.label.toLowerCase().replace(/[^a-z0-9]+/g, "_")}`;
-  const signal = detail?.devices.flatMap(({ signals }) => signals).find((one) => one.address === address);
+  const signal = detail?.devices.flatMap(({ signals }) => signals).find((signal) => signal.address === address);
   for (const channel of signal?.channels.slice(0, 1) ?? []) asked.append("c", channel);
   asked.set("from", String(Math.round(sighting.began_us - AROUND_US)));
   asked.set("to", String(Math.round((sighting.ended_us ?? sighting.began_us) + AROUND_US)));

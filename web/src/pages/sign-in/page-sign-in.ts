@@ -3,11 +3,11 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, query, state } from "lit/decorators.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
-import { TickController } from "../../controllers/ticker.js";
-import { isFactor, signInAdvice, waitOf, waitWords, type Advice } from "../../format/error-advice.js";
+import { TickerController } from "../../controllers/ticker.js";
+import { isFactor, signInAdvice, waitOf, waitText, type Advice } from "../../format/error-advice.js";
 import { routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
 import "../../elements/forms/button.js";
@@ -51,14 +51,14 @@ export class PageSignIn extends LitElement {
   private waitUntil = 0;
 
   @consume({ context: routerContext }) private readonly router!: Router;
-  private readonly session = new StoreController(this, sessionContext, (session) => {
+  private readonly session = new ContextStoreController(this, sessionContext, (session) => {
     // Signed in already, here or in another tab.
     if (session.state === "known") this.router.replace(returnPath(this.router.search, this.router.origin));
   });
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override firstUpdated(): void {
@@ -99,7 +99,7 @@ export class PageSignIn extends LitElement {
       if (wait === 0) return html`<p class="notice" role="status">You can try again now.</p>`;
       // The alert is said once; the time that runs stands beside it in silence.
       return html`<t-problem what=${advice.what} how="The hub slows down whoever guesses."></t-problem>
-        <p class="wait">Try again ${waitWords(wait)}.</p>`;
+        <p class="wait">Try again ${waitText(wait)}.</p>`;
     }
     return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
   }

@@ -4,7 +4,7 @@ import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
@@ -14,7 +14,7 @@ import { apiContext, sitesContext } from "../../state/contexts.js";
 import type { StorageUse } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { signalsOf } from "./signal-usage.js";
+import { signalUsage } from "./signal-usage.js";
 import { storageStyle } from "./storage-style.js";
 import { forecastText, warningOf } from "./storage-text.js";
 import "../../elements/forms/button.js";
@@ -30,7 +30,7 @@ export class PageStorage extends LitElement {
   static override styles = [base, sheets, storageStyle];
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly sites = new StoreController(this, sitesContext);
+  private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly use = new LoadController<StorageUse>(this);
 
   override willUpdate(): void {
@@ -60,7 +60,7 @@ export class PageStorage extends LitElement {
   }
 
   private renderContent(use: StorageUse): TemplateResult {
-    const signals = signalsOf(use.channels);
+    const signals = signalUsage(use.channels);
     const zone = this.sites.store?.zone ?? "UTC";
     const warning = warningOf(use, zone);
     return html`<section class="sheet" aria-label="All of it">

@@ -28,7 +28,7 @@ export interface Sorting {
 /** The largest first. */
 export const FIRST_SORTING: Sorting = { by: "bytes", down: true };
 
-export function signalsOf(channels: readonly ChannelStorage[]): SignalUse[] {
+export function signalUsage(channels: readonly ChannelStorage[]): SignalUse[] {
   const found = new Map<string, ChannelStorage[]>();
   for (const channel of channels) {
     const key = `${channel.site}\n${signalOf(channel.address)}`;
@@ -45,7 +45,7 @@ export function signalsOf(channels: readonly ChannelStorage[]): SignalUse[] {
         site: first.site,
         address,
         name: first.name || address,
-        channels: group.map((each) => each.address),
+        channels: group.map((channel) => channel.address),
         described: group.some(({ described }) => described),
         samples: sum(group.map(({ samples }) => samples)),
         bytes: sum(group.map(({ bytes }) => bytes)),
@@ -59,7 +59,7 @@ export function signalsOf(channels: readonly ChannelStorage[]): SignalUse[] {
 }
 
 /** Those that all words of a filter fit. */
-export function filtered(signals: readonly SignalUse[], filter: string): readonly SignalUse[] {
+export function filterSignals(signals: readonly SignalUse[], filter: string): readonly SignalUse[] {
   const words = filter.toLowerCase().split(/\s+/).filter(Boolean);
   if (words.length === 0) return signals;
   return signals.filter(({ site, address, name }) => {
@@ -68,19 +68,19 @@ export function filtered(signals: readonly SignalUse[], filter: string): readonl
   });
 }
 
-export function sorted(signals: readonly SignalUse[], { by, down }: Sorting): SignalUse[] {
+export function sortSignals(signals: readonly SignalUse[], { by, down }: Sorting): SignalUse[] {
   const sign = down ? -1 : 1;
   const ordered = [...signals];
-  ordered.sort((a, b) => sign * compare(a, b, by) || a.site.localeCompare(b.site) || a.address.localeCompare(b.address));
+  ordered.sort((a, b) => sign * compareSignals(a, b, by) || a.site.localeCompare(b.site) || a.address.localeCompare(b.address));
   return ordered;
 }
 
 /** The same column turns round; another begins with what one looks for there. */
-export function sortedAnew(now: Sorting, by: SortKey): Sorting {
+export function toggleSorting(now: Sorting, by: SortKey): Sorting {
   return now.by === by ? { by, down: !now.down } : { by, down: by !== "name" && by !== "first" };
 }
 
-function compare(a: SignalUse, b: SignalUse, by: SortKey): number {
+function compareSignals(a: SignalUse, b: SignalUse, by: SortKey): number {
   if (by === "name") return a.name.localeCompare(b.name);
   return numberOf(a, by) - numberOf(b, by);
 }
@@ -106,5 +106,5 @@ function signalOf(address: string): string {
 }
 
 function sum(numbers: readonly number[]): number {
-  return numbers.reduce((total, one) => total + one, 0);
+  return numbers.reduce((total, number) => total + number, 0);
 }

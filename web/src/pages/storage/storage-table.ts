@@ -11,7 +11,7 @@ import { formatBytes } from "../../format/bytes.js";
 import { formatNumber } from "../../format/number.js";
 import { formatDate } from "../../format/time.js";
 import { sitePath } from "../../state/router.js";
-import { filtered, FIRST_SORTING, sorted, sortedAnew, type SignalUse, type SortKey, type Sorting } from "./signal-usage.js";
+import { filterSignals, FIRST_SORTING, sortSignals, toggleSorting, type SignalUse, type SortKey, type Sorting } from "./signal-usage.js";
 import { storageTableStyle } from "./storage-style.js";
 import { keepText } from "./storage-text.js";
 import "../../elements/forms/button.js";
@@ -39,7 +39,7 @@ export class StorageTable extends LitElement {
   @state() private all = false;
 
   override render(): TemplateResult {
-    const fits = sorted(filtered(this.signals, this.filter), this.sorting);
+    const fits = sortSignals(filterSignals(this.signals, this.filter), this.sorting);
     const shown = this.all ? fits : fits.slice(0, MANY);
     const most = Math.max(1, ...this.signals.map(({ bytes }) => bytes));
     return html`<div class="tools">
@@ -101,8 +101,8 @@ export class StorageTable extends LitElement {
 
   private readonly onChange = (event: Event): void => {
     const key = event.target instanceof HTMLSelectElement ? event.target.value : "";
-    const column = COLUMNS.find((one) => one.key === key);
-    if (column !== undefined && column.key !== this.sorting.by) this.sorting = sortedAnew(this.sorting, column.key);
+    const column = COLUMNS.find((column) => column.key === key);
+    if (column !== undefined && column.key !== this.sorting.by) this.sorting = toggleSorting(this.sorting, column.key);
   };
 
   private readonly onSortChange = (): void => {
@@ -111,8 +111,8 @@ export class StorageTable extends LitElement {
 
   private readonly onPress = (event: Event): void => {
     const key = event.currentTarget instanceof HTMLElement ? event.currentTarget.dataset["key"] : "";
-    const column = COLUMNS.find((one) => one.key === key);
-    if (column !== undefined) this.sorting = sortedAnew(this.sorting, column.key);
+    const column = COLUMNS.find((column) => column.key === key);
+    if (column !== undefined) this.sorting = toggleSorting(this.sorting, column.key);
   };
 
   private readonly showMore = (): void => {

@@ -8,7 +8,7 @@ const YEAR_DAYS = 365.25;
 const LONG_DAYS = 730;
 
 /** `12 days`, `3.1 years`. */
-export function daysText(days: number): string {
+export function durationText(days: number): string {
   if (days >= LONG_DAYS) return `${(days / YEAR_DAYS).toFixed(1)} years`;
   if (days < 2) return `${String(Math.max(1, Math.round(days * 24)))} hours`;
   return `${String(Math.round(days))} days`;
@@ -34,18 +34,18 @@ export function forecastText(use: StorageUse, zone: string): string {
   if (!use.by_limit) {
     return `At the last week's rate the disk is full on ${formatDate(full, zone)}.${then} On a full disk nothing is stored until there is room: set a limit in time.`;
   }
-  const long = kept === null ? "" : ` About ${daysText(kept)} are kept at this rate.`;
+  const long = kept === null ? "" : ` About ${durationText(kept)} are kept at this rate.`;
   if (use.blocks_bytes >= limit) return `The limit of ${formatBytes(limit)} is reached: the oldest samples go as new ones come.${long}`;
   return `At the last week's rate the limit of ${formatBytes(limit)} is reached on ${formatDate(full, zone)}.${then} From then on the oldest go.${long}`;
 }
 
-export interface Warning {
+export interface StorageWarningText {
   readonly kind: "info" | "warn" | "bad";
   readonly text: string;
 }
 
 /** What an admin is told on every page; null while there is nothing to tell. */
-export function warningOf({ trouble, warn, full_us: full, free_bytes: free }: Outlook, zone: string): Warning | null {
+export function warningOf({ trouble, warn, full_us: full, free_bytes: free }: Outlook, zone: string): StorageWarningText | null {
   if (trouble !== "") return { kind: "bad", text: `The hub cannot store samples now (${trouble}). Gateways keep theirs until it can.` };
   const left = free === null ? "" : ` Only ${formatBytes(free)} are free.`;
   const day = full === null ? "" : formatDate(full, zone);

@@ -16,7 +16,7 @@ const STRETCH_OPTIONS = STRETCHES.map((id) => ({ id, label: id }));
 
 /** The picture, with the choice of how it is stretched. */
 @customElement("t-frame-look")
-export class FrameLook extends LitElement {
+export class FramePreview extends LitElement {
   static override styles = [
     base,
     onPicture,
@@ -75,13 +75,13 @@ export class FrameLook extends LitElement {
   };
 
   private readonly onChoose = (event: CustomEvent<string>): void => {
-    this.stretch = STRETCHES.find((each) => each === event.detail) ?? "asinh";
+    this.stretch = STRETCHES.find((stretch) => stretch === event.detail) ?? "asinh";
   };
 }
 
 /** How a picture's values lie, as bars and in numbers. */
 export function renderPixelValues(histogram: Histogram): TemplateResult {
-  const shown = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
+  const valueText = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
   return html`<div>
     <h3>Pixel values</h3>
     <t-histogram
@@ -90,14 +90,14 @@ export function renderPixelValues(histogram: Histogram): TemplateResult {
       .high=${histogram.high ?? Number.NaN}
     ></t-histogram>
     <p class="muted">
-      least ${shown(histogram.minimum)}, median ${shown(histogram.median)}, greatest ${shown(histogram.maximum)}, deviation
-      ${shown(histogram.deviation)}
+      least ${valueText(histogram.minimum)}, median ${valueText(histogram.median)}, greatest ${valueText(histogram.maximum)}, deviation
+      ${valueText(histogram.deviation)}
     </p>
   </div>`;
 }
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-frame-look": FrameLook;
+    "t-frame-look": FramePreview;
   }
 }

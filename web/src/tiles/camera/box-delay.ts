@@ -13,7 +13,7 @@ const STEP_MS = 20;
 /** It is made shorter only when it would be by so much. */
 const EASE_MS = 40;
 
-export class Hold {
+export class BoxDelay {
   private latencies: { readonly at: number; readonly ms: number }[] = [];
   private held = 0;
 

@@ -7,7 +7,7 @@
  */
 
 import type { ShotBoxes, Thing } from "../../generated/wire.js";
-import { Hold } from "./box-delay.js";
+import { BoxDelay } from "./box-delay.js";
 
 /** On a driver's picture, boxes of a picture this much earlier are gone (ms). */
 export const EARLIER_MS = 300;
@@ -20,11 +20,11 @@ const MOST_WAITING = 12;
 const MOST_BOXES = 12;
 
 /** `same`: of this picture, or so near to it that a person sees no difference. */
-export type Standing = "same" | "earlier";
+export type StandingBoxes = "same" | "earlier";
 
-export interface Seen {
+export interface CurrentBoxes {
   readonly things: readonly Thing[];
-  readonly standing: Standing;
+  readonly standing: StandingBoxes;
 }
 
 export interface Timed {
@@ -33,20 +33,20 @@ export interface Timed {
   readonly time_us: number;
 }
 
-interface Waiting<P, S> {
+interface WaitingPicture<P, S> {
   readonly picture: P;
   readonly shot: S;
   readonly dueAt: number;
 }
 
-export class InStep<P extends { close(): void }, S extends Timed> {
-  private waiting: Waiting<P, S>[] = [];
+export class BoxSync<P extends { close(): void }, S extends Timed> {
+  private waiting: WaitingPicture<P, S>[] = [];
   private boxes: ShotBoxes[] = [];
   private arrivals: { readonly seq: number; readonly at: number }[] = [];
-  private hold = new Hold();
+  private hold = new BoxDelay();
   private prompt = false;
   private shown: { readonly shot: S; readonly at: number } | null = null;
-  private told: Seen | null = null;
+  private told: CurrentBoxes | null = null;
   private heardAt: number | null = null;
 
   /** From now on no picture waits, since somebody drives by them; or they may again. */
@@ -84,17 +84,17 @@ export class InStep<P extends { close(): void }, S extends Timed> {
   /** Nobody wants boxes any more. */
   clearBoxes(): void {
     this.boxes = [];
-    this.hold = new Hold();
+    this.hold = new BoxDelay();
     this.heardAt = null;
   }
 
   /** The picture to draw now, the newest that is due; what it overtakes is closed. */
   takeDuePicture(now: number): { readonly picture: P; readonly shot: S } | null {
-    const one = this.waiting.filter(({ dueAt }) => this.prompt || dueAt <= now).at(-1);
-    if (one === undefined) return null;
-    for (const { picture } of this.waiting.splice(0, this.waiting.indexOf(one) + 1).slice(0, -1)) picture.close();
-    this.shown = { shot: one.shot, at: now };
-    return one;
+    const due = this.waiting.filter(({ dueAt }) => this.prompt || dueAt <= now).at(-1);
+    if (due === undefined) return null;
+    for (const { picture } of this.waiting.splice(0, this.waiting.indexOf(due) + 1).slice(0, -1)) picture.close();
+    this.shown = { shot: due.shot, at: now };
+    return due;
   }
 
   /** When `due` has something next; null while nothing waits. */
@@ -103,7 +103,7 @@ export class InStep<P extends { close(): void }, S extends Timed> {
   }
 
   /** What belongs on the picture that is shown: the newest that is not newer than it. The same object while it is the same. */
-  currentBoxes(now: number): Seen | null {
+  currentBoxes(now: number): CurrentBoxes | null {
     const { shown } = this;
     const newest = shown === null ? undefined : this.boxes.filter(({ seq }) => seq <= shown.shot.seq).at(-1);
     const standing = shown === null || newest === undefined ? null : this.standingBoxes(newest, shown, now);
@@ -119,7 +119,7 @@ export class InStep<P extends { close(): void }, S extends Timed> {
     this.dropStaleBoxes();
   }
 
-  private standingBoxes(boxes: ShotBoxes, shown: { readonly shot: S; readonly at: number }, now: number): Standing | null {
+  private standingBoxes(boxes: ShotBoxes, shown: { readonly shot: S; readonly at: number }, now: number): StandingBoxes | null {
     if (boxes.seq === shown.shot.seq) return "same";
     // While a picture stands still, what is seen on an earlier one gets older, too.
     const lag = (shown.shot.time_us - boxes.time_us) / 1000 + (now - shown.at);

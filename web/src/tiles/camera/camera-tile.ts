@@ -6,18 +6,18 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import "../../elements/camera/camera-view.js";
 import type { CameraLink, CameraView } from "../../elements/camera/camera-view.js";
 import type { Shot } from "../../generated/wire.js";
 import { MediaSocket, mediaPath, socketUrl } from "../../wire/media-socket.js";
 import { ContrastCheck } from "./contrast-check.js";
 import "./film-button.js";
-import { Film, playsFilms } from "./h264-player.js";
-import { InStep, type Seen } from "./box-sync.js";
-import { Newest } from "./jpeg-player.js";
-import { ObjectsDesk } from "./object-detection.js";
-import type { Detects } from "./object-filter.js";
+import { H264Player, supportsH264 } from "./h264-player.js";
+import { BoxSync, type CurrentBoxes } from "./box-sync.js";
+import { JpegPlayer } from "./jpeg-player.js";
+import { ObjectDetection } from "./object-detection.js";
+import type { DetectOptions } from "./object-filter.js";
 
 const MIME: Readonly<Record<string, string>> = { jpeg: "image/jpeg", png: "image/png", webp: "image/webp" };
 /** The age on the picture changes this often. */
@@ -26,7 +26,7 @@ const RATE_WINDOW_MS = 2000;
 /** A film that breaks so often is not tried again: single pictures from then on. */
 const MOST_BREAKS = 3;
 
-type Picture = ImageBitmap | VideoFrame;
+type DecodedPicture = ImageBitmap | VideoFrame;
 
 /** Asked once for all cameras of the page. */
 let films: Promise<boolean> | undefined;
@@ -36,7 +36,7 @@ let breaks = 0;
  * @fires t-picture after each picture: detail is when it was taken, on this page's clock, or null
  */
 @customElement("t-camera")
-export class Camera extends LitElement {
+export class CameraTile extends LitElement {
   static override styles = css`
     :host {
       display: block;
@@ -71,7 +71,7 @@ export class Camera extends LitElement {
   /** The page makes itself full, and not the picture alone. */
   @property({ type: Boolean }) paged = false;
   /** What is looked for on its pictures; null where nothing is. */
-  @property({ attribute: false }) detect: Detects | null | undefined = null;
+  @property({ attribute: false }) detect: DetectOptions | null | undefined = null;
   /** This person drives by this picture: it is never held back for what is seen on it. */
   @property({ type: Boolean }) driving = false;
 
@@ -79,14 +79,14 @@ export class Camera extends LitElement {
   @state() private why = "";
   @state() private takenAt: number | null = null;
   @state() private drawn = false;
-  @state() private seen: Seen | null = null;
+  @state() private seen: CurrentBoxes | null = null;
   @query("t-camera-view") private readonly view!: CameraView;
 
-  private readonly link = new LinkController(this);
+  private readonly link = new ConnectionStateController(this);
   private socket: MediaSocket | null = null;
-  private newest: Newest | null = null;
+  private newest: JpegPlayer | null = null;
   private readonly contrast = new ContrastCheck();
-  private film: Film | null = null;
+  private film: H264Player | null = null;
   private forms: readonly string[] | null = null;
   private last: Shot | null = null;
   private inSight = true;
@@ -94,8 +94,8 @@ export class Camera extends LitElement {
     this.inSight = entries.at(-1)?.isIntersecting ?? true;
     this.reportVisibility();
   });
-  private readonly objects = new ObjectsDesk(this, storage());
-  private readonly inStep = new InStep<Picture, Shot>();
+  private readonly objects = new ObjectDetection(this, browserStorage());
+  private readonly inStep = new BoxSync<DecodedPicture, Shot>();
   private dueTimer: ReturnType<typeof setTimeout> | undefined;
   private arrivals: number[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
@@ -110,7 +110,7 @@ export class Camera extends LitElement {
     this.sight.observe(this);
     document.addEventListener("visibilitychange", this.reportVisibility);
     document.addEventListener("fullscreenchange", this.onFullScreenChange);
-    films ??= playsFilms();
+    films ??= supportsH264();
     void films.then((able) => {
       this.forms = able && breaks < MOST_BREAKS ? ["h264", "jpeg"] : ["jpeg"];
       this.requestUpdate();
@@ -155,7 +155,7 @@ export class Camera extends LitElement {
       .why=${this.why || (lost ? "The connection to the hub is lost." : "")}
       .name=${this.name}
       .age=${this.takenAt === null ? Number.NaN : now - this.takenAt}
-      .rate=${this.rate(now)}
+      .rate=${this.frameRate(now)}
       .drawn=${this.drawn}
       .time=${this.last?.time_us ?? 0}
       .small=${this.last?.small ?? false}
@@ -174,7 +174,7 @@ export class Camera extends LitElement {
     return this.online ? this.media : "offline";
   }
 
-  private rate(now: number): number {
+  private frameRate(now: number): number {
     const recent = this.arrivals.filter((at) => now - at < RATE_WINDOW_MS).length;
     return (recent * 1000) / RATE_WINDOW_MS;
   }
@@ -184,8 +184,8 @@ export class Camera extends LitElement {
     this.why = "";
     this.drawn = false;
     this.takenAt = null;
-    const newest = new Newest({
-      decode: (shot) => this.decode(shot),
+    const newest = new JpegPlayer({
+      decode: (shot) => this.decodeJpeg(shot),
       draw: (bitmap, shot) => {
         this.onDecoded(bitmap, shot);
       },
@@ -196,7 +196,7 @@ export class Camera extends LitElement {
       },
     });
     this.newest = newest;
-    const film = new Film({
+    const film = new H264Player({
       draw: (frame, shot) => {
         this.onDecoded(frame, shot);
       },
@@ -259,7 +259,7 @@ export class Camera extends LitElement {
     if (!this.paged) this.full = this.matches(":fullscreen");
   };
 
-  private decode(shot: Shot): Promise<ImageBitmap> {
+  private decodeJpeg(shot: Shot): Promise<ImageBitmap> {
     const type = MIME[shot.format];
     if (type === undefined) return Promise.reject(new TypeError(shot.format));
     // The bytes are a view on one frame of the socket, which is ours alone.
@@ -267,7 +267,7 @@ export class Camera extends LitElement {
   }
 
   /** Decoded, and so paid for: that it may wait for its boxes is nothing the hub could help with. */
-  private onDecoded(picture: Picture, shot: Shot): void {
+  private onDecoded(picture: DecodedPicture, shot: Shot): void {
     const age = this.link.connection?.ageMsOf(shot.hub_us) ?? Number.NaN;
     this.inStep.addPicture(picture, shot, age, performance.now());
     this.drawDue();
@@ -277,14 +277,14 @@ export class Camera extends LitElement {
   private readonly drawDue = (): void => {
     clearTimeout(this.dueTimer);
     const due = this.inStep.takeDuePicture(performance.now());
-    if (due !== null) this.draw(due.picture, due.shot);
+    if (due !== null) this.drawPicture(due.picture, due.shot);
     const { dueAt } = this.inStep;
     if (dueAt !== null) this.dueTimer = setTimeout(this.drawDue, Math.max(0, dueAt - performance.now()));
   };
 
-  private draw(picture: Picture, shot: Shot): void {
+  private drawPicture(picture: DecodedPicture, shot: Shot): void {
     const now = performance.now();
-    if (!this.contrast.shows(picture, now)) {
+    if (!this.contrast.showsPicture(picture, now)) {
       // The last good one stays and grows old: it turns grey, and the vehicle slows down.
       picture.close();
       this.media = "bad";
@@ -323,7 +323,7 @@ export class Camera extends LitElement {
 }
 
 /** A browser that forbids storage throws at the mere mention of it. */
-function storage(): Storage | null {
+function browserStorage(): Storage | null {
   try {
     return window.localStorage;
   } catch {
@@ -333,7 +333,7 @@ function storage(): Storage | null {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-camera": Camera;
+    "t-camera": CameraTile;
   }
   interface GlobalEventHandlersEventMap {
     "t-picture": CustomEvent<number | null>;

@@ -30,7 +30,7 @@ export class ContrastCheck {
   private good = true;
 
   /** @param now - monotonic (ms) */
-  shows(picture: CanvasImageSource, now: number): boolean {
+  showsPicture(picture: CanvasImageSource, now: number): boolean {
     // What was empty is looked at again at once, so that a good picture is live without delay.
     if (this.good && now - this.judgedAt < LOOK_EVERY_MS) return true;
     const context = (this.context ??= smallCanvas());

@@ -4,7 +4,7 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
-import { FilmingController } from "../../controllers/film-recording.js";
+import { FilmRecordingController } from "../../controllers/film-recording.js";
 import { base } from "../../elements/base/base-style.js";
 import { onPicture } from "../../elements/camera/picture-overlay.js";
 import { apiContext } from "../../state/contexts.js";
@@ -56,7 +56,7 @@ export class FilmButton extends LitElement {
 
   @consume({ context: apiContext, subscribe: true }) private api: HubApi | undefined;
 
-  private readonly filming = new FilmingController(this);
+  private readonly filming = new FilmRecordingController(this);
   private readonly action = new ActionController(this);
   /** What was asked for, until the gateway says that it is so. */
   private asked: boolean | null = null;

@@ -2,13 +2,13 @@
 
 import type { Shot } from "../../generated/wire.js";
 
-export interface Screening {
+export interface H264Options {
   readonly draw: (frame: VideoFrame, shot: Shot) => void;
   /** The film cannot be gone on with; a fresh one is needed. */
   readonly broken: () => void;
 }
 
-interface Waiting {
+interface WaitingFrame {
   readonly shot: Shot;
   readonly shown: () => void;
 }
@@ -17,7 +17,7 @@ interface Waiting {
 export const PLAIN_CODEC = "avc1.42C01E";
 
 /** Asks the browser once. Without https there is no `VideoDecoder` at all. */
-export async function playsFilms(scope: { VideoDecoder?: typeof VideoDecoder } = globalThis): Promise<boolean> {
+export async function supportsH264(scope: { VideoDecoder?: typeof VideoDecoder } = globalThis): Promise<boolean> {
   const decoder = scope.VideoDecoder;
   if (decoder === undefined) return false;
   try {
@@ -28,13 +28,13 @@ export async function playsFilms(scope: { VideoDecoder?: typeof VideoDecoder } =
 }
 
 /** Decodes in order, draws what comes out, and says so. */
-export class Film {
+export class H264Player {
   private decoder: VideoDecoder | null = null;
   private codec = "";
-  private readonly waiting = new Map<number, Waiting>();
+  private readonly waiting = new Map<number, WaitingFrame>();
   private closed = false;
 
-  constructor(private readonly screening: Screening) {}
+  constructor(private readonly screening: H264Options) {}
 
   receivePicture(shot: Shot, shown: () => void): void {
     if (this.closed) return;
@@ -77,14 +77,14 @@ export class Film {
   }
 
   private drawFrame(frame: VideoFrame): void {
-    const one = this.waiting.get(frame.timestamp);
-    if (one === undefined) {
+    const waiting = this.waiting.get(frame.timestamp);
+    if (waiting === undefined) {
       frame.close();
       return;
     }
     this.waiting.delete(frame.timestamp);
-    this.screening.draw(frame, one.shot);
-    one.shown();
+    this.screening.draw(frame, waiting.shot);
+    waiting.shown();
   }
 
   private onDecoderError(): void {

@@ -2,25 +2,25 @@
 
 import type { Shot } from "../../generated/wire.js";
 
-export interface Drawing {
+export interface JpegDrawing {
   /** Throws what cannot be decoded. */
   readonly decode: (shot: Shot) => Promise<ImageBitmap>;
   readonly draw: (bitmap: ImageBitmap, shot: Shot) => void;
   readonly failed: (shot: Shot) => void;
 }
 
-interface Waiting {
+interface WaitingJpeg {
   readonly shot: Shot;
   readonly shown: () => void;
 }
 
 /** One decode at a time. A picture that a newer one overtakes meanwhile is never drawn. */
-export class Newest {
+export class JpegPlayer {
   private busy = false;
-  private next: Waiting | null = null;
+  private next: WaitingJpeg | null = null;
   private closed = false;
 
-  constructor(private readonly drawing: Drawing) {}
+  constructor(private readonly drawing: JpegDrawing) {}
 
   receivePicture(shot: Shot, shown: () => void): void {
     if (this.closed) return;

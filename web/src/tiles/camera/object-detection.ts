@@ -2,39 +2,39 @@
 
 import { html, nothing, type LitElement } from "lit";
 import { createRef, ref } from "lit/directives/ref.js";
-import { StoreController } from "../../controllers/context-store.js";
-import type { Detector, Objects } from "../../elements/camera/objects-overlay.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import type { DetectorState, ObjectsOverlay } from "../../elements/camera/objects-overlay.js";
 import "../../elements/camera/objects-overlay.js";
-import type { ObjectsChoice as ChoicePanel, Wanted } from "../../elements/camera/objects-choice.js";
+import type { ObjectsChoicePanel as ChoicePanel, WantedObjects } from "../../elements/camera/objects-choice.js";
 import "../../elements/camera/objects-choice.js";
 import type { ShotBoxes, Thing } from "../../generated/wire.js";
 import { sessionContext } from "../../state/contexts.js";
 import { AS_DESCRIBED, keepObjects, readObjects, type ObjectsChoice } from "../../state/objects-choice.js";
 import { seesOnlyPublic } from "../../state/rights.js";
 import { sitePath } from "../../state/router.js";
-import { choosable, counted, framed, sureOf, type Detects } from "./object-filter.js";
+import { objectOptions, countObjects, framedObjects, minimumConfidence, type DetectOptions } from "./object-filter.js";
 
 /** A detector that says nothing for so long is silent (ms). */
 const SILENT_MS = 3000;
 
 /** Whose picture it is. */
-export interface Subject {
+export interface DetectionSubject {
   readonly site: string;
   readonly stream: string;
-  readonly detects: Detects | null;
+  readonly detects: DetectOptions | null;
 }
 
 const NOTHING: readonly Thing[] = [];
 
-export class ObjectsDesk {
-  private subject: Subject = { site: "", stream: "", detects: null };
+export class ObjectDetection {
+  private subject: DetectionSubject = { site: "", stream: "", detects: null };
   private choice: ObjectsChoice = AS_DESCRIBED;
   private readFor = "";
   private classes = new Set<string>();
   private framedOf: readonly Thing[] = NOTHING;
   private framedNow: readonly Thing[] = NOTHING;
   private open = false;
-  private readonly strip = createRef<Objects>();
+  private readonly strip = createRef<ObjectsOverlay>();
   private readonly panel = createRef<ChoicePanel>();
   private readonly session;
 
@@ -42,11 +42,11 @@ export class ObjectsDesk {
     private readonly host: LitElement,
     private readonly notes: Pick<Storage, "getItem" | "setItem" | "removeItem"> | null,
   ) {
-    this.session = new StoreController(host, sessionContext);
+    this.session = new ContextStoreController(host, sessionContext);
   }
 
   /** Call it from `willUpdate`: what was chosen is read again for another person or camera. */
-  setSubject(subject: Subject): void {
+  setSubject(subject: DetectionSubject): void {
     const wanted = JSON.stringify([this.personId, subject.site, subject.stream]);
     this.subject = subject;
     if (wanted === this.readFor) return;
@@ -70,7 +70,7 @@ export class ObjectsDesk {
     const { detects } = this.subject;
     if (things !== this.framedOf) {
       this.framedOf = things;
-      this.framedNow = detects === null || things.length === 0 ? NOTHING : framed(things, this.choice, detects);
+      this.framedNow = detects === null || things.length === 0 ? NOTHING : framedObjects(things, this.choice, detects);
     }
     return this.framedNow;
   }
@@ -83,13 +83,13 @@ export class ObjectsDesk {
   renderOverlay(things: readonly Thing[], quiet: number | null, driving: boolean): unknown {
     const { detects } = this.subject;
     if (detects === null) return nothing;
-    const detector: Detector = quiet === null ? "waiting" : quiet > SILENT_MS ? "silent" : "telling";
+    const detector: DetectorState = quiet === null ? "waiting" : quiet > SILENT_MS ? "silent" : "telling";
     return html`<t-objects
       slot="top"
       ${ref(this.strip)}
       ?on=${this.choice.on}
       detector=${detector}
-      .counts=${counted(this.framedThings(things))}
+      .counts=${countObjects(this.framedThings(things))}
       why=${this.logbookPath}
       ?busy=${driving}
       ?open=${this.open}
@@ -105,8 +105,8 @@ export class ObjectsDesk {
     if (detects === null || !this.open) return nothing;
     return html`<t-objects-choice
       ${ref(this.panel)}
-      .classes=${choosable(detects, this.classes, this.choice)}
-      .confidence=${sureOf(this.choice, detects)}
+      .classes=${objectOptions(detects, this.classes, this.choice)}
+      .confidence=${minimumConfidence(this.choice, detects)}
       .plain=${this.choice.classes === null && this.choice.confidence === null}
       @t-objects-want=${this.onObjectsChosen}
       @t-close=${this.onClosed}
@@ -126,7 +126,7 @@ export class ObjectsDesk {
     this.saveChoice({ ...this.choice, on: event.detail });
   };
 
-  private readonly onObjectsChosen = (event: CustomEvent<Wanted>): void => {
+  private readonly onObjectsChosen = (event: CustomEvent<WantedObjects>): void => {
     this.saveChoice({ ...this.choice, ...event.detail });
   };
 

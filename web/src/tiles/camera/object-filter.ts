@@ -1,29 +1,29 @@
 /** Which of the things on a picture are framed and counted for this person. Pure. */
 
-import type { Counted } from "../../elements/camera/objects-overlay.js";
-import type { Choosable } from "../../elements/camera/objects-choice.js";
+import type { ObjectCount } from "../../elements/camera/objects-overlay.js";
+import type { ObjectOption } from "../../elements/camera/objects-choice.js";
 import type { Thing } from "../../generated/wire.js";
 import { LEAST_SURE, type ObjectsChoice } from "../../state/objects-choice.js";
 
 /** What the site description looks for; see `DetectShape`. */
-export interface Detects {
+export interface DetectOptions {
   readonly classes: readonly string[];
   readonly confidence: number;
 }
 
 /** How sure it must be, 0 to 1. */
-export function sureOf(choice: ObjectsChoice, detects: Detects): number {
+export function minimumConfidence(choice: ObjectsChoice, detects: DetectOptions): number {
   return Math.max(LEAST_SURE, choice.confidence ?? detects.confidence);
 }
 
-export function framed(things: readonly Thing[], choice: ObjectsChoice, detects: Detects): readonly Thing[] {
+export function framedObjects(things: readonly Thing[], choice: ObjectsChoice, detects: DetectOptions): readonly Thing[] {
   const classes = new Set(choice.classes ?? detects.classes);
-  const sure = sureOf(choice, detects);
+  const sure = minimumConfidence(choice, detects);
   return things.filter(({ label, score }) => classes.has(label) && score >= sure);
 }
 
 /** How many of each, the most first. */
-export function counted(things: readonly Thing[]): readonly Counted[] {
+export function countObjects(things: readonly Thing[]): readonly ObjectCount[] {
   const many = new Map<string, number>();
   for (const { label } of things) many.set(label, (many.get(label) ?? 0) + 1);
   return [...many]
@@ -32,7 +32,7 @@ export function counted(things: readonly Thing[]): readonly Counted[] {
 }
 
 /** Those of the description in its order, then what was chosen or seen, by name. */
-export function choosable(detects: Detects, seen: ReadonlySet<string>, choice: ObjectsChoice): readonly Choosable[] {
+export function objectOptions(detects: DetectOptions, seen: ReadonlySet<string>, choice: ObjectsChoice): readonly ObjectOption[] {
   const wanted = new Set(choice.classes ?? detects.classes);
   const others = [...new Set([...(choice.classes ?? []), ...seen])].filter((label) => !detects.classes.includes(label));
   return [

@@ -3,7 +3,7 @@
 import { Trace } from "../../series/trace.js";
 import type { Gap } from "../../series/gaps.js";
 import { LiveEdge } from "../../series/live-edge.js";
-import { lengthOf, type Span } from "../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { SECOND_US } from "../../series/zone-clock.js";
 import type { History, SignalInfo } from "../../wire/api-types.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
@@ -11,12 +11,12 @@ import type { Batch } from "../../wire/subscriptions.js";
 import { samplesOf } from "./history-samples.js";
 
 /** What the feed needs of a connection. */
-export interface Source {
+export interface SampleSource {
   subscribe(site: string, channels: readonly string[], everyMs: number, listener: (batch: Batch) => void): () => void;
 }
 
 /** What the feed needs of the hub's HTTP interface. */
-export interface Past {
+export interface HistorySource {
   history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
 }
 
@@ -31,7 +31,7 @@ const AT_ONCE = 24;
 const WRITTEN_S = 130;
 
 /** One channel of the feed. */
-export interface Channel {
+export interface FeedChannel {
   readonly trace: Trace;
   /** Stretches that the hub knows to be missing; added to in place. */
   readonly gaps: Gap[];
@@ -48,7 +48,7 @@ export type BackfillState = "idle" | "loading" | "done" | "failed";
 export class ChartFeed {
   readonly edge = new LiveEdge();
   backfill: BackfillState = "idle";
-  private readonly channels = new Map<string, Channel>();
+  private readonly channels = new Map<string, FeedChannel>();
   private readonly ageLimits = new Map<string, number>();
   private scores: ReadonlySet<string> = new Set();
   private readonly filledFrom = new Map<string, number>();
@@ -64,8 +64,8 @@ export class ChartFeed {
    */
   constructor(
     readonly site: string,
-    private readonly source: Source,
-    private readonly past: Past,
+    private readonly source: SampleSource,
+    private readonly past: HistorySource,
     private readonly changed: () => void,
     lengthUs: number,
     private readonly now: () => number = () => performance.now(),
@@ -102,7 +102,7 @@ export class ChartFeed {
     this.asking = null;
   }
 
-  channelOf(address: string): Channel {
+  channelOf(address: string): FeedChannel {
     let channel = this.channels.get(address);
     if (channel === undefined) {
       const trace = new Trace(this.keptUs(address), (this.ageLimits.get(address) ?? 5) * SECOND_US);
@@ -118,7 +118,7 @@ export class ChartFeed {
   }
 
   /** The window that ends now, by the robot's clock. */
-  readonly currentWindow = (nowMs: number): Span => {
+  readonly currentWindow = (nowMs: number): TimeSpan => {
     const toUs = this.edge.isKnown ? this.edge.nowUs(nowMs) : Date.now() * 1000;
     return { fromUs: toUs - this.lengthUs, toUs };
   };
@@ -163,7 +163,7 @@ export class ChartFeed {
     this.changed();
   }
 
-  private addSample(held: Channel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
+  private addSample(held: FeedChannel, timeUs: number, value: number, text: string | null, now: number, ageMs: number): void {
     this.edge.observe(timeUs, now, ageMs);
     held.trace.addSample(timeUs, value);
     if (held.timeUs > timeUs) return;
@@ -192,7 +192,7 @@ export class ChartFeed {
     this.changed();
   }
 
-  private async loadHistoryOf(channels: readonly string[], span: Span, signal: AbortSignal): Promise<void> {
+  private async loadHistoryOf(channels: readonly string[], span: TimeSpan, signal: AbortSignal): Promise<void> {
     const answer = await this.past.history(
       this.site,
       { channels, fromUs: span.fromUs - lengthOf(span) * 0.05 - this.leadUs(channels[0] ?? ""), toUs: span.toUs, width: BACKFILL_PX },

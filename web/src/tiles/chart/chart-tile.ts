@@ -8,25 +8,25 @@ import { html, LitElement, nothing, type PropertyValues, type TemplateResult } f
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { deviceOf } from "../../controllers/live-values.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import type { Chart } from "../../elements/chart/chart.js";
-import type { Axis, ChartSeries, Follow } from "../../elements/chart/chart-model.js";
-import type { Painter } from "../../elements/chart/paint-scheduler.js";
+import type { ChartAxis, ChartSeries, FollowWindow } from "../../elements/chart/chart-model.js";
+import type { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import { anomalyMarks } from "../../elements/chart/anomaly-marks.js";
 import type { ChartMark } from "../../elements/chart/draw-marks.js";
 import type { ValueState } from "../../elements/values/value.js";
 import { formatAge } from "../../format/duration.js";
-import { levelOf } from "../../format/severity.js";
+import { severityOf } from "../../format/severity.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
 import { formatClock } from "../../format/time.js";
 import type { AlarmMark } from "../../series/alarm-marks.js";
-import { outlierWords } from "../../series/outlier-text.js";
+import { outlierText } from "../../series/outlier-text.js";
 import { OutlierMemo, type Outliers } from "../../series/outliers.js";
-import { summary } from "../../series/columns.js";
-import { lengthOf, type Span } from "../../series/time-window.js";
+import { summarize } from "../../series/columns.js";
+import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { reachContext } from "../../state/contexts.js";
 import type { Anomaly, Detector } from "../../state/anomaly-detectors.js";
 import type { SignalInfo } from "../../wire/api-types.js";
@@ -36,7 +36,7 @@ import "../../elements/analysis/detector.js";
 import "../../elements/base/icon.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/value.js";
-import { partOf, tileStyle } from "./chart-tile-style.js";
+import { positionPart, tileStyle } from "./chart-tile-style.js";
 import type { ChartFeed } from "./chart-feed.js";
 
 /** Values change five times a second: faster can not be read. Staleness shows as fast. */
@@ -52,7 +52,7 @@ export class ChartTile extends LitElement {
 
   @property({ attribute: false }) feed: ChartFeed | null = null;
   @property({ attribute: false }) signal: SignalInfo | null = null;
-  @property({ attribute: false }) painter: Painter | null = null;
+  @property({ attribute: false }) painter: PaintScheduler | null = null;
   @property() zone = "UTC";
   /** Place among the eight colours. */
   @property({ type: Number }) colour = 0;
@@ -79,21 +79,21 @@ export class ChartTile extends LitElement {
 
   @query("t-chart") private readonly drawn!: Chart | null;
 
-  private frozen: { span: Span; series: ChartSeries; scores: ReadonlyMap<string, ChartSeries> } | null = null;
+  private frozen: { span: TimeSpan; series: ChartSeries; scores: ReadonlyMap<string, ChartSeries> } | null = null;
   private scores: ReadonlyMap<string, ChartSeries> = new Map();
   private drawnMarks: readonly ChartMark[] = [];
   private marksOf: ReadonlyMap<string, readonly ChartMark[]> = new Map();
   private series: ChartSeries | null = null;
-  private axis: Axis | null = null;
+  private axis: ChartAxis | null = null;
   private readonly memo = new OutlierMemo();
   private found: Outliers | null = null;
   private points: ReadonlyMap<string, Outliers> = new Map();
 
-  private readonly reach = new StoreController(this, reachContext);
+  private readonly reach = new ContextStoreController(this, reachContext);
 
   constructor() {
     super();
-    new TickController(this, REFRESH_MS);
+    new TickerController(this, REFRESH_MS);
   }
 
   protected override willUpdate(changed: PropertyValues<this>): void {
@@ -102,12 +102,12 @@ export class ChartTile extends LitElement {
       this.axis = null;
       this.frozen = null;
     }
-    this.prepare();
-    if (changed.has("anomalies") || changed.has("marks")) this.mark();
+    this.prepareSeries();
+    if (changed.has("anomalies") || changed.has("marks")) this.buildMarks();
     if (changed.has("detectors") || changed.has("feed")) this.prepareScores();
     const still = this.paused || this.held;
     if (!still) this.frozen = null;
-    else if (this.frozen === null) this.freeze();
+    else if (this.frozen === null) this.freezeWindow();
   }
 
   override render(): TemplateResult | null {
@@ -168,13 +168,13 @@ export class ChartTile extends LitElement {
 
   private renderReading(signal: SignalInfo, feed: ChartFeed): TemplateResult {
     const freshness = this.freshness();
-    const one = feed.channelOf(signal.channels[0] ?? signal.address);
-    const word = stateWord(signal.states, one.trace.newest);
+    const held = feed.channelOf(signal.channels[0] ?? signal.address);
+    const word = stateWord(signal.states, held.trace.newest);
     switch (signal.type) {
       case "position":
         return html`<dl class="parts">
           ${map(signal.channels, (channel) => {
-            const part = partOf(signal, channel, feed.channelOf(channel).trace.newest);
+            const part = positionPart(signal, channel, feed.channelOf(channel).trace.newest);
             return html`<div>
               <dt>${part.name}</dt>
               <dd><t-value bare size="l" .state=${freshness} .text=${part.text}></t-value></dd>
@@ -182,17 +182,17 @@ export class ChartTile extends LitElement {
           })}
         </dl>`;
       case "text":
-        return html`<p class="text ${levelOf(one.text ?? "")}">${this.renderMessage(freshness, one.text)}</p>
-          <p class="range">${Number.isNaN(one.timeUs) ? nothing : `at ${formatClock(one.timeUs, this.zone)}`}</p>`;
+        return html`<p class="text ${severityOf(held.text ?? "")}">${this.renderMessage(freshness, held.text)}</p>
+          <p class="range">${Number.isNaN(held.timeUs) ? nothing : `at ${formatClock(held.timeUs, this.zone)}`}</p>`;
       case "state":
-        return html`<t-value bare size="xl" .state=${freshness} .text=${word} .level=${levelOf(word)}></t-value>`;
+        return html`<t-value bare size="xl" .state=${freshness} .text=${word} .level=${severityOf(word)}></t-value>`;
       case "number":
         return html`<div class="number">
           <t-value
             bare
             size="xl"
             .state=${freshness}
-            .value=${one.trace.newest}
+            .value=${held.trace.newest}
             .unit=${signal.unit}
             .decimals=${signal.decimals}
           ></t-value>
@@ -204,7 +204,7 @@ export class ChartTile extends LitElement {
   /** A message; one that begins with its level has a mark besides. */
   private renderMessage(freshness: ValueState, text: string | null): unknown {
     if (freshness === "unreached" || text === null) return "–";
-    return levelOf(text) === "" ? text : html`<t-icon name="warn"></t-icon> ${text}`;
+    return severityOf(text) === "" ? text : html`<t-icon name="warn"></t-icon> ${text}`;
   }
 
   /** Least and greatest of what the chart shows. */
@@ -212,7 +212,7 @@ export class ChartTile extends LitElement {
     const samples = this.frozen?.series.samples ?? this.series?.samples;
     const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
     if (samples === undefined || span === undefined) return nothing;
-    const seen = summary(samples.columnsAt(this.chartColumn(span)), span.fromUs, span.toUs);
+    const seen = summarize(samples.columnsAt(this.chartColumn(span)), span.fromUs, span.toUs);
     if (seen.count === 0) return html`nothing in this window`;
     const decimals = decimalsFor(signal.unit, signal.decimals);
     return html`<span>min <b>${formatNumber(seen.min, decimals)}</b></span>
@@ -228,7 +228,7 @@ export class ChartTile extends LitElement {
   }
 
   // The chart's own columns are asked for where there is one: two resolutions would thin twice.
-  private chartColumn(span: Span): number {
+  private chartColumn(span: TimeSpan): number {
     return this.drawn?.columnUs || Math.round(lengthOf(span) / COARSE);
   }
 
@@ -236,7 +236,7 @@ export class ChartTile extends LitElement {
     const series = this.frozen?.series ?? this.series;
     if (series === null || this.axis === null || this.forbidden) return nothing;
     const stale = this.freshness() === "stale";
-    if (series.stale !== stale) this.restate(stale);
+    if (series.stale !== stale) this.setStale(stale);
     const now = this.frozen?.series ?? this.series ?? series;
     this.seekOutliers(now);
     return html`<t-chart
@@ -252,7 +252,7 @@ export class ChartTile extends LitElement {
         label=${`${signal.name}, ${this.frozen === null ? "live" : "paused"}`}
       ></t-chart>
       ${this.renderNewestMark()}
-      ${this.found === null ? nothing : html`<p class="outliers">${outlierWords(this.found, signal.unit, decimalsFor(signal.unit, signal.decimals), false)}</p>`}
+      ${this.found === null ? nothing : html`<p class="outliers">${outlierText(this.found, signal.unit, decimalsFor(signal.unit, signal.decimals), false)}</p>`}
       ${
         this.frozen === null
           ? nothing
@@ -263,13 +263,13 @@ export class ChartTile extends LitElement {
   /** What the detectors say, below the chart and over the same window. */
   private renderDetectors(): unknown {
     if (this.forbidden || this.series === null) return nothing;
-    return this.detectors.map((one) => {
-      const series = this.frozen?.scores.get(one.scores) ?? this.scores.get(one.scores) ?? null;
+    return this.detectors.map((detector) => {
+      const series = this.frozen?.scores.get(detector.scores) ?? this.scores.get(detector.scores) ?? null;
       return html`<t-detector
-        .detector=${one}
-        .score=${this.scores.get(one.scores)?.samples.newest ?? NaN}
+        .detector=${detector}
+        .score=${this.scores.get(detector.scores)?.samples.newest ?? NaN}
         .series=${series}
-        .marks=${this.marksOf.get(one.scores) ?? NO_MARKS}
+        .marks=${this.marksOf.get(detector.scores) ?? NO_MARKS}
         .span=${this.frozen?.span ?? null}
         .follow=${this.frozen === null ? this.follow() : null}
         .painter=${this.painter}
@@ -301,16 +301,16 @@ export class ChartTile extends LitElement {
     return this.list;
   }
 
-  private follow(): Follow | null {
+  private follow(): FollowWindow | null {
     return this.feed?.currentWindow ?? null;
   }
 
-  private restate(stale: boolean): void {
+  private setStale(stale: boolean): void {
     if (this.series !== null) this.series = { ...this.series, stale };
     if (this.frozen !== null) this.frozen = { ...this.frozen, series: { ...this.frozen.series, stale } };
   }
 
-  private prepare(): void {
+  private prepareSeries(): void {
     const { signal, feed } = this;
     if (signal === null || feed === null || this.series !== null) return;
     if (signal.type !== "number" && signal.type !== "state") return;
@@ -331,10 +331,10 @@ export class ChartTile extends LitElement {
   }
 
   /** The chart shows alarms and all anomalies, and each strip the anomalies of its detector. */
-  private mark(): void {
+  private buildMarks(): void {
     this.drawnMarks = [...this.marks, ...anomalyMarks(this.anomalies)].sort((a, b) => a.timeUs - b.timeUs);
-    const own = (scores: string): readonly Anomaly[] => this.anomalies.filter((one) => one.scores === scores);
-    this.marksOf = new Map(this.anomalies.map(({ scores }) => [scores, anomalyMarks(own(scores))]));
+    const anomaliesOf = (scores: string): readonly Anomaly[] => this.anomalies.filter((anomaly) => anomaly.scores === scores);
+    this.marksOf = new Map(this.anomalies.map(({ scores }) => [scores, anomalyMarks(anomaliesOf(scores))]));
   }
 
   private prepareScores(): void {
@@ -351,7 +351,7 @@ export class ChartTile extends LitElement {
     );
   }
 
-  private freeze(): void {
+  private freezeWindow(): void {
     const { feed, signal, series } = this;
     if (feed === null || signal === null || series === null) return;
     const samples = feed.channelOf(signal.channels[0] ?? signal.address).trace.copy();

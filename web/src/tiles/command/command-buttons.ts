@@ -4,24 +4,24 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import type { CommandLine } from "../../controllers/drive/command-client.js";
-import { isFinal, type Asked } from "../../controllers/drive/command-machine.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { WatchController } from "../../controllers/store-controller.js";
+import type { CommandClient } from "../../controllers/drive/command-client.js";
+import { isFinal, type CommandRequest } from "../../controllers/drive/command-machine.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
-import { lockWords } from "../../format/interlock-reason.js";
+import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { DeviceInfo } from "../../wire/api-types.js";
 import { renderInterruptDialog } from "./interrupt-dialog.js";
-import type { Deed } from "../observatory/roles.js";
+import type { CommandButton } from "../observatory/roles.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/base/icon.js";
 import "../../elements/feedback/status.js";
 
 @customElement("t-deeds")
-export class Deeds extends LitElement {
+export class CommandButtons extends LitElement {
   static override styles = [
     base,
     css`
@@ -70,14 +70,14 @@ export class Deeds extends LitElement {
 
   @property() site = "";
   @property({ attribute: false }) device: DeviceInfo | null = null;
-  @property({ attribute: false }) line: CommandLine | null = null;
-  @property({ attribute: false }) deeds: readonly Deed[] = [];
+  @property({ attribute: false }) line: CommandClient | null = null;
+  @property({ attribute: false }) deeds: readonly CommandButton[] = [];
   @property({ type: Boolean }) online = true;
 
-  @state() private asking: Deed | null = null;
+  @state() private asking: CommandButton | null = null;
 
-  private readonly interlocks = new StoreController(this, interlocksContext);
-  private readonly watched = new WatchController(this);
+  private readonly interlocks = new ContextStoreController(this, interlocksContext);
+  private readonly watched = new StoreController(this);
 
   override willUpdate(): void {
     this.watched.setStore(this.line);
@@ -99,23 +99,23 @@ export class Deeds extends LitElement {
       ${this.renderDialog()}${renderInterruptDialog(this.recentRequests(), this.line)}`;
   }
 
-  private renderButton(deed: Deed): TemplateResult {
+  private renderButton(deed: CommandButton): TemplateResult {
     const lock = this.lockOf(deed);
-    const asked = this.line?.desk.latest(this.device?.id ?? "", deed.command.id) ?? null;
+    const asked = this.line?.desk.latestRequest(this.device?.id ?? "", deed.command.id) ?? null;
     // What is asked for again while it is under way is refused by nobody's mistake; STOP never waits.
     const busy = asked !== null && !isFinal(asked.phase) && deed.kind !== "danger" && deed.command.arguments.length !== 1;
-    const ask = (): void => {
+    const sendCommand = (): void => {
       if (deed.command.confirm) this.asking = deed;
       else this.sendCommand(deed);
     };
-    return html`<t-button kind=${deed.kind} ?disabled=${!this.online || lock !== ""} ?busy=${busy} @click=${ask}
+    return html`<t-button kind=${deed.kind} ?disabled=${!this.online || lock !== ""} ?busy=${busy} @click=${sendCommand}
       >${lock === "" ? nothing : html`<t-icon name="lock"></t-icon>`}${deed.label}${deed.command.confirm ? "…" : ""}</t-button
     >`;
   }
 
-  private lockOf({ command }: Deed): string {
+  private lockOf({ command }: CommandButton): string {
     const lock = this.interlocks.store?.lockOf(this.site, this.device?.id ?? "", command.id) ?? null;
-    return lock === null ? "" : lockWords(lock);
+    return lock === null ? "" : lockText(lock);
   }
 
   /** Buttons by the reason that locks them: each reason is said once. */
@@ -128,13 +128,13 @@ export class Deeds extends LitElement {
     return found;
   }
 
-  private recentRequests(): readonly Asked[] {
+  private recentRequests(): readonly CommandRequest[] {
     const ids = new Set(this.deeds.map(({ command }) => command.id));
-    const asked = [...ids].map((id) => this.line?.desk.latest(this.device?.id ?? "", id) ?? null);
-    return asked.filter((one) => one !== null).sort((a, b) => b.since - a.since).slice(0, 3);
+    const asked = [...ids].map((id) => this.line?.desk.latestRequest(this.device?.id ?? "", id) ?? null);
+    return asked.filter((request) => request !== null).sort((a, b) => b.since - a.since).slice(0, 3);
   }
 
-  private renderOutcome(asked: Asked): TemplateResult {
+  private renderOutcome(asked: CommandRequest): TemplateResult {
     const name = this.deeds.find(({ command }) => command.id === asked.command)?.command.name ?? asked.command;
     const { kind, word } = PHASES[asked.phase];
     return html`<li>
@@ -166,7 +166,7 @@ export class Deeds extends LitElement {
     if (deed !== null && this.online && this.lockOf(deed) === "") this.sendCommand(deed);
   };
 
-  private sendCommand(deed: Deed): void {
+  private sendCommand(deed: CommandButton): void {
     const units = deed.command.arguments.map(({ id, unit }) => [id, unit] as const);
     this.line?.sendCommand(this.device?.id ?? "", deed.command.id, deed.args, Object.fromEntries(units));
   }
@@ -174,6 +174,6 @@ export class Deeds extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-deeds": Deeds;
+    "t-deeds": CommandButtons;
   }
 }

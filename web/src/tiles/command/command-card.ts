@@ -2,11 +2,11 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import type { Arguments, CommandLine } from "../../controllers/drive/command-client.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { WatchController } from "../../controllers/store-controller.js";
+import type { CommandArguments, CommandClient } from "../../controllers/drive/command-client.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import "../../elements/command/command-form.js";
-import { lockWords } from "../../format/interlock-reason.js";
+import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { CommandInfo, DeviceInfo } from "../../wire/api-types.js";
 import { renderInterruptDialog } from "./interrupt-dialog.js";
@@ -23,11 +23,11 @@ export class CommandCard extends LitElement {
   @property() site = "";
   @property({ attribute: false }) device: DeviceInfo | null = null;
   @property({ attribute: false }) command: CommandInfo | null = null;
-  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
 
-  private readonly interlocks = new StoreController(this, interlocksContext);
-  private readonly watched = new WatchController(this);
+  private readonly interlocks = new ContextStoreController(this, interlocksContext);
+  private readonly watched = new StoreController(this);
 
   override willUpdate(): void {
     this.watched.setStore(this.line);
@@ -37,22 +37,22 @@ export class CommandCard extends LitElement {
     const { device, command } = this;
     if (device === null || command === null) return nothing;
     const lock = this.interlocks.store?.lockOf(this.site, device.id, command.id) ?? null;
-    const ask = (event: CustomEvent<Arguments>): void => {
+    const sendCommand = (event: CustomEvent<CommandArguments>): void => {
       const units = command.arguments.map(({ id, unit }) => [id, unit] as const);
       this.line?.sendCommand(device.id, command.id, event.detail, Object.fromEntries(units));
     };
-    const cancel = (): void => {
+    const cancelCommand = (): void => {
       this.line?.cancelCommand(device.id, command.id);
     };
-    const asked = this.line?.desk.latest(device.id, command.id) ?? null;
+    const asked = this.line?.desk.latestRequest(device.id, command.id) ?? null;
     return html`<t-command
       .command=${command}
       .asked=${asked}
       .online=${this.online}
-      .locked=${lock === null ? "" : lockWords(lock)}
+      .locked=${lock === null ? "" : lockText(lock)}
       .allowed=${device.rights.includes("use")}
-      @t-ask=${ask}
-      @t-cancel=${cancel}
+      @t-ask=${sendCommand}
+      @t-cancel=${cancelCommand}
       ></t-command
       >${renderInterruptDialog([asked], this.line)}`;
   }

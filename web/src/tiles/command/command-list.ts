@@ -3,14 +3,14 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import type { CommandLine } from "../../controllers/drive/command-client.js";
+import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { base } from "../../elements/base/base-style.js";
 import "../../elements/layout/card.js";
 import "./command-card.js";
 import type { CommandInfo, DeviceInfo } from "../../wire/api-types.js";
 
 @customElement("t-commands")
-export class Commands extends LitElement {
+export class CommandList extends LitElement {
   static override styles = [
     base,
     css`
@@ -40,7 +40,7 @@ export class Commands extends LitElement {
 
   @property() site = "";
   @property({ attribute: false }) devices: readonly DeviceInfo[] = [];
-  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
   @property() heading = "Commands";
   /** Ids of commands that the page shows elsewhere. */
@@ -93,6 +93,6 @@ export class Commands extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-commands": Commands;
+    "t-commands": CommandList;
   }
 }

@@ -2,8 +2,8 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { TickController } from "../../controllers/ticker.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatDuration } from "../../format/duration.js";
 import { deviceHoldersContext } from "../../state/contexts.js";
@@ -28,11 +28,11 @@ export class DeviceHolderLine extends LitElement {
   @property() site = "";
   @property() device = "";
 
-  private readonly holders = new StoreController(this, deviceHoldersContext);
+  private readonly holders = new ContextStoreController(this, deviceHoldersContext);
 
   constructor() {
     super();
-    new TickController(this);
+    new TickerController(this);
   }
 
   override render(): readonly TemplateResult[] | typeof nothing {

@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { capWords } from "../../controllers/drive/drive-messages.js";
-import type { DriveSeat } from "../../controllers/drive/drive-session.js";
+import type { DriveSession } from "../../controllers/drive/drive-session.js";
 import { padStick } from "../../controllers/drive/stick.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import "../../elements/drive/arrow-pad.js";
@@ -12,11 +12,11 @@ import type { Motion } from "../../elements/drive/drive-readout.js";
 import "../../elements/drive/lease-line.js";
 import "../../elements/drive/touch-pad.js";
 import "../../elements/drive/speed-limit.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatMs } from "../../format/duration.js";
-import { lockWords } from "../../format/interlock-reason.js";
-import type { Hold } from "../../elements/drive/hold-event.js";
+import { lockText } from "../../format/interlock-reason.js";
+import type { HoldDetail } from "../../elements/drive/hold-event.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { DeviceInfo, SignalInfo } from "../../wire/api-types.js";
 
@@ -74,17 +74,17 @@ export class DrivePad extends LitElement {
 
   @property() site = "";
   @property({ attribute: false }) device: DeviceInfo | null = null;
-  @property({ attribute: false }) seat: DriveSeat | null = null;
+  @property({ attribute: false }) seat: DriveSession | null = null;
   @property({ type: Boolean }) stopped = false;
   /** Age of the picture (ms); negative: none. */
   @property({ attribute: false }) pictureAge: () => number = () => -1;
 
-  private readonly interlocks = new StoreController(this, interlocksContext, () => {
+  private readonly interlocks = new ContextStoreController(this, interlocksContext, () => {
     this.followLock();
   });
   private readonly live = new LiveValuesController(this);
   private stop: (() => void) | null = null;
-  private watched: DriveSeat | null = null;
+  private watched: DriveSession | null = null;
   private timer: ReturnType<typeof setInterval> | undefined;
 
   override connectedCallback(): void {
@@ -107,7 +107,7 @@ export class DrivePad extends LitElement {
     this.observeSignals();
     this.followLock();
     const channels = [this.signalWithUnit("m/s"), this.signalWithUnit("rad/s")].flatMap((signal) => signal?.channels ?? []);
-    this.live.observe(this.site, channels);
+    this.live.observeChannels(this.site, channels);
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -169,7 +169,7 @@ export class DrivePad extends LitElement {
   /** Why an interlock refuses driving now; empty when none does. */
   private get lockReason(): string {
     const lock = this.device && this.interlocks.store?.lockOf(this.site, this.device.id, "drive");
-    return lock ? lockWords(lock) : "";
+    return lock ? lockText(lock) : "";
   }
 
   /** No press counts while driving is locked, and what is held is let go in the same turn. */
@@ -197,8 +197,8 @@ export class DrivePad extends LitElement {
     const signal = this.signalWithUnit(unit);
     const channel = signal?.channels[0];
     if (!signal || channel === undefined) return Number.NaN;
-    const fresh = this.live.freshness(channel, signal.max_age) === "live";
-    return fresh ? (this.live.reading(channel)?.value ?? Number.NaN) : Number.NaN;
+    const fresh = this.live.freshnessOf(channel, signal.max_age) === "live";
+    return fresh ? (this.live.readingOf(channel)?.value ?? Number.NaN) : Number.NaN;
   }
 
   private signalWithUnit(unit: string): SignalInfo | undefined {
@@ -215,7 +215,7 @@ export class DrivePad extends LitElement {
       }) ?? null;
   }
 
-  private readonly onHold = (event: CustomEvent<Hold>): void => {
+  private readonly onHold = (event: CustomEvent<HoldDetail>): void => {
     const { act, source, stick, kind } = event.detail;
     switch (act) {
       case "press":

@@ -3,10 +3,10 @@
 import { ContextConsumer } from "@lit/context";
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
-import { LinkController } from "../../controllers/connection-state.js";
+import { ConnectionStateController } from "../../controllers/connection-state.js";
 import type { Pose } from "../../elements/map/map-painter.js";
 import "../../elements/map/track-map.js";
-import { backfill, course, extendTrack, flat, joinTrack, type Place, type TrackPoint } from "../../elements/map/track.js";
+import { mergeTracks, courseOf, extendTrack, flatPosition, joinTrack, type MapPlace, type TrackPoint } from "../../elements/map/track.js";
 import { formatAge } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
 import { apiContext } from "../../state/contexts.js";
@@ -21,7 +21,7 @@ const TRAIL_US = TRAIL_MIN * 60e6;
 /** Two points a pixel come at the most: enough for ten samples a second. */
 const HISTORY_WIDTH = 3000;
 
-interface Sample {
+interface PositionSample {
   readonly numbers: readonly number[];
   readonly timeUs: number;
 }
@@ -40,16 +40,16 @@ export class PositionMap extends LitElement {
 
   @state() private trail: readonly TrackPoint[] = [];
   @state() private pose: Pose | null = null;
-  @state() private sample: Sample | null = null;
+  @state() private sample: PositionSample | null = null;
   @state() private stale = "";
   private freshAt = 0;
-  private origin: Place | null = null;
+  private origin: MapPlace | null = null;
   private opened = "";
   private cancel: (() => void) | null = null;
   private api: HubApi | undefined;
   private timer: ReturnType<typeof setInterval> | undefined;
   private readonly latest = new Map<string, number>();
-  private readonly link = new LinkController(this);
+  private readonly link = new ConnectionStateController(this);
 
   constructor() {
     super();
@@ -132,7 +132,7 @@ export class PositionMap extends LitElement {
     this.freshAt = performance.now() - age;
     this.sample = { numbers, timeUs: newest };
     this.trail = extendTrack(this.trail, { ...place, timeUs: newest }, TRAIL_US);
-    const yaw = this.degrees ? course(this.trail) : (numbers[2] ?? Number.NaN);
+    const yaw = this.degrees ? courseOf(this.trail) : (numbers[2] ?? Number.NaN);
     this.pose = { ...place, yaw };
     this.updateAge();
   }
@@ -141,7 +141,7 @@ export class PositionMap extends LitElement {
     if (!Number.isFinite(first) || !Number.isFinite(second)) return null;
     if (!this.degrees) return { x: first, y: second };
     this.origin ??= { lat: first, lon: second };
-    return flat({ lat: first, lon: second }, this.origin);
+    return flatPosition({ lat: first, lon: second }, this.origin);
   }
 
   private async loadTrail(signal: SignalInfo): Promise<void> {
@@ -152,15 +152,15 @@ export class PositionMap extends LitElement {
     const opened = this.opened;
     try {
       const { series } = await this.api.history(this.site, query);
-      if (opened === this.opened) this.trail = backfill(this.pointsOf(series, first, second), this.trail);
+      if (opened === this.opened) this.trail = mergeTracks(this.pointsOf(series, first, second), this.trail);
     } catch {
       // The trail then starts now; the map itself does not depend on the past.
     }
   }
 
   private pointsOf(series: readonly HistorySeries[], first: string, second: string): TrackPoint[] {
-    const x = series.find((one) => one.address === first);
-    const y = series.find((one) => one.address === second);
+    const x = series.find((series) => series.address === first);
+    const y = series.find((series) => series.address === second);
     if (!x || !y) return [];
     return joinTrack(x, y).flatMap((point) => {
       const place = this.placeOf(point.x, point.y);

@@ -6,7 +6,7 @@ import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { isFinal } from "../../controllers/drive/command-machine.js";
 import { LoadController } from "../../controllers/load.js";
-import { WatchController } from "../../controllers/store-controller.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
@@ -17,8 +17,8 @@ import { ArchiveApi, filePath, type FrameDetail } from "../../wire/archive-api.j
 import type { CommandInfo, SignalInfo } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../archive/frame-preview.js";
-import { NO_DEVICE, Part, partStyle } from "./device-part.js";
-import { cameraDeeds, cameraSignals, type CameraSignals, type Deed } from "./roles.js";
+import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
+import { cameraCommands, cameraSignals, type CameraSignals, type CommandButton } from "./roles.js";
 import "../../elements/layout/card.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
@@ -37,7 +37,7 @@ const COMES_MS = 4000;
 const COUNTS_MS = 3000;
 
 @customElement("t-part-camera")
-export class CameraPart extends Part {
+export class CameraPart extends DevicePart {
   static override styles = [
     base,
     partStyle,
@@ -92,7 +92,7 @@ export class CameraPart extends Part {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly newest = new LoadController<FrameDetail | null>(this);
-  private readonly watched = new WatchController(this);
+  private readonly watched = new StoreController(this);
   private longest = 0;
   private left = Number.NaN;
   private movedMs = 0;
@@ -134,8 +134,8 @@ export class CameraPart extends Part {
   /** An exposure was asked for here, and its end is not known yet. */
   private isExposureRequested(): boolean {
     const device = this.device ?? NO_DEVICE;
-    const asks = cameraDeeds(device).expose.map(({ id }) => this.line?.desk.latest(device.id, id) ?? null);
-    return asks.some((one) => one !== null && !isFinal(one.phase));
+    const asks = cameraCommands(device).expose.map(({ id }) => this.line?.desk.latestRequest(device.id, id) ?? null);
+    return asks.some((request) => request !== null && !isFinal(request.phase));
   }
 
   private async loadNewestFrame(device: string): Promise<FrameDetail | null> {
@@ -210,8 +210,8 @@ export class CameraPart extends Part {
 
   private renderExposure(): TemplateResult {
     const { state, remaining, filter } = cameraSignals(this.device ?? NO_DEVICE);
-    const { expose, abort } = cameraDeeds(this.device ?? NO_DEVICE);
-    const stops = abort.map((deed): Deed => ({ ...deed, kind: this.under ? "danger" : "plain" }));
+    const { expose, abort } = cameraCommands(this.device ?? NO_DEVICE);
+    const stops = abort.map((deed): CommandButton => ({ ...deed, kind: this.under ? "danger" : "plain" }));
     return html`<h2>Exposure</h2>
       <div class="readings">${map([state, filter], (signal) => this.renderReading(signal, "l"))}</div>
       ${this.renderProgress(remaining)} ${this.renderLookOnly()}
@@ -232,7 +232,7 @@ export class CameraPart extends Part {
 
   private renderCooler(): unknown {
     const { temperature, cooler, power } = cameraSignals(this.device ?? NO_DEVICE);
-    const { cool, cooler: deeds } = cameraDeeds(this.device ?? NO_DEVICE);
+    const { cool, cooler: deeds } = cameraCommands(this.device ?? NO_DEVICE);
     if (temperature === undefined && cooler === undefined && cool.length === 0) return nothing;
     return html`<div class="card">
       <h2>Cooler</h2>

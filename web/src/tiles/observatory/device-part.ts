@@ -2,11 +2,11 @@
 
 import { css, html, LitElement, nothing } from "lit";
 import { property } from "lit/decorators.js";
-import type { CommandLine } from "../../controllers/drive/command-client.js";
+import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
 import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api-types.js";
-import type { Known } from "./weather-verdict.js";
+import type { KnownValue } from "./weather-verdict.js";
 
 /** Stands in before the page has handed a device over. */
 export const NO_DEVICE: DeviceInfo = {
@@ -55,27 +55,27 @@ export const partStyle = css`
   }
 `;
 
-export abstract class Part extends LitElement {
+export abstract class DevicePart extends LitElement {
   @property() site = "";
   @property({ attribute: false }) device: DeviceInfo | null = null;
   @property({ attribute: false }) detail: SiteDetail | null = null;
-  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = false;
 
   protected readonly live = new LiveValuesController(this);
 
   /** The signals that this part reads; some of them may not be there. */
   protected observeSignals(...signals: readonly (SignalInfo | undefined)[]): void {
-    this.live.observe(this.site, signals.flatMap((signal) => signal?.channels.slice(0, 1) ?? []));
+    this.live.observeChannels(this.site, signals.flatMap((signal) => signal?.channels.slice(0, 1) ?? []));
   }
 
   /** A value that is old or impossible, or whose link is down, is not fresh: its number is not to be believed. */
-  protected readSignal(signal: SignalInfo | undefined): Known {
+  protected readSignal(signal: SignalInfo | undefined): KnownValue {
     const channel = signal?.channels[0];
     if (signal === undefined || channel === undefined) return { fresh: false, value: Number.NaN, word: "" };
-    const reading = this.live.reading(channel);
+    const reading = this.live.readingOf(channel);
     const value = reading?.value ?? Number.NaN;
-    const fresh = this.online && this.live.freshness(channel, signal.max_age) === "live" && !outOfRange(signal, value);
+    const fresh = this.online && this.live.freshnessOf(channel, signal.max_age) === "live" && !outOfRange(signal, value);
     const word = signal.type === "state" ? stateWord(signal.states, value) : (reading?.text ?? "");
     return { fresh, value, word };
   }

@@ -3,20 +3,20 @@
 import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { SignalInfo } from "../../wire/api-types.js";
-import { NO_DEVICE, Part } from "./device-part.js";
-import { outletsOf, telescopeSignals, tellingSignals } from "./roles.js";
+import { NO_DEVICE, DevicePart } from "./device-part.js";
+import { outletsOf, telescopeSignals, summarySignals } from "./roles.js";
 import { limitLines, rulesAbout, verdictOf, VERDICT_KINDS, VERDICT_WORDS } from "./weather-verdict.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/value.js";
 import "../signal-value.js";
 
 @customElement("t-telling")
-export class Telling extends Part {
+export class DeviceSummaryValues extends DevicePart {
   static override styles = [
     base,
     css`
@@ -42,18 +42,18 @@ export class Telling extends Part {
     `,
   ];
 
-  private readonly interlocks = new StoreController(this, interlocksContext);
+  private readonly interlocks = new ContextStoreController(this, interlocksContext);
 
   override willUpdate(): void {
     const device = this.device ?? NO_DEVICE;
     const outlets = device.kind === "power" ? outletsOf(device).map(({ signal }) => signal) : [];
-    this.observeSignals(...(device.kind === "weather" ? device.signals : [...tellingSignals(device), ...outlets]));
+    this.observeSignals(...(device.kind === "weather" ? device.signals : [...summarySignals(device), ...outlets]));
   }
 
   override render(): TemplateResult | typeof nothing {
     const { device } = this;
     if (device === null) return nothing;
-    return html`${this.renderVerdict()} ${this.renderOutlets()} ${map(tellingSignals(device), (signal) => this.renderValue(signal))}`;
+    return html`${this.renderVerdict()} ${this.renderOutlets()} ${map(summarySignals(device), (signal) => this.renderValue(signal))}`;
   }
 
   private renderValue(signal: SignalInfo): TemplateResult {
@@ -65,7 +65,7 @@ export class Telling extends Part {
       ><span class="name">${signal === ra ? "RA" : "Dec"}</span
       ><t-value
         bare
-        .state=${fresh ? "live" : this.online ? this.live.freshness(signal.channels[0] ?? "", signal.max_age) : "stale"}
+        .state=${fresh ? "live" : this.online ? this.live.freshnessOf(signal.channels[0] ?? "", signal.max_age) : "stale"}
         .text=${text}
       ></t-value
     ></span>`;
@@ -86,8 +86,8 @@ export class Telling extends Part {
     const outlets = device?.kind === "power" ? outletsOf(device) : [];
     if (outlets.length === 0) return nothing;
     const on = outlets.map(({ signal }) => this.isOn(signal));
-    const unknown = on.filter((one) => one === null).length;
-    const text = `${String(on.filter((one) => one === true).length)} of ${String(outlets.length)} on`;
+    const unknown = on.filter((closed) => closed === null).length;
+    const text = `${String(on.filter((closed) => closed === true).length)} of ${String(outlets.length)} on`;
     return html`<span class="one"
       ><span class="name">Outlets</span
       ><t-value bare .state=${unknown === outlets.length ? "unknown" : "live"} .text=${unknown === 0 ? text : `${text}, ${String(unknown)} ?`}></t-value
@@ -97,6 +97,6 @@ export class Telling extends Part {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-telling": Telling;
+    "t-telling": DeviceSummaryValues;
   }
 }

@@ -8,8 +8,8 @@ import { formatAzimuth } from "../../format/sexagesimal.js";
 import { formatWithUnit } from "../../format/unit.js";
 import type { EnclosureInfo, PartInfo, SightingInfo, SignalInfo } from "../../wire/api-types.js";
 import { sensorsDisagree, type RoofSensor } from "./sensor-agreement.js";
-import { NO_DEVICE, Part, partStyle } from "./device-part.js";
-import { domeDeeds, domeSignals, shutterOf, telescopeSignals, type DomeSignals, type ShutterState } from "./roles.js";
+import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
+import { domeCommands, domeSignals, shutterOf, telescopeSignals, type DomeSignals, type ShutterState } from "./roles.js";
 import "../../elements/observatory/dome-drawing.js";
 import "../../elements/feedback/status.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
@@ -28,7 +28,7 @@ const SAID: Readonly<Record<ShutterState, { kind: StatusKind; word: string }>> =
 };
 
 @customElement("t-part-dome")
-export class DomePart extends Part {
+export class DomePart extends DevicePart {
   static override styles = [
     base,
     partStyle,
@@ -65,7 +65,7 @@ export class DomePart extends Part {
     // One word of its controller is no proof, and is not shown as one.
     const judged = this.shutterVerdict();
     const doubted = roof === "closed" && judged !== undefined && !judged.closed;
-    const { buttons, forms } = domeDeeds(device);
+    const { buttons, forms } = domeCommands(device);
     return html`<section class="two" aria-label="Dome">
       <div class="card">
         <t-dome-drawing
@@ -131,8 +131,8 @@ export class DomePart extends Part {
   private shutterVerdict(): { readonly closed: boolean; readonly disagree: boolean; readonly said: string } | undefined {
     const enclosure = this.enclosure();
     if (enclosure === undefined) return undefined;
-    const [whole = [], ...segments] = [enclosure, ...enclosure.segments].map(({ closed }) => closed.map((one) => this.roofSensor(one)));
-    const flap = enclosure.flap?.closed.map((one) => this.roofSensor(one)) ?? [];
+    const [whole = [], ...segments] = [enclosure, ...enclosure.segments].map(({ closed }) => closed.map((sighting) => this.roofSensor(sighting)));
+    const flap = enclosure.flap?.closed.map((sighting) => this.roofSensor(sighting)) ?? [];
     const lines = [...whole, ...segments.flat(), ...flap];
     return {
       closed: lines.every(({ closed }) => closed === true),
@@ -165,7 +165,7 @@ export class DomePart extends Part {
     const enclosure = this.enclosure();
     const parts = enclosure === undefined ? [] : partsOf(enclosure);
     const flap = enclosure?.flap?.position === "" ? enclosure.flap.closed.map(({ signal }) => signal) : [];
-    return [...parts.map(({ position }) => position).filter((each) => each !== ""), ...flap].map((each) => this.signalAt(each));
+    return [...parts.map(({ position }) => position).filter((address) => address !== ""), ...flap].map((address) => this.signalAt(address));
   }
 
   private renderReading(signal: SignalInfo | undefined): unknown {
@@ -192,8 +192,8 @@ export class DomePart extends Part {
     const all = [enclosure, ...partsOf(enclosure)];
     return [
       ...all.flatMap(({ closed }) => closed.map(({ signal }) => signal)),
-      ...all.map(({ position }) => position).filter((each) => each !== ""),
-    ].map((each) => this.signalAt(each));
+      ...all.map(({ position }) => position).filter((address) => address !== ""),
+    ].map((address) => this.signalAt(address));
   }
 
   private signalAt(address: string): SignalInfo | undefined {

@@ -1,7 +1,7 @@
 /** The drawn part of a device's page, chosen by what the device is. */
 
 import { html, nothing, type TemplateResult } from "lit";
-import type { CommandLine } from "../../controllers/drive/command-client.js";
+import type { CommandClient } from "../../controllers/drive/command-client.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
 import { partOf } from "./roles.js";
 import "./camera-part.js";
@@ -10,16 +10,16 @@ import "./power-part.js";
 import "./telescope-part.js";
 import "./weather-part.js";
 
-export interface Given {
+export interface DrawnPartOptions {
   readonly site: string;
   readonly device: DeviceInfo;
   readonly detail: SiteDetail;
-  readonly line: CommandLine | null;
+  readonly line: CommandClient | null;
   readonly online: boolean;
 }
 
 /** Nothing for a device that has none: its values and commands say it all. */
-export function renderDrawnPart({ site, device, detail, line, online }: Given): TemplateResult | typeof nothing {
+export function renderDrawnPart({ site, device, detail, line, online }: DrawnPartOptions): TemplateResult | typeof nothing {
   switch (partOf(device)) {
     case "dome":
       return html`<t-part-dome .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-part-dome>`;

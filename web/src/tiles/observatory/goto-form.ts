@@ -4,23 +4,23 @@ import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import type { CommandLine } from "../../controllers/drive/command-client.js";
+import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { base } from "../../elements/base/base-style.js";
-import { checkArgument, startOf, type ArgumentValue } from "../../elements/command/argument-check.js";
+import { checkArgument, initialText, type ArgumentValue } from "../../elements/command/argument-check.js";
 import { formatNumber } from "../../format/number.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js";
 import { formatClock } from "../../format/time.js";
-import { typedText } from "../../format/form-values.js";
+import { formText } from "../../format/form-values.js";
 import { moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
-import { nightOf, visibilityOf, visibilityWords, type Night, type Visibility } from "../../sky/night-visibility.js";
-import type { Place } from "../../sky/coordinates.js";
+import { nightTrack, visibilityOf, visibilityText, type NightTrack, type Visibility } from "../../sky/night-visibility.js";
+import type { GeoPlace } from "../../sky/coordinates.js";
 import { apiContext } from "../../state/contexts.js";
 import type { DeviceInfo } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { partStyle } from "./device-part.js";
-import type { Deed, Slew } from "./roles.js";
-import { aimOf, catalogueTarget, ownTargets, refusalOf, typedTarget, type Target } from "./sky-target.js";
+import type { CommandButton, Slew } from "./roles.js";
+import { aimOf, catalogueTarget, ownTargets, refusalOf, typedTarget, type SkyTarget } from "./sky-target.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/forms/field.js";
@@ -41,7 +41,7 @@ const EVERY_MS = 60_000;
 
 /** @fires t-target detail is the target that was chosen, or null */
 @customElement("t-goto")
-export class Goto extends LitElement {
+export class GotoForm extends LitElement {
   static override styles = [
     base,
     partStyle,
@@ -126,9 +126,9 @@ export class Goto extends LitElement {
 
   @property() site = "";
   @property({ attribute: false }) device: DeviceInfo | null = null;
-  @property({ attribute: false }) line: CommandLine | null = null;
+  @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
-  @property({ attribute: false }) place: Place | null = null;
+  @property({ attribute: false }) place: GeoPlace | null = null;
   @property({ attribute: false }) slew: Slew | null = null;
   @property() zone = "UTC";
   /** The moment (ms since 1970). */
@@ -136,15 +136,15 @@ export class Goto extends LitElement {
 
   @state() private way: "name" | "place" = "name";
   @state() private dated = false;
-  @state() private found: readonly Target[] | null = null;
-  @state() private target: Target | null = null;
+  @state() private found: readonly SkyTarget[] | null = null;
+  @state() private target: SkyTarget | null = null;
   @state() private problem = "";
   @state() private busy = false;
   @state() private failure: unknown = null;
   @query("form") private readonly form!: HTMLFormElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private night: { night: Night; seen: Visibility; moon: readonly number[] } | null = null;
+  private night: { night: NightTrack; seen: Visibility; moon: readonly number[] } | null = null;
   private computed = 0;
 
   override willUpdate(): void {
@@ -152,10 +152,10 @@ export class Goto extends LitElement {
     else if (this.night === null || this.ms - this.computed >= EVERY_MS) this.computeVisibility(this.target, this.place);
   }
 
-  private computeVisibility(target: Target, place: Place): void {
-    const night = nightOf(target.at(this.ms), place, this.ms);
+  private computeVisibility(target: SkyTarget, place: GeoPlace): void {
+    const night = nightTrack(target.at(this.ms), place, this.ms);
     const moon = night.points.map(({ ms }) => moonFrom(place, ms).alt);
-    this.night = { night, seen: visibilityOf(night, this.limits.horizon), moon };
+    this.night = { night, seen: visibilityOf(night, this.pointingLimits.horizon), moon };
     this.computed = this.ms;
   }
 
@@ -205,22 +205,22 @@ export class Goto extends LitElement {
       <legend>Which one?</legend>
       ${map(
         found,
-        (one, i) => html`<label
-          ><input type="radio" name="which" .value=${String(i)} .checked=${one === this.target} @change=${this.onPick} /><span><strong>${one.name}</strong> <span class="muted">${one.about}</span></span></label
+        (target, i) => html`<label
+          ><input type="radio" name="which" .value=${String(i)} .checked=${target === this.target} @change=${this.onPick} /><span><strong>${target.name}</strong> <span class="muted">${target.about}</span></span></label
         >`,
       )}
     </fieldset>`;
   }
 
-  private renderTarget(target: Target): TemplateResult {
+  private renderTarget(target: SkyTarget): TemplateResult {
     const { place, night } = this;
     const dated = target.at(this.ms);
     const aim = place === null ? null : aimOf(target, place, this.ms);
-    const refusal = aim === null || place === null ? "" : refusalOf(aim, place, this.ms, this.limits);
+    const refusal = aim === null || place === null ? "" : refusalOf(aim, place, this.ms, this.pointingLimits);
     const words =
       aim === null || place === null || night === null
         ? ""
-        : visibilityWords(aim, sunFrom(place, this.ms).alt, night.seen, this.limits.horizon, (ms) => formatClock(ms * 1000, this.zone).slice(0, 5));
+        : visibilityText(aim, sunFrom(place, this.ms).alt, night.seen, this.pointingLimits.horizon, (ms) => formatClock(ms * 1000, this.zone).slice(0, 5));
     return html`<div>
         <h3>${target.name}</h3>
         <p class="muted">${target.about}</p>
@@ -238,7 +238,7 @@ export class Goto extends LitElement {
               .night=${night.night}
               .seen=${night.seen}
               .moon=${night.moon}
-              .limit=${this.limits.horizon}
+              .limit=${this.pointingLimits.horizon}
               .ms=${this.ms}
               .zone=${this.zone}
               .words=${words}
@@ -246,32 +246,32 @@ export class Goto extends LitElement {
       ${refusal === "" ? nothing : html`<p class="warn"><t-icon name="warn"></t-icon><span>${refusal}</span></p>`} ${this.renderSendButton(target, dated)}`;
   }
 
-  private renderSendButton(target: Target, { ra, dec }: { ra: number; dec: number }): unknown {
+  private renderSendButton(target: SkyTarget, { ra, dec }: { ra: number; dec: number }): unknown {
     const { slew } = this;
     if (slew === null) return html`<p class="note">You may look, but not send the telescope there.</p>`;
     const others = slew.command.arguments.filter(({ id }) => id !== slew.ra && id !== slew.dec);
     const inDegrees = slew.command.arguments.find(({ id }) => id === slew.ra)?.unit === "°";
     const args: Record<string, ArgumentValue> = { [slew.ra]: inDegrees ? ra * 15 : ra, [slew.dec]: dec };
     for (const other of others) {
-      const start = checkArgument(other, startOf(other));
+      const start = checkArgument(other, initialText(other));
       if (start.ok) args[other.id] = start.value;
     }
-    const deeds: readonly Deed[] = [{ command: slew.command, args, label: `${slew.command.name} ${target.name}`, kind: "primary" }];
+    const deeds: readonly CommandButton[] = [{ command: slew.command, args, label: `${slew.command.name} ${target.name}`, kind: "primary" }];
     return html`<t-deeds .site=${this.site} .device=${this.device} .line=${this.line} .deeds=${deeds} .online=${this.online}></t-deeds>`;
   }
 
-  private get limits(): { horizon: number; sun: number } {
+  private get pointingLimits(): { horizon: number; sun: number } {
     return { horizon: this.device?.pointing?.horizon ?? 0, sun: this.device?.pointing?.sun ?? 0 };
   }
 
-  private choose(target: Target | null): void {
+  private chooseTarget(target: SkyTarget | null): void {
     this.target = target;
     this.night = null;
     this.dispatchEvent(new CustomEvent("t-target", { detail: target }));
   }
 
   private readonly onPick = (event: Event): void => {
-    if (event.target instanceof HTMLInputElement) this.choose(this.found?.[Number(event.target.value)] ?? null);
+    if (event.target instanceof HTMLInputElement) this.chooseTarget(this.found?.[Number(event.target.value)] ?? null);
   };
 
   private readonly onMethodChange = (event: CustomEvent<string>): void => {
@@ -290,18 +290,18 @@ export class Goto extends LitElement {
     this.problem = "";
     this.failure = null;
     if (this.way === "place") this.findTarget();
-    else void this.searchCatalogue(this.typed("name"));
+    else void this.searchCatalogue(this.typedValue("name"));
   };
 
-  private typed(name: string): string {
-    return typedText(new FormData(this.form), name);
+  private typedValue(name: string): string {
+    return formText(new FormData(this.form), name);
   }
 
   private findTarget(): void {
-    const made = typedTarget(this.typed("ra"), this.typed("dec"), this.dated);
+    const made = typedTarget(this.typedValue("ra"), this.typedValue("dec"), this.dated);
     this.found = null;
     this.problem = typeof made === "string" ? made : "";
-    this.choose(typeof made === "string" ? null : made);
+    this.chooseTarget(typeof made === "string" ? null : made);
   }
 
   private async searchCatalogue(name: string): Promise<void> {
@@ -324,15 +324,15 @@ export class Goto extends LitElement {
       if (own.length === 0) this.failure = error;
     }
     this.busy = false;
-    this.choose(this.found[0] ?? null);
+    this.chooseTarget(this.found[0] ?? null);
   }
 }
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-goto": Goto;
+    "t-goto": GotoForm;
   }
   interface GlobalEventHandlersEventMap {
-    "t-target": CustomEvent<Target | null>;
+    "t-target": CustomEvent<SkyTarget | null>;
   }
 }

@@ -5,14 +5,14 @@ import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { isFinal } from "../../controllers/drive/command-machine.js";
-import { StoreController } from "../../controllers/context-store.js";
-import { WatchController } from "../../controllers/store-controller.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
+import { StoreController } from "../../controllers/store-controller.js";
 import { base } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
-import { lockWords } from "../../format/interlock-reason.js";
+import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
-import { NO_DEVICE, Part, partStyle } from "./device-part.js";
-import { outletsOf, tellingSignals, type Deed, type Outlet } from "./roles.js";
+import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
+import { outletsOf, summarySignals, type CommandButton, type Outlet } from "./roles.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/base/icon.js";
@@ -20,7 +20,7 @@ import "../../elements/feedback/status.js";
 import "../signal-value.js";
 
 @customElement("t-part-power")
-export class PowerPart extends Part {
+export class PowerPart extends DevicePart {
   static override styles = [
     base,
     partStyle,
@@ -121,10 +121,10 @@ export class PowerPart extends Part {
     `,
   ];
 
-  @state() private asking: Deed | null = null;
+  @state() private asking: CommandButton | null = null;
 
-  private readonly interlocks = new StoreController(this, interlocksContext);
-  private readonly watched = new WatchController(this);
+  private readonly interlocks = new ContextStoreController(this, interlocksContext);
+  private readonly watched = new StoreController(this);
 
   override willUpdate(): void {
     const outlets = outletsOf(this.device ?? NO_DEVICE);
@@ -146,7 +146,7 @@ export class PowerPart extends Part {
             ${states.filter((on) => on === true).length} of ${outlets.length} on${unknown === 0 ? "" : `, ${String(unknown)} unknown`}
           </p>
         </div>
-        ${map(tellingSignals(device), (signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
+        ${map(summarySignals(device), (signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
       </div>
       ${this.renderLookOnly()}
       <ul>
@@ -206,8 +206,8 @@ export class PowerPart extends Part {
   }
 
   private renderOutcome({ on, off }: Outlet): unknown {
-    const deeds = [on, off].filter((one) => one !== undefined);
-    const asked = deeds.map(({ command }) => this.line?.desk.latest(this.device?.id ?? "", command.id) ?? null).filter((one) => one !== null);
+    const deeds = [on, off].filter((button) => button !== undefined);
+    const asked = deeds.map(({ command }) => this.line?.desk.latestRequest(this.device?.id ?? "", command.id) ?? null).filter((request) => request !== null);
     const last = asked.sort((a, b) => b.since - a.since)[0];
     const lock = deeds.map((deed) => this.lockReason(deed)).find((why) => why !== "") ?? "";
     if (lock !== "") return html`<span class="said locked"><t-icon name="lock"></t-icon> ${lock}</span>`;
@@ -216,21 +216,21 @@ export class PowerPart extends Part {
     return html`<span class="said" role="status"><t-status kind=${kind} .word=${word}></t-status> ${last.message}</span>`;
   }
 
-  private isBusy({ command }: Deed): boolean {
-    const asked = this.line?.desk.latest(this.device?.id ?? "", command.id) ?? null;
+  private isBusy({ command }: CommandButton): boolean {
+    const asked = this.line?.desk.latestRequest(this.device?.id ?? "", command.id) ?? null;
     return asked !== null && !isFinal(asked.phase);
   }
 
-  private lockReason({ command }: Deed): string {
+  private lockReason({ command }: CommandButton): string {
     const lock = this.interlocks.store?.lockOf(this.site, this.device?.id ?? "", command.id) ?? null;
-    return lock === null ? "" : lockWords(lock);
+    return lock === null ? "" : lockText(lock);
   }
 
-  private isAllowed(deed: Deed): boolean {
+  private isAllowed(deed: CommandButton): boolean {
     return this.online && this.lockReason(deed) === "";
   }
 
-  private switchAction(deed: Deed): () => void {
+  private switchAction(deed: CommandButton): () => void {
     return () => {
       if (this.isBusy(deed)) return;
       if (deed.command.confirm) this.asking = deed;

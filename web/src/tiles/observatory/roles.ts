@@ -21,7 +21,7 @@ export function partOf(device: DeviceInfo): PartName {
     case "weather":
       return "weather";
     case "camera":
-      return cameraSignals(device).state !== undefined || cameraSignals(device).remaining !== undefined || cameraDeeds(device).expose.length > 0
+      return cameraSignals(device).state !== undefined || cameraSignals(device).remaining !== undefined || cameraCommands(device).expose.length > 0
         ? "camera"
         : "pictures";
     case "power":
@@ -39,20 +39,20 @@ function wordsOf({ id, name }: { readonly id: string; readonly name: string }): 
   return new Set(`${id} ${name}`.toLowerCase().split(/[^\p{L}\p{N}]+/u));
 }
 
-function has(one: { readonly id: string; readonly name: string }, ...some: readonly string[]): boolean {
-  const words = wordsOf(one);
+function hasWord(item: { readonly id: string; readonly name: string }, ...some: readonly string[]): boolean {
+  const words = wordsOf(item);
   return some.some((word) => words.has(word));
 }
 
 /** The first whose id is this very word, or else whose words have it. */
-function named(signals: Signals, ...some: readonly string[]): SignalInfo | undefined {
-  return signals.find(({ id }) => some.includes(id)) ?? signals.find((signal) => has(signal, ...some));
+function signalNamed(signals: Signals, ...some: readonly string[]): SignalInfo | undefined {
+  return signals.find(({ id }) => some.includes(id)) ?? signals.find((signal) => hasWord(signal, ...some));
 }
 
-const numbers = (device: DeviceInfo, ...units: readonly string[]): Signals =>
+const numbersWithUnit = (device: DeviceInfo, ...units: readonly string[]): Signals =>
   device.signals.filter(({ type, unit }) => type === "number" && units.includes(unit));
-const states = (device: DeviceInfo): Signals => device.signals.filter(({ type }) => type === "state");
-const says = (signal: SignalInfo, shape: RegExp): boolean => signal.states.some((word) => shape.test(word));
+const stateSignals = (device: DeviceInfo): Signals => device.signals.filter(({ type }) => type === "state");
+const hasState = (signal: SignalInfo, shape: RegExp): boolean => signal.states.some((word) => shape.test(word));
 
 // ── dome ──
 
@@ -66,15 +66,15 @@ export interface DomeSignals {
 }
 
 export function domeSignals(device: DeviceInfo): DomeSignals {
-  const all = states(device);
-  const shutters = all.filter((one) => says(one, /^clos(ed|e)?$/i) && says(one, /^open(ed)?$/i));
+  const all = stateSignals(device);
+  const shutters = all.filter((signal) => hasState(signal, /^clos(ed|e)?$/i) && hasState(signal, /^open(ed)?$/i));
   return {
-    shutter: named(shutters, "shutter", "roof", "enclosure", "state") ?? shutters[0],
-    opening: named(numbers(device, "%"), "position", "opening", "shutter", "roof", "open"),
-    azimuth: named(numbers(device, "°"), "azimuth", "az", "heading", "rotation"),
-    turning: named(all, "turning", "rotating", "moving"),
-    parked: all.find((one) => !shutters.includes(one) && says(one, /^parked$/i)) ?? named(all, "parked"),
-    local: all.find((one) => says(one, /^local$/i) && says(one, /^remote$/i)),
+    shutter: signalNamed(shutters, "shutter", "roof", "enclosure", "state") ?? shutters[0],
+    opening: signalNamed(numbersWithUnit(device, "%"), "position", "opening", "shutter", "roof", "open"),
+    azimuth: signalNamed(numbersWithUnit(device, "°"), "azimuth", "az", "heading", "rotation"),
+    turning: signalNamed(all, "turning", "rotating", "moving"),
+    parked: all.find((signal) => !shutters.includes(signal) && hasState(signal, /^parked$/i)) ?? signalNamed(all, "parked"),
+    local: all.find((signal) => hasState(signal, /^local$/i) && hasState(signal, /^remote$/i)),
   };
 }
 
@@ -91,7 +91,7 @@ export function shutterOf(word: string): ShutterState {
 }
 
 /** Commands by what they do; each stands here once. */
-export interface Deed {
+export interface CommandButton {
   readonly command: CommandInfo;
   readonly args: Readonly<Record<string, ArgumentValue>>;
   /** The button's words. */
@@ -99,43 +99,43 @@ export interface Deed {
   readonly kind: "plain" | "primary" | "danger";
 }
 
-function deed(command: CommandInfo | undefined, kind: Deed["kind"] = "plain", label?: string): readonly Deed[] {
+function commandButton(command: CommandInfo | undefined, kind: CommandButton["kind"] = "plain", label?: string): readonly CommandButton[] {
   return command === undefined ? [] : [{ command, args: {}, label: label ?? command.name, kind }];
 }
 
 /** A command without arguments whose id, or else name, has one of these words. */
-function bare(device: DeviceInfo, ...some: readonly string[]): CommandInfo | undefined {
-  const simple = device.commands.filter((one) => one.arguments.length === 0);
-  return simple.find(({ id }) => some.includes(id)) ?? simple.find((one) => has(one, ...some) && !has(one, "flap", "cover"));
+function plainCommand(device: DeviceInfo, ...some: readonly string[]): CommandInfo | undefined {
+  const simple = device.commands.filter((command) => command.arguments.length === 0);
+  return simple.find(({ id }) => some.includes(id)) ?? simple.find((command) => hasWord(command, ...some) && !hasWord(command, "flap", "cover"));
 }
 
 /** A command with one boolean. */
-function switched(device: DeviceInfo, ...some: readonly string[]): CommandInfo | undefined {
-  const simple = device.commands.filter((one) => one.arguments.length === 1 && one.arguments[0]?.type === "boolean");
-  return simple.find(({ id }) => some.includes(id)) ?? simple.find((one) => has(one, ...some));
+function switchCommand(device: DeviceInfo, ...some: readonly string[]): CommandInfo | undefined {
+  const simple = device.commands.filter((command) => command.arguments.length === 1 && command.arguments[0]?.type === "boolean");
+  return simple.find(({ id }) => some.includes(id)) ?? simple.find((command) => hasWord(command, ...some));
 }
 
-export function switchedTo(command: CommandInfo, on: boolean): Readonly<Record<string, boolean>> {
+export function switchArguments(command: CommandInfo, on: boolean): Readonly<Record<string, boolean>> {
   return Object.fromEntries(command.arguments.map(({ id }) => [id, on]));
 }
 
 const STOPS = ["stop", "abort", "halt"] as const;
 
-export interface DomeDeeds {
-  readonly buttons: readonly Deed[];
+export interface DomeCommands {
+  readonly buttons: readonly CommandButton[];
   /** Commands with a value, as forms: turn to an azimuth, open so far. */
   readonly forms: readonly CommandInfo[];
 }
 
-export function domeDeeds(device: DeviceInfo): DomeDeeds {
-  const open = bare(device, "open");
-  const close = bare(device, "close", "shut");
-  const stop = bare(device, ...STOPS);
-  const park = bare(device, "park", "home");
-  const unpark = bare(device, "unpark");
-  const turn = device.commands.find((one) => one.arguments.length === 1 && one.arguments[0]?.unit === "°");
+export function domeCommands(device: DeviceInfo): DomeCommands {
+  const open = plainCommand(device, "open");
+  const close = plainCommand(device, "close", "shut");
+  const stop = plainCommand(device, ...STOPS);
+  const park = plainCommand(device, "park", "home");
+  const unpark = plainCommand(device, "unpark");
+  const turn = device.commands.find((command) => command.arguments.length === 1 && command.arguments[0]?.unit === "°");
   return {
-    buttons: [...deed(open), ...deed(close, "primary"), ...deed(park), ...deed(unpark), ...deed(stop, "danger")],
+    buttons: [...commandButton(open), ...commandButton(close, "primary"), ...commandButton(park), ...commandButton(unpark), ...commandButton(stop, "danger")],
     forms: turn === undefined ? [] : [turn],
   };
 }
@@ -153,17 +153,17 @@ export interface TelescopeSignals {
 }
 
 export function telescopeSignals(device: DeviceInfo): TelescopeSignals {
-  const angles = numbers(device, "°").filter((one) => !has(one, "sun", "moon"));
-  const all = states(device);
-  const state = all.find((one) => says(one, /^(slewing|tracking)$/i));
+  const angles = numbersWithUnit(device, "°").filter((signal) => !hasWord(signal, "sun", "moon"));
+  const all = stateSignals(device);
+  const state = all.find((signal) => hasState(signal, /^(slewing|tracking)$/i));
   return {
     state,
-    parked: all.find((one) => one !== state && says(one, /^parked$/i)),
-    tracking: named(all.filter((one) => one !== state), "tracking", "track"),
-    ra: named(numbers(device, "h"), "ra", "right") ?? named(angles, "ra", "right"),
-    dec: named(angles, "dec", "declination"),
-    alt: named(angles, "altitude", "alt", "elevation"),
-    az: named(angles, "azimuth", "az"),
+    parked: all.find((signal) => signal !== state && hasState(signal, /^parked$/i)),
+    tracking: signalNamed(all.filter((signal) => signal !== state), "tracking", "track"),
+    ra: signalNamed(numbersWithUnit(device, "h"), "ra", "right") ?? signalNamed(angles, "ra", "right"),
+    dec: signalNamed(angles, "dec", "declination"),
+    alt: signalNamed(angles, "altitude", "alt", "elevation"),
+    az: signalNamed(angles, "azimuth", "az"),
   };
 }
 
@@ -176,28 +176,28 @@ export interface Slew {
 
 /** The description's own word, or else a command that asks for right ascension and declination. */
 export function slewOf(device: DeviceInfo): Slew | undefined {
-  for (const each of device.pointing?.commands ?? []) {
-    const command = device.commands.find(({ id }) => id === each.command);
-    if (command !== undefined && each.ra !== "" && each.dec !== "") return { command, ra: each.ra, dec: each.dec };
+  for (const slew of device.pointing?.commands ?? []) {
+    const command = device.commands.find(({ id }) => id === slew.command);
+    if (command !== undefined && slew.ra !== "" && slew.dec !== "") return { command, ra: slew.ra, dec: slew.dec };
   }
   for (const command of device.commands) {
-    const ra = command.arguments.find((one) => has(one, "ra", "right"));
-    const dec = command.arguments.find((one) => has(one, "dec", "declination"));
-    if (ra !== undefined && dec !== undefined && !has(command, "sync")) return { command, ra: ra.id, dec: dec.id };
+    const ra = command.arguments.find((argument) => hasWord(argument, "ra", "right"));
+    const dec = command.arguments.find((argument) => hasWord(argument, "dec", "declination"));
+    if (ra !== undefined && dec !== undefined && !hasWord(command, "sync")) return { command, ra: ra.id, dec: dec.id };
   }
   return undefined;
 }
 
-export function telescopeDeeds(device: DeviceInfo): readonly Deed[] {
-  const track = switched(device, "track", "tracking");
-  const both: readonly Deed[] =
+export function telescopeCommands(device: DeviceInfo): readonly CommandButton[] {
+  const track = switchCommand(device, "track", "tracking");
+  const both: readonly CommandButton[] =
     track === undefined
-      ? [...deed(bare(device, "track")), ...deed(bare(device, "untrack"))]
+      ? [...commandButton(plainCommand(device, "track")), ...commandButton(plainCommand(device, "untrack"))]
       : [
-          { command: track, args: switchedTo(track, true), label: "Track", kind: "plain" },
-          { command: track, args: switchedTo(track, false), label: "Stop tracking", kind: "plain" },
+          { command: track, args: switchArguments(track, true), label: "Track", kind: "plain" },
+          { command: track, args: switchArguments(track, false), label: "Stop tracking", kind: "plain" },
         ];
-  return [...deed(bare(device, "unpark")), ...both, ...deed(bare(device, "park")), ...deed(bare(device, ...STOPS), "danger")];
+  return [...commandButton(plainCommand(device, "unpark")), ...both, ...commandButton(plainCommand(device, "park")), ...commandButton(plainCommand(device, ...STOPS), "danger")];
 }
 
 // ── camera ──
@@ -212,41 +212,41 @@ export interface CameraSignals {
 }
 
 export function cameraSignals(device: DeviceInfo): CameraSignals {
-  const all = states(device);
+  const all = stateSignals(device);
   return {
-    state: all.find((one) => says(one, /^expos(ing|ure)$/i)),
-    remaining: named(numbers(device, "s"), "remaining", "exposure", "left"),
-    temperature: named(numbers(device, "°C"), "temperature", "chip", "sensor", "ccd"),
-    cooler: named(all, "cooler", "cooling"),
-    power: named(numbers(device, "%"), "cooler", "cooler_power", "power"),
-    filter: device.signals.find((one) => has(one, "filter")),
+    state: all.find((signal) => hasState(signal, /^expos(ing|ure)$/i)),
+    remaining: signalNamed(numbersWithUnit(device, "s"), "remaining", "exposure", "left"),
+    temperature: signalNamed(numbersWithUnit(device, "°C"), "temperature", "chip", "sensor", "ccd"),
+    cooler: signalNamed(all, "cooler", "cooling"),
+    power: signalNamed(numbersWithUnit(device, "%"), "cooler", "cooler_power", "power"),
+    filter: device.signals.find((signal) => hasWord(signal, "filter")),
   };
 }
 
-export interface CameraDeeds {
+export interface CameraCommands {
   /** Commands that ask for an exposure time. */
   readonly expose: readonly CommandInfo[];
-  readonly abort: readonly Deed[];
+  readonly abort: readonly CommandButton[];
   /** A set point as a form, and the cooler's switch. */
   readonly cool: readonly CommandInfo[];
-  readonly cooler: readonly Deed[];
+  readonly cooler: readonly CommandButton[];
 }
 
-export function cameraDeeds(device: DeviceInfo): CameraDeeds {
-  const exposes = device.commands.filter((one) => one.arguments.some(({ unit, type }) => unit === "s" && type !== "text"));
-  const point = device.commands.filter((one) => one.arguments.length === 1 && one.arguments[0]?.unit === "°C");
-  const cooler = switched(device, "cooler", "cooling");
-  const [on, off] = [bare(device, "cooler_on"), bare(device, "cooler_off")];
+export function cameraCommands(device: DeviceInfo): CameraCommands {
+  const exposes = device.commands.filter((command) => command.arguments.some(({ unit, type }) => unit === "s" && type !== "text"));
+  const point = device.commands.filter((command) => command.arguments.length === 1 && command.arguments[0]?.unit === "°C");
+  const cooler = switchCommand(device, "cooler", "cooling");
+  const [on, off] = [plainCommand(device, "cooler_on"), plainCommand(device, "cooler_off")];
   return {
     expose: exposes,
-    abort: deed(bare(device, "abort", "stop"), "danger"),
+    abort: commandButton(plainCommand(device, "abort", "stop"), "danger"),
     cool: point,
     cooler:
       cooler === undefined
-        ? [...deed(on), ...deed(off)]
+        ? [...commandButton(on), ...commandButton(off)]
         : [
-            { command: cooler, args: switchedTo(cooler, true), label: "Cooler on", kind: "plain" },
-            { command: cooler, args: switchedTo(cooler, false), label: "Cooler off", kind: "plain" },
+            { command: cooler, args: switchArguments(cooler, true), label: "Cooler on", kind: "plain" },
+            { command: cooler, args: switchArguments(cooler, false), label: "Cooler off", kind: "plain" },
           ],
   };
 }
@@ -255,8 +255,8 @@ export function cameraDeeds(device: DeviceInfo): CameraDeeds {
 
 export interface Outlet {
   readonly signal: SignalInfo;
-  readonly on: Deed | undefined;
-  readonly off: Deed | undefined;
+  readonly on: CommandButton | undefined;
+  readonly off: CommandButton | undefined;
 }
 
 const TWO = [/^(off|no|false|0|open)$/i, /^(on|yes|true|1|closed)$/i] as const;
@@ -269,39 +269,39 @@ export function isSwitch({ type, states: [off = "", on = "", ...rest] }: SignalI
 /** Each on/off state, with the commands that switch it where there are any. */
 export function outletsOf(device: DeviceInfo): readonly Outlet[] {
   return device.signals.filter(isSwitch).map((signal) => {
-    const one = device.commands.find(
+    const candidate = device.commands.find(
       ({ id, arguments: args }) => id === signal.id && args.length === 1 && args[0]?.type === "boolean",
     );
-    const find = (suffix: string): CommandInfo | undefined =>
+    const findCommand = (suffix: string): CommandInfo | undefined =>
       device.commands.find(({ id, arguments: args }) => id === `${signal.id}_${suffix}` && args.length === 0);
-    const make = (on: boolean): Deed | undefined => {
-      const command = one ?? find(on ? "on" : "off");
-      const args = one === undefined ? {} : switchedTo(one, on);
+    const makeButton = (on: boolean): CommandButton | undefined => {
+      const command = candidate ?? findCommand(on ? "on" : "off");
+      const args = candidate === undefined ? {} : switchArguments(candidate, on);
       const label = `${signal.name}: ${on ? "on" : "off"}`;
       return command === undefined ? undefined : { command, args, label, kind: "plain" };
     };
-    return { signal, on: make(true), off: make(false) };
+    return { signal, on: makeButton(true), off: makeButton(false) };
   });
 }
 
 /** The commands that a drawn part shows itself; the rest stands below as forms. */
-export function shownBy(device: DeviceInfo): ReadonlySet<string> {
-  const ids = (deeds: readonly Deed[]): readonly string[] => deeds.map(({ command }) => command.id);
+export function commandsShownBy(device: DeviceInfo): ReadonlySet<string> {
+  const commandIds = (deeds: readonly CommandButton[]): readonly string[] => deeds.map(({ command }) => command.id);
   switch (partOf(device)) {
     case "dome": {
-      const { buttons, forms } = domeDeeds(device);
-      return new Set([...ids(buttons), ...forms.map(({ id }) => id)]);
+      const { buttons, forms } = domeCommands(device);
+      return new Set([...commandIds(buttons), ...forms.map(({ id }) => id)]);
     }
     case "telescope": {
       const slew = slewOf(device);
-      return new Set([...ids(telescopeDeeds(device)), ...(slew === undefined ? [] : [slew.command.id])]);
+      return new Set([...commandIds(telescopeCommands(device)), ...(slew === undefined ? [] : [slew.command.id])]);
     }
     case "camera": {
-      const { expose, abort, cool, cooler } = cameraDeeds(device);
-      return new Set([...ids(abort), ...ids(cooler), ...[...expose, ...cool].map(({ id }) => id)]);
+      const { expose, abort, cool, cooler } = cameraCommands(device);
+      return new Set([...commandIds(abort), ...commandIds(cooler), ...[...expose, ...cool].map(({ id }) => id)]);
     }
     case "power":
-      return new Set(ids(outletsOf(device).flatMap(({ on, off }) => [on, off].filter((one) => one !== undefined))));
+      return new Set(commandIds(outletsOf(device).flatMap(({ on, off }) => [on, off].filter((button) => button !== undefined))));
     case "weather":
     case "pictures":
     case "none":
@@ -310,29 +310,29 @@ export function shownBy(device: DeviceInfo): ReadonlySet<string> {
 }
 
 /** The signals that tell most of a device at a glance, the first one first. */
-export function tellingSignals(device: DeviceInfo): readonly SignalInfo[] {
-  const there = (...some: readonly (SignalInfo | undefined)[]): readonly SignalInfo[] => some.filter((one) => one !== undefined);
+export function summarySignals(device: DeviceInfo): readonly SignalInfo[] {
+  const onlyPresent = (...some: readonly (SignalInfo | undefined)[]): readonly SignalInfo[] => some.filter((signal) => signal !== undefined);
   switch (device.kind) {
     case "dome": {
       const { shutter, azimuth, local } = domeSignals(device);
-      return there(shutter, azimuth, local).slice(0, 3);
+      return onlyPresent(shutter, azimuth, local).slice(0, 3);
     }
     case "telescope": {
       const { state, parked, tracking, ra, dec } = telescopeSignals(device);
-      return [...there(state ?? parked, state === undefined ? tracking : undefined), ...there(ra, dec)].slice(0, 4);
+      return [...onlyPresent(state ?? parked, state === undefined ? tracking : undefined), ...onlyPresent(ra, dec)].slice(0, 4);
     }
     case "camera": {
       const { state, remaining, temperature, filter } = cameraSignals(device);
-      return there(state ?? remaining, temperature, filter).slice(0, 3);
+      return onlyPresent(state ?? remaining, temperature, filter).slice(0, 3);
     }
     case "weather": {
-      const safety = states(device).find((one) => says(one, /^(un)?safe$/i));
-      const wet = states(device).find((one) => has(one, "rain", "raining"));
-      const wind = named(numbers(device, "km/h", "m/s"), "wind");
-      return there(safety, wet, wind, named(numbers(device, "%"), "humidity"), named(numbers(device, "°C"), "temperature")).slice(0, 4);
+      const safety = stateSignals(device).find((signal) => hasState(signal, /^(un)?safe$/i));
+      const wet = stateSignals(device).find((signal) => hasWord(signal, "rain", "raining"));
+      const wind = signalNamed(numbersWithUnit(device, "km/h", "m/s"), "wind");
+      return onlyPresent(safety, wet, wind, signalNamed(numbersWithUnit(device, "%"), "humidity"), signalNamed(numbersWithUnit(device, "°C"), "temperature")).slice(0, 4);
     }
     case "power":
-      return there(numbers(device, "W")[0], numbers(device, "V")[0], numbers(device, "A")[0], numbers(device, "%")[0]).slice(0, 3);
+      return onlyPresent(numbersWithUnit(device, "W")[0], numbersWithUnit(device, "V")[0], numbersWithUnit(device, "A")[0], numbersWithUnit(device, "%")[0]).slice(0, 3);
     case "vehicle":
     case "other":
       return device.signals.filter(({ primary, type }) => primary && type !== "position").slice(0, 3);

@@ -16,16 +16,16 @@ export function sensorsDisagree(
   segments: readonly (readonly RoofSensor[])[],
   others: readonly (readonly RoofSensor[])[] = [],
 ): boolean {
-  if ([whole, ...segments, ...others].some(contradict)) return true;
-  const [said, each] = [together(whole), segments.map(together)];
-  return segments.length > 0 && said !== null && !each.includes(null) && said !== each.every((one) => one === true);
+  if ([whole, ...segments, ...others].some(sensorsContradict)) return true;
+  const [said, each] = [combinedState(whole), segments.map(combinedState)];
+  return segments.length > 0 && said !== null && !each.includes(null) && said !== each.every((closed) => closed === true);
 }
 
-function contradict(sensors: readonly RoofSensor[]): boolean {
+function sensorsContradict(sensors: readonly RoofSensor[]): boolean {
   return sensors.some(({ closed }) => closed === true) && sensors.some(({ closed }) => closed === false);
 }
 
-function together(sensors: readonly RoofSensor[]): boolean | null {
+function combinedState(sensors: readonly RoofSensor[]): boolean | null {
   const said = new Set(sensors.map(({ closed }) => closed));
   return said.size === 1 ? ([...said][0] ?? null) : null;
 }

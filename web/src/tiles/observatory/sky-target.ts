@@ -4,9 +4,9 @@ import type { SkyObject } from "../../wire/api-types.js";
 import { parseDec, parseRa } from "../../format/sexagesimal.js";
 import { moonAt, moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
 import { STARS } from "../../sky/bright-stars.js";
-import { horizontal, ofDate, separation, type Equatorial, type Horizontal, type Place } from "../../sky/coordinates.js";
+import { toHorizontal, precessedFromJ2000, separation, type Equatorial, type Horizontal, type GeoPlace } from "../../sky/coordinates.js";
 
-export interface Target {
+export interface SkyTarget {
   readonly name: string;
   /** What it is: `Galaxy in And, magnitude 3.4`. */
   readonly about: string;
@@ -17,38 +17,38 @@ export interface Target {
 }
 
 /** A place as it was typed. Gives a sentence where it is none. */
-export function typedTarget(ra: string, dec: string, dated: boolean): Target | string {
+export function typedTarget(ra: string, dec: string, dated: boolean): SkyTarget | string {
   const place = { ra: parseRa(ra), dec: parseDec(dec) };
   if (Number.isNaN(place.ra)) return "Right ascension: write 5h 34m 32s, 05:34:32, 5.5756 (hours), or 83.63° .";
   if (Number.isNaN(place.dec)) return "Declination: write −5° 23′ 28″, -05:23:28 or -5.39 (degrees), −90 to 90.";
-  const at = dated ? (): Equatorial => place : (ms: number): Equatorial => ofDate(place, ms);
+  const at = dated ? (): Equatorial => place : (ms: number): Equatorial => precessedFromJ2000(place, ms);
   return { name: "Coordinates", about: dated ? "as typed, of date" : "as typed, J2000", j2000: dated ? null : place, at };
 }
 
 /** Bright stars and the Moon that go by a name; stars by Bayer's letter too. */
-export function ownTargets(name: string): readonly Target[] {
-  const asked = plain(name);
+export function ownTargets(name: string): readonly SkyTarget[] {
+  const asked = plainName(name);
   if (asked === "") return [];
-  const moon: readonly Target[] =
+  const moon: readonly SkyTarget[] =
     asked === "moon" || asked === "the moon" ? [{ name: "Moon", about: "moves by its own breadth in an hour", j2000: null, at: moonAt }] : [];
-  const stars = STARS.filter((star) => plain(star.name).startsWith(asked) || plain(star.bayer) === asked);
+  const stars = STARS.filter((star) => plainName(star.name).startsWith(asked) || plainName(star.bayer) === asked);
   return [
     ...moon,
-    ...stars.slice(0, 4).map((star): Target => {
+    ...stars.slice(0, 4).map((star): SkyTarget => {
       const j2000 = { ra: star.raDeg / 15, dec: star.decDeg };
       const bayer = star.bayer === star.name ? "" : `${star.bayer}, `;
-      return { name: star.name, about: `star, ${bayer}magnitude ${star.magnitude.toFixed(1)}`, j2000, at: (ms) => ofDate(j2000, ms) };
+      return { name: star.name, about: `star, ${bayer}magnitude ${star.magnitude.toFixed(1)}`, j2000, at: (ms) => precessedFromJ2000(j2000, ms) };
     }),
   ];
 }
 
 /** Something of the hub's catalogue. */
-export function catalogueTarget(found: SkyObject): Target {
+export function catalogueTarget(found: SkyObject): SkyTarget {
   const j2000 = { ra: found.ra_deg / 15, dec: found.dec_deg };
   const name = /^(NGC|IC)0*(\d.*)$/.exec(found.name);
-  const messier = found.also.map((each) => /^M0*(\d+)$/.exec(each)?.[1]).find((each) => each !== undefined);
+  const messier = found.also.map((address) => /^M0*(\d+)$/.exec(address)?.[1]).find((address) => address !== undefined);
   const own = name === null ? found.name : `${name[1] ?? ""} ${name[2] ?? ""}`;
-  const common = found.also.filter((each) => !/^M\d+$/.test(each));
+  const common = found.also.filter((address) => !/^M\d+$/.test(address));
   const also = [...(messier === undefined ? [] : [own]), ...common.slice(0, 2)];
   const magnitude = found.magnitude === null ? "" : `, magnitude ${found.magnitude.toFixed(1)}`;
   const where = found.constellation === "" ? "" : ` in ${found.constellation}`;
@@ -56,16 +56,16 @@ export function catalogueTarget(found: SkyObject): Target {
     name: messier === undefined ? own : `M ${messier}`,
     about: `${[...also, found.kind].filter(Boolean).join(", ")}${where}${magnitude}`,
     j2000,
-    at: (ms) => ofDate(j2000, ms),
+    at: (ms) => precessedFromJ2000(j2000, ms),
   };
 }
 
 /** Where it stands; the Moon is lowered by its parallax. */
-export function aimOf(target: Target, place: Place, ms: number): Horizontal {
-  return target.at === moonAt ? moonFrom(place, ms) : horizontal(target.at(ms), place, ms);
+export function aimOf(target: SkyTarget, place: GeoPlace, ms: number): Horizontal {
+  return target.at === moonAt ? moonFrom(place, ms) : toHorizontal(target.at(ms), place, ms);
 }
 
-export interface Limits {
+export interface PointingLimits {
   /** The telescope may not point lower (°). */
   readonly horizon: number;
   /** Nor this near to the Sun (°), while that is up or in civil twilight. */
@@ -73,7 +73,7 @@ export interface Limits {
 }
 
 /** Why the gateway will refuse to go there now; empty when nothing is known against it. */
-export function refusalOf(aim: Horizontal, place: Place, ms: number, limits: Limits): string {
+export function refusalOf(aim: Horizontal, place: GeoPlace, ms: number, limits: PointingLimits): string {
   if (aim.alt < limits.horizon) {
     return `It stands ${aim.alt.toFixed(1).replace("-", "−")}° high; this telescope may not look below ${limits.horizon.toFixed(0)}°. The gateway will refuse it.`;
   }
@@ -88,7 +88,7 @@ export function refusalOf(aim: Horizontal, place: Place, ms: number, limits: Lim
 const GREEK = "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigma tau upsilon phi chi psi omega".split(" ");
 
 /** Lower case; Greek letters by their names, so that `alpha Lyr` finds α Lyr. */
-function plain(name: string): string {
+function plainName(name: string): string {
   const letters = "αβγδεζηθικλμνξοπρστυφχψω";
   return name
     .trim()

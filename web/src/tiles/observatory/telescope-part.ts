@@ -9,12 +9,12 @@ import { formatAzimuth, formatDec, formatRa } from "../../format/sexagesimal.js"
 import { formatClock } from "../../format/time.js";
 import { moonPhase, sunFrom } from "../../sky/sun-and-moon.js";
 import { darknessOf, DARKNESS } from "../../sky/night-visibility.js";
-import { horizontal, type Equatorial, type Horizontal, type Place } from "../../sky/coordinates.js";
-import type { Aim } from "../../elements/observatory/sky-chart.js";
+import { toHorizontal, type Equatorial, type Horizontal, type GeoPlace } from "../../sky/coordinates.js";
+import type { TelescopeAim } from "../../elements/observatory/sky-chart.js";
 import type { SignalInfo } from "../../wire/api-types.js";
-import { NO_DEVICE, Part, partStyle } from "./device-part.js";
-import { slewOf, telescopeDeeds, telescopeSignals, type TelescopeSignals } from "./roles.js";
-import { aimOf, type Target } from "./sky-target.js";
+import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
+import { slewOf, telescopeCommands, telescopeSignals, type TelescopeSignals } from "./roles.js";
+import { aimOf, type SkyTarget } from "./sky-target.js";
 import "../../elements/observatory/sky-chart.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/value.js";
@@ -26,7 +26,7 @@ import "./goto-form.js";
 const EVERY_MS = 10_000;
 
 @customElement("t-part-telescope")
-export class TelescopePart extends Part {
+export class TelescopePart extends DevicePart {
   static override styles = [
     base,
     partStyle,
@@ -74,7 +74,7 @@ export class TelescopePart extends Part {
     `,
   ];
 
-  @state() private target: Target | null = null;
+  @state() private target: SkyTarget | null = null;
 
   override willUpdate(): void {
     this.observeSignals(...Object.values<SignalInfo | undefined>({ ...this.signals() }));
@@ -85,8 +85,8 @@ export class TelescopePart extends Part {
     if (device === null || detail === null) return nothing;
     const { place } = detail;
     const ms = Math.floor(Date.now() / EVERY_MS) * EVERY_MS;
-    const looks = this.looks(place, ms);
-    const scope: Aim | null = looks.horizontal === null ? null : { ...looks.horizontal, name: device.name };
+    const looks = this.pointingOf(place, ms);
+    const scope: TelescopeAim | null = looks.horizontal === null ? null : { ...looks.horizontal, name: device.name };
     const target = this.target === null || place === null ? null : { ...aimOf(this.target, place, ms), name: this.target.name };
     return html`<section class="two" aria-label="Telescope">
       <div class="side">
@@ -96,7 +96,7 @@ export class TelescopePart extends Part {
             .site=${this.site}
             .device=${device}
             .line=${this.line}
-            .deeds=${telescopeDeeds(device)}
+            .deeds=${telescopeCommands(device)}
             .online=${this.online}
           ></t-deeds>
         </div>
@@ -121,7 +121,7 @@ export class TelescopePart extends Part {
     </section>`;
   }
 
-  private renderReadings({ equatorial, horizontal: at }: Looks): TemplateResult {
+  private renderReadings({ equatorial, horizontal: at }: TelescopePointing): TemplateResult {
     const { state: how, parked, tracking } = this.signals();
     const old = equatorial === null ? "old" : "";
     return html`<div class="looks">
@@ -148,7 +148,7 @@ export class TelescopePart extends Part {
       </p>`;
   }
 
-  private renderSkyWords(place: Place, ms: number): TemplateResult {
+  private renderSkyWords(place: GeoPlace, ms: number): TemplateResult {
     const sun = sunFrom(place, ms);
     const dark = DARKNESS.find(({ id }) => id === darknessOf(sun.alt));
     const { lit, waxing } = moonPhase(ms);
@@ -159,24 +159,24 @@ export class TelescopePart extends Part {
   }
 
   /** What it says itself; the one that it does not say comes of the other, of place and time. */
-  private looks(place: Place | null, ms: number): Looks {
+  private pointingOf(place: GeoPlace | null, ms: number): TelescopePointing {
     const { ra, dec, alt, az } = this.signals();
     const [r, d, a, z] = [this.readSignal(ra), this.readSignal(dec), this.readSignal(alt), this.readSignal(az)];
     const equatorial = r.fresh && d.fresh ? { ra: ra?.unit === "°" ? r.value / 15 : r.value, dec: d.value } : null;
     if (a.fresh && z.fresh) return { equatorial, horizontal: { alt: a.value, az: z.value } };
-    return { equatorial, horizontal: equatorial === null || place === null ? null : horizontal(equatorial, place, ms) };
+    return { equatorial, horizontal: equatorial === null || place === null ? null : toHorizontal(equatorial, place, ms) };
   }
 
   private signals(): TelescopeSignals {
     return telescopeSignals(this.device ?? NO_DEVICE);
   }
 
-  private readonly onTargetChoice = (event: CustomEvent<Target | null>): void => {
+  private readonly onTargetChoice = (event: CustomEvent<SkyTarget | null>): void => {
     this.target = event.detail;
   };
 }
 
-interface Looks {
+interface TelescopePointing {
   readonly equatorial: Equatorial | null;
   readonly horizontal: Horizontal | null;
 }

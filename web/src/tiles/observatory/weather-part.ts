@@ -3,13 +3,13 @@
 import { css, html, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { StoreController } from "../../controllers/context-store.js";
+import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatDuration } from "../../format/duration.js";
-import { levelOf } from "../../format/severity.js";
+import { severityOf } from "../../format/severity.js";
 import { interlocksContext } from "../../state/contexts.js";
-import { Part, partStyle } from "./device-part.js";
-import { limitLines, rulesAbout, verdictOf, type LimitLine, type Verdict, type VerdictWord, VERDICT_WORDS } from "./weather-verdict.js";
+import { DevicePart, partStyle } from "./device-part.js";
+import { limitLines, rulesAbout, verdictOf, type LimitLine, type WeatherVerdict, type VerdictWord, VERDICT_WORDS } from "./weather-verdict.js";
 import "../../elements/feedback/status.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
@@ -33,7 +33,7 @@ const SHAPES: Readonly<Record<VerdictWord, SVGTemplateResult>> = {
 };
 
 @customElement("t-part-weather")
-export class WeatherPart extends Part {
+export class WeatherPart extends DevicePart {
   static override styles = [
     base,
     partStyle,
@@ -132,7 +132,7 @@ export class WeatherPart extends Part {
     `,
   ];
 
-  private readonly interlocks = new StoreController(this, interlocksContext);
+  private readonly interlocks = new ContextStoreController(this, interlocksContext);
 
   override willUpdate(): void {
     this.observeSignals(...(this.device?.signals ?? []));
@@ -145,8 +145,8 @@ export class WeatherPart extends Part {
     const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal));
     const store = this.interlocks.store;
     const verdict = verdictOf(this.online, rules, ({ id }) => store?.interlockOf(this.site, id)?.news, lines);
-    const left = rules.map(({ id }) => store?.interlockOf(this.site, id)).filter((one) => one?.news.locked === true && !one.news.unsafe);
-    const clears = Math.max(0, ...left.map((one) => (one === undefined ? 0 : (store?.remainingMs(one, one.news.clears_ms) ?? 0))));
+    const left = rules.map(({ id }) => store?.interlockOf(this.site, id)).filter((interlock) => interlock?.news.locked === true && !interlock.news.unsafe);
+    const clears = Math.max(0, ...left.map((interlock) => (interlock === undefined ? 0 : (store?.remainingMs(interlock, interlock.news.clears_ms) ?? 0))));
     return html`<section class="card verdict ${verdict.word}" aria-label="Verdict" role="status">
         <svg viewBox="0 0 48 48" aria-hidden="true">${SHAPES[verdict.word]}</svg>
         <div>
@@ -157,7 +157,7 @@ export class WeatherPart extends Part {
       ${lines.length === 0 ? nothing : this.renderTable(lines)}`;
   }
 
-  private renderReason({ word, why, since_us, rule }: Verdict, clears: number): TemplateResult {
+  private renderReason({ word, why, since_us, rule }: WeatherVerdict, clears: number): TemplateResult {
     if (word === "none") {
       return html`<p class="note">No interlock of this site reads this station, so that nothing here decides whether a roof may open.</p>`;
     }
@@ -174,7 +174,7 @@ export class WeatherPart extends Part {
     const own = this.device?.signals.find(({ type, states }) => type === "state" && states.some((word) => /^(un)?safe$/i.test(word)));
     if (own === undefined) return nothing;
     const { fresh, word } = this.readSignal(own);
-    const level = levelOf(word);
+    const level = severityOf(word);
     const kind = !fresh || word === "unknown" ? "unknown" : level === "" ? "ok" : level;
     return html`<t-status kind=${kind} .word=${`The station itself says: ${fresh ? word : "unknown"}`}></t-status>`;
   }

@@ -30,7 +30,7 @@ export const VERDICT_KINDS: Readonly<Record<VerdictWord, "ok" | "warn" | "bad" |
 };
 
 /** What is known of a signal now. */
-export interface Known {
+export interface KnownValue {
   readonly fresh: boolean;
   readonly value: number;
   /** Of a state: its word. */
@@ -48,7 +48,7 @@ export interface LimitLine {
   readonly part: number;
 }
 
-export interface Verdict {
+export interface WeatherVerdict {
   readonly word: VerdictWord;
   /** The first cause, as a sentence. */
   readonly why: string;
@@ -65,7 +65,7 @@ export function rulesAbout(rules: readonly RuleInfo[], device: string): readonly
 
 /** Each limit that these rules set for a device's signals, with how it stands. */
 export function limitLines(
-  rules: readonly RuleInfo[], device: string, signals: readonly SignalInfo[], known: (signal: SignalInfo) => Known,
+  rules: readonly RuleInfo[], device: string, signals: readonly SignalInfo[], known: (signal: SignalInfo) => KnownValue,
 ): readonly LimitLine[] {
   const lines = rules.flatMap((rule) =>
     rule.conditions.flatMap(({ limits, lasting }) =>
@@ -75,7 +75,7 @@ export function limitLines(
           const signal = signals.find(({ address }) => address === limit.signal);
           if (signal === undefined) return [];
           const other = signals.find(({ address }) => address === (limit.minus || limit.humidity));
-          const now = limit.minus + limit.humidity === "" ? known(signal) : apart(known(signal), other && known(other), limit.humidity !== "");
+          const now = limit.minus + limit.humidity === "" ? known(signal) : valueDifference(known(signal), other && known(other), limit.humidity !== "");
           const less = limit.humidity !== "" ? "dew point" : other?.name;
           return [
             {
@@ -84,7 +84,7 @@ export function limitLines(
               signal: signal.address,
               stands: standsOf(limit, now),
               now: now.fresh ? (signal.type === "state" ? now.word : formatWithUnit(now.value, signal.unit, signal.decimals)) : "unknown",
-              limit: limitWords(limit, signal, lasting),
+              limit: limitText(limit, signal, lasting),
               part: now.fresh && limit.above !== null && limit.above > 0 ? now.value / limit.above : Number.NaN,
             },
           ];
@@ -96,9 +96,9 @@ export function limitLines(
 }
 
 /** How far two values are apart, or a temperature (°C) from the dew point at a humidity (%). */
-function apart(one: Known, other: Known | undefined, humid: boolean): Known {
-  const value = one.value - (humid ? dewPoint(one.value, other?.value ?? Number.NaN) : (other?.value ?? Number.NaN));
-  return { fresh: one.fresh && other?.fresh === true && !Number.isNaN(value), value, word: "" };
+function valueDifference(first: KnownValue, other: KnownValue | undefined, humid: boolean): KnownValue {
+  const value = first.value - (humid ? dewPoint(first.value, other?.value ?? Number.NaN) : (other?.value ?? Number.NaN));
+  return { fresh: first.fresh && other?.fresh === true && !Number.isNaN(value), value, word: "" };
 }
 
 /** As the gateway computes it: the Magnus form with the coefficients of Alduchov and Eskridge (1996). */
@@ -108,7 +108,7 @@ function dewPoint(temperature: number, humidity: number): number {
   return (243.04 * gamma) / (17.625 - gamma);
 }
 
-function standsOf(limit: LimitInfo, { fresh, value, word }: Known): LimitLine["stands"] {
+function standsOf(limit: LimitInfo, { fresh, value, word }: KnownValue): LimitLine["stands"] {
   if (!fresh) return "unknown";
   if (limit.states.length > 0 && limit.states.includes(word)) return "beyond";
   if (limit.safe_states.length > 0 && !limit.safe_states.includes(word)) return "beyond";
@@ -119,11 +119,11 @@ function standsOf(limit: LimitInfo, { fresh, value, word }: Known): LimitLine["s
   return high || low ? "returning" : "fine";
 }
 
-function limitWords(limit: LimitInfo, { unit, decimals }: SignalInfo, lasting: number): string {
-  const say = (value: number): string => formatWithUnit(value, unit, Number.isInteger(value) ? 0 : decimals);
+function limitText(limit: LimitInfo, { unit, decimals }: SignalInfo, lasting: number): string {
+  const numberText = (value: number): string => formatWithUnit(value, unit, Number.isInteger(value) ? 0 : decimals);
   const parts = [
-    limit.above === null ? "" : `above ${say(limit.above)}${limit.until_below === null ? "" : ` until below ${say(limit.until_below)}`}`,
-    limit.below === null ? "" : `below ${say(limit.below)}${limit.until_above === null ? "" : ` until above ${say(limit.until_above)}`}`,
+    limit.above === null ? "" : `above ${numberText(limit.above)}${limit.until_below === null ? "" : ` until below ${numberText(limit.until_below)}`}`,
+    limit.below === null ? "" : `below ${numberText(limit.below)}${limit.until_above === null ? "" : ` until above ${numberText(limit.until_above)}`}`,
     limit.states.length === 0 ? "" : `when ${limit.states.join(" or ")}`,
     limit.safe_states.length === 0 ? "" : `unless ${limit.safe_states.join(" or ")}`,
   ].filter((part) => part !== "");
@@ -133,7 +133,7 @@ function limitWords(limit: LimitInfo, { unit, decimals }: SignalInfo, lasting: n
 /** What decides, of these rules' news, and the lines by which. */
 export function verdictOf(
   online: boolean, rules: readonly RuleInfo[], news: (rule: RuleInfo) => InterlockNews | undefined, lines: readonly LimitLine[],
-): Verdict {
+): WeatherVerdict {
   const none = { why: "", since_us: 0, rule: "" };
   if (!online) return { ...none, word: "unknown", why: "Nothing comes from the site: how the weather is, nobody knows here." };
   if (rules.length === 0) return { ...none, word: "none" };
@@ -142,7 +142,7 @@ export function verdictOf(
   const bad = told.find(({ said }) => said?.unsafe === true && said.overridden_by === "");
   if (bad?.said !== undefined) {
     const word = missing === undefined ? "unsafe" : "unknown";
-    return { word, why: bad.said.why === "" ? causeOf(lines) : `${bad.said.why}.${nowOf(bad.said.why, lines)}`, since_us: bad.said.since_us, rule: bad.rule.name };
+    return { word, why: bad.said.why === "" ? causeOf(lines) : `${bad.said.why}.${currentNumber(bad.said.why, lines)}`, since_us: bad.said.since_us, rule: bad.rule.name };
   }
   const over = told.find(({ said }) => (said?.overridden_by ?? "") !== "");
   if (over?.said !== undefined) {
@@ -170,7 +170,7 @@ export function verdictOf(
 }
 
 /** The number behind a reason that names a limit only. */
-function nowOf(why: string, lines: readonly LimitLine[]): string {
+function currentNumber(why: string, lines: readonly LimitLine[]): string {
   const line = lines.find(({ name, part }) => why.startsWith(name) && !Number.isNaN(part));
   return line === undefined || why.includes(line.now) ? "" : ` Now ${line.now}.`;
 }

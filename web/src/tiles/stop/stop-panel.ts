@@ -2,15 +2,15 @@
 
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import type { StopLine } from "../../controllers/drive/stop-client.js";
+import type { StopClient } from "../../controllers/drive/stop-client.js";
 import "../../elements/stop/stop-button.js";
 import "../../elements/stop/stop-state.js";
 
 /** Draws an element again when its line changes, and while time matters. */
-abstract class OnStopLine extends LitElement {
-  @property({ attribute: false }) line: StopLine | null = null;
+abstract class StopElement extends LitElement {
+  @property({ attribute: false }) line: StopClient | null = null;
   private stopWatching: (() => void) | null = null;
-  private watched: StopLine | null = null;
+  private watched: StopClient | null = null;
 
   override disconnectedCallback(): void {
     super.disconnectedCallback();
@@ -36,7 +36,7 @@ abstract class OnStopLine extends LitElement {
 }
 
 @customElement("t-stop-bar")
-export class StopBar extends OnStopLine {
+export class StopBar extends StopElement {
   override render(): TemplateResult | typeof nothing {
     const { line } = this;
     if (!line) return nothing;
@@ -53,7 +53,7 @@ export class StopBar extends OnStopLine {
 }
 
 @customElement("t-stop")
-export class StopPanel extends OnStopLine {
+export class StopPanel extends StopElement {
   @property() zone = "UTC";
   /** Epoch of my lease; 0 without one. */
   @property({ type: Number }) epoch = 0;
@@ -65,8 +65,8 @@ export class StopPanel extends OnStopLine {
     const { desk } = line;
     return html`<t-stop-state
       .phase=${desk.phase}
-      .who=${desk.latched?.who ?? ""}
-      .time=${desk.latched?.time_us ?? 0}
+      .who=${desk.latchedBy?.who ?? ""}
+      .time=${desk.latchedBy?.time_us ?? 0}
       .zone=${this.zone}
       .answered=${desk.answerMs ?? Number.NaN}
       .trouble=${desk.trouble}

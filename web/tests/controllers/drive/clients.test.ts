@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
-import { CommandLine } from "../../../src/controllers/drive/command-client.js";
-import { DriveSeat } from "../../../src/controllers/drive/drive-session.js";
-import { StopLine } from "../../../src/controllers/drive/stop-client.js";
+import { CommandClient } from "../../../src/controllers/drive/command-client.js";
+import { DriveSession } from "../../../src/controllers/drive/drive-session.js";
+import { StopClient } from "../../../src/controllers/drive/stop-client.js";
 import { PUSH } from "../../../src/controllers/drive/stick.js";
 import type { LeaseNews, StopNews } from "../../../src/generated/wire.js";
 import { FakeLine } from "./fake-connection.js";
@@ -32,11 +32,11 @@ afterEach(() => {
 });
 
 describe("the seat", () => {
-  let seat: DriveSeat;
+  let seat: DriveSession;
   let ticks: ReturnType<typeof setInterval>;
 
   beforeEach(() => {
-    seat = new DriveSeat(line, { ...AT, limits: LIMITS }, true);
+    seat = new DriveSession(line, { ...AT, limits: LIMITS }, true);
     seat.open();
     let tick = 0;
     ticks = setInterval(() => {
@@ -173,7 +173,7 @@ describe("the seat", () => {
   });
 
   test("starts with what was said of the lease before", () => {
-    const late = new DriveSeat(line, { ...AT, limits: LIMITS }, true);
+    const late = new DriveSession(line, { ...AT, limits: LIMITS }, true);
     late.open(lease({ holder: "Grace", yours: false, epoch: 0 }));
     expect(late.lease.state).toEqual({ kind: "other", holder: "Grace", forceable: false });
     late.close();
@@ -181,9 +181,9 @@ describe("the seat", () => {
 });
 
 describe("STOP", () => {
-  let stop: StopLine;
+  let stop: StopClient;
   beforeEach(() => {
-    stop = new StopLine(line, "agv", "base", true);
+    stop = new StopClient(line, "agv", "base", true);
     stop.open();
   });
   afterEach(() => {
@@ -245,7 +245,7 @@ describe("STOP", () => {
   });
 
   test("a page opened late knows that it is latched", () => {
-    const late = new StopLine(line, "agv", "base", true);
+    const late = new StopClient(line, "agv", "base", true);
     late.open(stopNews({ confirmed: true }));
     expect(late.desk.phase).toBe("confirmed");
     late.close();
@@ -253,9 +253,9 @@ describe("STOP", () => {
 });
 
 describe("a command", () => {
-  let commands: CommandLine;
+  let commands: CommandClient;
   beforeEach(() => {
-    commands = new CommandLine(line, "agv");
+    commands = new CommandClient(line, "agv");
     commands.open();
   });
   afterEach(() => {
@@ -269,7 +269,7 @@ describe("a command", () => {
     line.become("open");
     vi.advanceTimersByTime(60_000);
     expect(line.take("command")).toEqual([]);
-    expect(commands.desk.latest("base", "wander")?.phase).toBe("unknown");
+    expect(commands.desk.latestRequest("base", "wander")?.phase).toBe("unknown");
   });
 
   test("has another id each time", () => {
@@ -282,7 +282,7 @@ describe("a command", () => {
   test("without a connection is offline at once, and not kept for later", () => {
     line.become("lost");
     commands.sendCommand("base", "wander", {});
-    expect(commands.desk.latest("base", "wander")?.phase).toBe("offline");
+    expect(commands.desk.latestRequest("base", "wander")?.phase).toBe("offline");
     line.become("open");
     expect(line.take("command")).toEqual([]);
   });

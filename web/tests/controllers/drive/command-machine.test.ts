@@ -1,18 +1,18 @@
 import { beforeEach, expect, test } from "vitest";
-import { CommandDesk } from "../../../src/controllers/drive/command-machine.js";
+import { CommandMachine } from "../../../src/controllers/drive/command-machine.js";
 
-let desk: CommandDesk;
+let desk: CommandMachine;
 beforeEach(() => {
-  desk = new CommandDesk();
+  desk = new CommandMachine();
   desk.addRequest("c1", "base", "wander", 5000, 0);
 });
-const phase = (): string | undefined => desk.latest("base", "wander")?.phase;
+const phase = (): string | undefined => desk.latestRequest("base", "wander")?.phase;
 
 test("an ask goes through its states in the robot's words", () => {
   expect(phase()).toBe("sent");
   desk.applyUpdate({ id: "c1", phase: "accepted", message: "", progress: 0 });
   desk.applyUpdate({ id: "c1", phase: "running", message: "turning", progress: 0.5 });
-  expect(desk.latest("base", "wander")).toMatchObject({ phase: "running", message: "turning", progress: 0.5 });
+  expect(desk.latestRequest("base", "wander")).toMatchObject({ phase: "running", message: "turning", progress: 0.5 });
   desk.applyUpdate({ id: "c1", phase: "succeeded", message: "done", progress: 1 });
   expect(phase()).toBe("succeeded");
 });
@@ -41,7 +41,7 @@ test("a lost link makes what is under way unknown and leaves what has ended", ()
   desk.applyUpdate({ id: "c1", phase: "succeeded", message: "", progress: 1 });
   desk.onLinkLost();
   expect(phase()).toBe("succeeded");
-  expect(desk.latest("base", "other")?.phase).toBe("unknown");
+  expect(desk.latestRequest("base", "other")?.phase).toBe("unknown");
 });
 
 test("not sent is offline, not unknown", () => {
@@ -58,6 +58,6 @@ test("a problem without an id belongs to the newest ask without an answer", () =
   desk.addRequest("c2", "base", "other", 5000, 1);
   expect(desk.newestUnanswered()?.id).toBe("c2");
   desk.markRefused("c2", "Not for you.", false);
-  expect(desk.latest("base", "other")).toMatchObject({ phase: "refused", message: "Not for you." });
+  expect(desk.latestRequest("base", "other")).toMatchObject({ phase: "refused", message: "Not for you." });
   expect(desk.newestUnanswered()?.id).toBe("c1");
 });

@@ -4,8 +4,8 @@ import {
   FRAME_MS,
   SILENT_MS,
   ZEROS,
-  type Bar,
-  type Frame,
+  type DriveBlock,
+  type VelocityFrame,
 } from "../../../src/controllers/drive/drive-machine.js";
 import { CURVE, PUSH } from "../../../src/controllers/drive/stick.js";
 
@@ -15,8 +15,8 @@ let machine: DriveMachine;
 let now: number;
 
 /** Lets time pass in steps of a millisecond and collects what is sent; marks keep coming. */
-function pass(ms: number, ticks = true): Frame[] {
-  const frames: Frame[] = [];
+function pass(ms: number, ticks = true): VelocityFrame[] {
+  const frames: VelocityFrame[] = [];
   for (const end = now + ms; now < end; ) {
     now += 1;
     if (ticks && now % 50 === 0) frames.push(...machine.onGatewayTick(now, now));
@@ -139,7 +139,7 @@ describe("holding", () => {
   test("a pad that moves changes the next frame, not their number", () => {
     ready();
     machine.pressHold("pad", { forward: 0.5, turn: 0 }, now, "analog");
-    const frames: Frame[] = [];
+    const frames: VelocityFrame[] = [];
     for (let i = 0; i < 40; i++) {
       frames.push(...pass(5), ...machine.moveHold("pad", { forward: i / 40, turn: 0 }, now));
     }
@@ -340,8 +340,8 @@ test.each(Array.from({ length: 40 }, (_, i) => i + 1))(
   (seed) => {
     const roll = dice(seed);
     const sources = ["key:KeyW", "key:KeyA", "pad", "gamepad:0"];
-    const bars: Bar[] = ["offline", "stop", "hidden", "dialog"];
-    const raised = new Set<Bar>();
+    const bars: DriveBlock[] = ["offline", "stop", "hidden", "dialog"];
+    const raised = new Set<DriveBlock>();
     let epoch = 0;
     let lease = 0;
     let last = 0;
@@ -351,7 +351,7 @@ test.each(Array.from({ length: 40 }, (_, i) => i + 1))(
       const bar = bars[roll(bars.length)] ?? "stop";
       const stick = { forward: roll(5) - 2, turn: roll(5) - 2 };
       const before = machine.phase;
-      let frames: Frame[] = [];
+      let frames: VelocityFrame[] = [];
       switch (roll(11)) {
         case 0:
           lease = ++epoch;

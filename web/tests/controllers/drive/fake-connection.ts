@@ -1,32 +1,32 @@
 /** A connection that is not there: keeps what is sent, says what the test wants said. */
 
 import type { FromBrowser, ToBrowser } from "../../../src/generated/wire.js";
-import type { Line } from "../../../src/controllers/drive/drive-session.js";
+import type { DriveConnection } from "../../../src/controllers/drive/drive-session.js";
 import type { LinkState } from "../../../src/wire/connection.js";
 
 type Sent = { readonly t: FromBrowser["t"] } & Readonly<Record<string, unknown>>;
 
-export class FakeLine implements Line {
+export class FakeLine implements DriveConnection {
   state: LinkState = "open";
   bufferedBytes = 0;
   readonly sent: Sent[] = [];
   private readonly listeners = new Map<string, Set<(message: never) => void>>();
   private readonly states = new Set<(state: LinkState) => void>();
 
-  readonly send: Line["send"] = (message) => {
+  readonly send: DriveConnection["send"] = (message) => {
     if (this.state !== "open") return false;
     this.sent.push({ ...message });
     return true;
   };
 
-  readonly onMessage: Line["onMessage"] = (tag, listener) => {
+  readonly onMessage: DriveConnection["onMessage"] = (tag, listener) => {
     const set = this.listeners.get(tag) ?? new Set();
     this.listeners.set(tag, set);
     set.add(listener);
     return () => set.delete(listener);
   };
 
-  readonly onState: Line["onState"] = (listener) => {
+  readonly onState: DriveConnection["onState"] = (listener) => {
     this.states.add(listener);
     return () => this.states.delete(listener);
   };

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { PadGrip, pushOf, type PadReading } from "../../../src/controllers/drive/gamepad.js";
+import { GamepadGrip, pushOf, type PadReading } from "../../../src/controllers/drive/gamepad.js";
 
 function pad(grip: boolean, axes: number[] = [0, 0], pressed: number[] = []): PadReading {
   const buttons = Array.from({ length: 17 }, (_, i) => ({
@@ -9,7 +9,7 @@ function pad(grip: boolean, axes: number[] = [0, 0], pressed: number[] = []): Pa
 }
 
 test("the stick drives only while a shoulder button is held", () => {
-  const grip = new PadGrip();
+  const grip = new GamepadGrip();
   expect(grip.readChange(pad(false, [0, -1]))).toBe("none");
   expect(grip.readChange(pad(true, [0, -1]))).toBe("press");
   expect(grip.readChange(pad(true, [0, -0.5]))).toBe("move");
@@ -18,7 +18,7 @@ test("the stick drives only while a shoulder button is held", () => {
 });
 
 test("a shoulder button that was held before we looked does not count", () => {
-  const grip = new PadGrip();
+  const grip = new GamepadGrip();
   expect(grip.readChange(pad(true))).toBe("none");
   grip.readChange(pad(false));
   expect(grip.readChange(pad(true))).toBe("press");
@@ -37,5 +37,5 @@ test("stick and cross push alike: up is forward, left is left", () => {
 
 test("a pad without axes or buttons is at rest", () => {
   expect(pushOf({ axes: [], buttons: [] })).toEqual({ forward: 0, turn: 0 });
-  expect(new PadGrip().readChange({ axes: [Number.NaN], buttons: [] })).toBe("none");
+  expect(new GamepadGrip().readChange({ axes: [Number.NaN], buttons: [] })).toBe("none");
 });

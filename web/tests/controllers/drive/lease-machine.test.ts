@@ -1,7 +1,7 @@
 import { beforeEach, expect, test } from "vitest";
-import { ANSWER_MS, LeaseDesk, RENEW_MS, type LeaseWord } from "../../../src/controllers/drive/lease-machine.js";
+import { ANSWER_MS, LeaseMachine, RENEW_MS, type LeaseUpdate } from "../../../src/controllers/drive/lease-machine.js";
 
-function word(more: Partial<LeaseWord> = {}): LeaseWord {
+function word(more: Partial<LeaseUpdate> = {}): LeaseUpdate {
   return {
     holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "",
     forceable: false, ...more,
@@ -9,9 +9,9 @@ function word(more: Partial<LeaseWord> = {}): LeaseWord {
 }
 const MINE = word({ holder: "Ada", yours: true, epoch: 3, remains_ms: 3000 });
 
-let desk: LeaseDesk;
+let desk: LeaseMachine;
 beforeEach(() => {
-  desk = new LeaseDesk();
+  desk = new LeaseMachine();
 });
 
 test("taking asks once, and the answer makes it mine", () => {
@@ -126,7 +126,7 @@ test.each([
   desk.applyUpdate(THEIRS, 0);
   desk.requestLease(0);
   desk.applyUpdate(WAITING, 0);
-  for (const each of words) desk.applyUpdate(each, 100);
+  for (const update of words) desk.applyUpdate(update, 100);
   expect(desk.trouble).toBe("Grace keeps control");
   expect(desk.state).toEqual({ kind: "other", holder: "Grace", forceable: true });
   expect(desk.forceTakeover(200)).toBe("force");

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { CENTRE, curved, joined, padStick, PUSH } from "../../../src/controllers/drive/stick.js";
+import { CENTRE, curvedPush, combinedStick, padStick, PUSH } from "../../../src/controllers/drive/stick.js";
 
 test("up on the pad is forward, left is a turn to the left", () => {
   expect(padStick(0, -100, 100)).toEqual({ forward: 1, turn: 0 });
@@ -28,12 +28,12 @@ test("a pad without a size is at rest", () => {
 });
 
 test("pushes add up to one at most, opposites cancel", () => {
-  expect(joined([PUSH.forward, PUSH.forward, PUSH.left])).toEqual({ forward: 1, turn: 1 });
-  expect(joined([PUSH.left, PUSH.right])).toEqual(CENTRE);
-  expect(joined([])).toEqual(CENTRE);
+  expect(combinedStick([PUSH.forward, PUSH.forward, PUSH.left])).toEqual({ forward: 1, turn: 1 });
+  expect(combinedStick([PUSH.left, PUSH.right])).toEqual(CENTRE);
+  expect(combinedStick([])).toEqual(CENTRE);
 });
 
 test("a turn on the spot is a full one, a turn under way is a curve", () => {
-  expect(curved(PUSH.left)).toEqual(PUSH.left);
-  expect(curved({ forward: 1, turn: 1 }).turn).toBeLessThan(0.5);
+  expect(curvedPush(PUSH.left)).toEqual(PUSH.left);
+  expect(curvedPush({ forward: 1, turn: 1 }).turn).toBeLessThan(0.5);
 });

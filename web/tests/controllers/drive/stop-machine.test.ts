@@ -1,13 +1,13 @@
 import { beforeEach, expect, test } from "vitest";
-import { ARMED_MS, REPEAT_MS, RESET_ANSWER_MS, StopDesk, type StopWord } from "../../../src/controllers/drive/stop-machine.js";
+import { ARMED_MS, REPEAT_MS, RESET_ANSWER_MS, StopMachine, type StopUpdate } from "../../../src/controllers/drive/stop-machine.js";
 
-function word(more: Partial<StopWord> = {}): StopWord {
+function word(more: Partial<StopUpdate> = {}): StopUpdate {
   return { latched: true, confirmed: false, who: "Ada", time_us: 1, id: "", ...more };
 }
 
-let desk: StopDesk;
+let desk: StopMachine;
 beforeEach(() => {
-  desk = new StopDesk();
+  desk = new StopMachine();
 });
 
 function latched(): void {
@@ -56,7 +56,7 @@ test("a lost link leaves nothing known of a latch", () => {
   latched();
   desk.onLinkLost();
   expect(desk.phase).toBe("unknown");
-  expect(desk.latched).toBeNull();
+  expect(desk.latchedBy).toBeNull();
 });
 
 test("a refusal ends the repeating and says why", () => {

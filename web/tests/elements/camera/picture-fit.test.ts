@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { isInView, placeOf, PLATE_PX, plateAt } from "../../../src/elements/camera/picture-fit.js";
-import { WHOLE, zoomed } from "../../../src/elements/camera/zoom.js";
+import { isInView, placeOf, PLATE_PX, labelPlace } from "../../../src/elements/camera/picture-fit.js";
+import { WHOLE, zoomedAt } from "../../../src/elements/camera/zoom.js";
 
 const VIEW = { width: 400, height: 300 };
 const QUARTER = { left: 0.5, top: 0.5, right: 1, bottom: 1 };
@@ -15,7 +15,7 @@ test("bars beside or above the picture count for its boxes, too", () => {
 });
 
 test("who looks closer sees the box at the same part of the picture", () => {
-  const zoom = zoomed(WHOLE, 2, 1, 1);
+  const zoom = zoomedAt(WHOLE, 2, 1, 1);
   expect(placeOf(QUARTER, VIEW, { width: 640, height: 480 }, zoom)).toEqual({ x: 0, y: 0, width: 400, height: 300 });
   const corner = placeOf({ left: 0, top: 0, right: 0.1, bottom: 0.1 }, VIEW, { width: 640, height: 480 }, zoom);
   expect(isInView(corner, VIEW)).toBe(false);
@@ -23,8 +23,8 @@ test("who looks closer sees the box at the same part of the picture", () => {
 
 test("the words of a box stay in sight: above it, inside below the buttons, or below a low box", () => {
   const box = { x: 50, y: 120, width: 80, height: 100 };
-  expect(plateAt(box)).toEqual({ x: 0, y: -PLATE_PX });
-  expect(plateAt({ ...box, y: 70 })).toEqual({ x: 0, y: 0 });
-  expect(plateAt({ ...box, y: -300, height: 600, x: -40 })).toEqual({ x: 40, y: 360 });
-  expect(plateAt({ ...box, y: 10, height: 30 })).toEqual({ x: 0, y: 30 });
+  expect(labelPlace(box)).toEqual({ x: 0, y: -PLATE_PX });
+  expect(labelPlace({ ...box, y: 70 })).toEqual({ x: 0, y: 0 });
+  expect(labelPlace({ ...box, y: -300, height: 600, x: -40 })).toEqual({ x: 40, y: 360 });
+  expect(labelPlace({ ...box, y: 10, height: 30 })).toEqual({ x: 0, y: 30 });
 });

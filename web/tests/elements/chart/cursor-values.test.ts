@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { ChartSeries } from "../../../src/elements/chart/chart-model.js";
-import { momentText, readOut } from "../../../src/elements/chart/cursor-values.js";
+import { momentText, cursorValue } from "../../../src/elements/chart/cursor-values.js";
 import { Trace } from "../../../src/series/trace.js";
 
 function series(samples: readonly (readonly [number, number])[], states: readonly string[] = []): ChartSeries {
@@ -11,20 +11,20 @@ function series(samples: readonly (readonly [number, number])[], states: readonl
 
 describe("the value at the cursor", () => {
   it("is the nearest one, and none when none is near", () => {
-    const one = series([[1e6, 1], [2e6, 2], [9e6, 9]]);
-    expect(readOut(one, 1.4e6, 1000, 1e6)).toMatchObject({ timeUs: 1e6, text: "1.0\u202fm" });
-    expect(readOut(one, 1.6e6, 1000, 1e6)).toMatchObject({ timeUs: 2e6, text: "2.0\u202fm" });
-    expect(readOut(one, 5e6, 1000, 1e6)).toMatchObject({ timeUs: NaN, text: "–" });
-    expect(readOut(series([]), 5e6, 1000, 1e6).text).toBe("–");
+    const line = series([[1e6, 1], [2e6, 2], [9e6, 9]]);
+    expect(cursorValue(line, 1.4e6, 1000, 1e6)).toMatchObject({ timeUs: 1e6, text: "1.0\u202fm" });
+    expect(cursorValue(line, 1.6e6, 1000, 1e6)).toMatchObject({ timeUs: 2e6, text: "2.0\u202fm" });
+    expect(cursorValue(line, 5e6, 1000, 1e6)).toMatchObject({ timeUs: NaN, text: "–" });
+    expect(cursorValue(series([]), 5e6, 1000, 1e6).text).toBe("–");
   });
 
   it("says from where to where, when one pixel holds many", () => {
-    expect(readOut(series([[1e6, 1], [1.1e6, 3], [1.2e6, 8]]), 1e6, 1e6, 1e6).text).toBe("4.0\u202fm (1.0 … 8.0)");
+    expect(cursorValue(series([[1e6, 1], [1.1e6, 3], [1.2e6, 8]]), 1e6, 1e6, 1e6).text).toBe("4.0\u202fm (1.0 … 8.0)");
   });
 
   it("is the state that held then, for no longer than it is known to hold", () => {
     const door = series([[1e6, 0], [2e6, 1]], ["open", "closed"]);
-    expect([1e6, 1.9e6, 2e6, 6.9e6, 7.1e6, 0.5e6].map((us) => readOut(door, us, 1, 1).text)).toEqual([
+    expect([1e6, 1.9e6, 2e6, 6.9e6, 7.1e6, 0.5e6].map((us) => cursorValue(door, us, 1, 1).text)).toEqual([
       "open", "open", "closed", "closed", "–", "–",
     ]);
   });

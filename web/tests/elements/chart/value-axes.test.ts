@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { Axes } from "../../../src/elements/chart/value-axes.js";
+import { ValueAxes } from "../../../src/elements/chart/value-axes.js";
 import { indentOf, type ChartSeries } from "../../../src/elements/chart/chart-model.js";
 import { Trace } from "../../../src/series/trace.js";
 
@@ -20,23 +20,23 @@ describe("value axes", () => {
   const slow = series("b", "m/s", [-100, 0]);
 
   it("are one for all numbers, unless each unit is to have its own", () => {
-    const one = new Axes([volts, fast], false, AXIS);
-    expect(one.looks).toEqual([{ title: "", colour: -1 }]);
-    expect(one.axisRanges([volts, fast], SPAN, 1)).toHaveLength(1);
-    const many = new Axes([volts, fast, slow], true, AXIS);
+    const axes = new ValueAxes([volts, fast], false, AXIS);
+    expect(axes.looks).toEqual([{ title: "", colour: -1 }]);
+    expect(axes.axisRanges([volts, fast], SPAN, 1)).toHaveLength(1);
+    const many = new ValueAxes([volts, fast, slow], true, AXIS);
     expect(many.looks).toEqual([{ title: "V", colour: 2 }, { title: "m/s", colour: -1 }]);
     const [v, speed] = many.axisRanges([volts, fast, slow], SPAN, 1);
     expect(v?.low).toBeGreaterThan(10);
     expect(v?.high).toBeLessThan(13);
     expect(speed?.low).toBeLessThanOrEqual(-100);
-    expect([volts, fast, slow].map((one) => many.axisIndex(one))).toEqual([0, 1, 1]);
+    expect([volts, fast, slow].map((series) => many.axisIndex(series))).toEqual([0, 1, 1]);
   });
 
   it("are none beside states, and cover what another day holds", () => {
-    expect(new Axes([series("s", "", [0, 1], { states: ["off", "on"] })], true, AXIS).looks).toEqual([]);
+    expect(new ValueAxes([series("s", "", [0, 1], { states: ["off", "on"] })], true, AXIS).looks).toEqual([]);
     const then = series("v", "V", [30, 40]);
     const both = { ...volts, ghost: { samples: then.samples, shiftUs: 0 } };
-    expect(new Axes([both], false, AXIS).axisRanges([both], SPAN, 1)[0]?.high).toBeGreaterThanOrEqual(40);
+    expect(new ValueAxes([both], false, AXIS).axisRanges([both], SPAN, 1)[0]?.high).toBeGreaterThanOrEqual(40);
   });
 
   it("take turns left and right, and leave a little room where there is none", () => {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { checkArgument, limitWords, startOf } from "../../../src/elements/command/argument-check.js";
+import { checkArgument, argumentLimitText, initialText } from "../../../src/elements/command/argument-check.js";
 import type { ArgumentInfo } from "../../../src/wire/api-types.js";
 
 function argument(more: Partial<ArgumentInfo> = {}): ArgumentInfo {
@@ -32,13 +32,13 @@ test("a boolean is one, a text is not too long", () => {
 });
 
 test("limits are said in words", () => {
-  expect(limitWords(argument({ maximum: null }))).toBe("0\u202f° or more");
-  expect(limitWords(argument({ minimum: null, maximum: 0.25, unit: "m" }))).toBe("0.25\u202fm or less");
-  expect(limitWords(argument({ minimum: null, maximum: null }))).toBe("");
+  expect(argumentLimitText(argument({ maximum: null }))).toBe("0\u202f° or more");
+  expect(argumentLimitText(argument({ minimum: null, maximum: 0.25, unit: "m" }))).toBe("0.25\u202fm or less");
+  expect(argumentLimitText(argument({ minimum: null, maximum: null }))).toBe("");
 });
 
 test("a field starts with the description's default", () => {
-  expect(startOf(argument({ default: 180 }))).toBe("180");
-  expect(startOf(argument())).toBe("");
-  expect(startOf(argument({ type: "boolean" }))).toBe("false");
+  expect(initialText(argument({ default: 180 }))).toBe("180");
+  expect(initialText(argument())).toBe("");
+  expect(initialText(argument({ type: "boolean" }))).toBe("false");
 });

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { backfill, course, extendTrack, flat, formatLength, isBreak, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../../src/elements/map/track.js";
+import { mergeTracks, courseOf, extendTrack, flatPosition, formatLength, isBreak, joinTrack, MOST_POINTS, niceLength, type TrackPoint } from "../../../src/elements/map/track.js";
 
 const at = (x: number, y: number, timeUs: number): TrackPoint => ({ x, y, timeUs });
 
@@ -33,9 +33,9 @@ describe("joining the channels of a position", () => {
 
 describe("a growing trail", () => {
   test("takes a point that is elsewhere, and none that is in the same place", () => {
-    const one = extendTrack([], at(0, 0, 1), 100);
-    expect(extendTrack(one, at(0.001, 0, 2), 100)).toHaveLength(1);
-    expect(extendTrack(one, at(0.5, 0, 2), 100)).toHaveLength(2);
+    const track = extendTrack([], at(0, 0, 1), 100);
+    expect(extendTrack(track, at(0.001, 0, 2), 100)).toHaveLength(1);
+    expect(extendTrack(track, at(0.5, 0, 2), 100)).toHaveLength(2);
   });
 
   test("forgets what is older than it keeps", () => {
@@ -54,28 +54,28 @@ describe("a growing trail", () => {
 
   test("history comes before what was seen live, without doubling it", () => {
     const live = [at(2, 0, 20), at(3, 0, 30)];
-    expect(backfill([at(1, 0, 10), at(2, 0, 20), at(9, 9, 25)], live)).toEqual([at(1, 0, 10), ...live]);
+    expect(mergeTracks([at(1, 0, 10), at(2, 0, 20), at(9, 9, 25)], live)).toEqual([at(1, 0, 10), ...live]);
   });
 });
 
 describe("degrees on a plane", () => {
   test("a thousandth of a degree north is 111 m", () => {
-    expect(flat({ lat: 41.001, lon: 2 }, { lat: 41, lon: 2 }).y).toBeCloseTo(111.2, 0);
+    expect(flatPosition({ lat: 41.001, lon: 2 }, { lat: 41, lon: 2 }).y).toBeCloseTo(111.2, 0);
   });
 
   test("east shrinks with the latitude", () => {
-    expect(flat({ lat: 60, lon: 2.001 }, { lat: 60, lon: 2 }).x).toBeCloseTo(55.6, 0);
+    expect(flatPosition({ lat: 60, lon: 2.001 }, { lat: 60, lon: 2 }).x).toBeCloseTo(55.6, 0);
   });
 
   test("the antimeridian is no wall", () => {
-    expect(flat({ lat: 0, lon: -179.999 }, { lat: 0, lon: 179.999 }).x).toBeCloseTo(222.4, 0);
+    expect(flatPosition({ lat: 0, lon: -179.999 }, { lat: 0, lon: 179.999 }).x).toBeCloseTo(222.4, 0);
   });
 });
 
 test("the course is the way of the last stretch, and unknown while standing", () => {
-  expect(course([at(0, 0, 1), at(0, 1, 2)])).toBeCloseTo(Math.PI / 2);
-  expect(course([at(0, 0, 1), at(0.01, 0, 2)])).toBeNaN();
-  expect(course([])).toBeNaN();
+  expect(courseOf([at(0, 0, 1), at(0, 1, 2)])).toBeCloseTo(Math.PI / 2);
+  expect(courseOf([at(0, 0, 1), at(0.01, 0, 2)])).toBeNaN();
+  expect(courseOf([])).toBeNaN();
 });
 
 test("grid steps are one, two or five times a power of ten", () => {

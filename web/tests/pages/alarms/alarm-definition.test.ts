@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { definitionOf, FIELDS, fieldsOf, fits, idOf, labelOf } from "../../../src/pages/alarms/alarm-definition.js";
-import { historyAt, standing } from "../../../src/pages/alarms/alarm-labels.js";
+import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, fieldLabel } from "../../../src/pages/alarms/alarm-definition.js";
+import { historyAt, alarmStatus } from "../../../src/pages/alarms/alarm-labels.js";
 import type { AlarmNews } from "../../../src/generated/wire.js";
 
 test("a form says a definition, with only the keys of its kind", () => {
@@ -17,7 +17,7 @@ test("a form says a definition, with only the keys of its kind", () => {
 
 test("a definition fills the form, and comes back as it was", () => {
   const definition = { name: "Door", kind: "state", severity: "info", record: false, signal: "a/door", is_one_of: ["open", "ajar"], is_not: [], delay: 2, clear_delay: 0, max_age: null, unknown_after: 60, advice: "Shut it.", repeat: 60, escalate: [{ who: "eve", after: 300 }], remind: null } as const;
-  expect(definitionOf(fieldsOf(definition))).toEqual({ definition });
+  expect(definitionOf(alarmFields(definition))).toEqual({ definition });
 });
 
 test("a short name is made of any name", () => {
@@ -27,10 +27,10 @@ test("a short name is made of any name", () => {
 });
 
 test("what cannot be judged is never called well", () => {
-  const one = { phase: "normal", known: false } as AlarmNews;
-  expect(standing(one, false)).toEqual(["unknown", "cannot be judged"]);
-  expect(standing({ ...one, known: true }, true)).toEqual(["ok", "well, shelved"]);
-  expect(standing({ ...one, phase: "active" }, false)[0]).toBe("bad");
+  const alarm = { phase: "normal", known: false } as AlarmNews;
+  expect(alarmStatus(alarm, false)).toEqual(["unknown", "cannot be judged"]);
+  expect(alarmStatus({ ...alarm, known: true }, true)).toEqual(["ok", "well, shelved"]);
+  expect(alarmStatus({ ...alarm, phase: "active" }, false)[0]).toBe("bad");
 });
 
 test("an alarm leads to its chart at the moment when it was raised", () => {
@@ -41,6 +41,6 @@ test("an alarm leads to its chart at the moment when it was raised", () => {
 test("a number is asked for in the signal's unit, and of the signals only those that fit", () => {
   const above = FIELDS.find(({ labelControl: name }) => name === "above");
   if (above === undefined) throw new Error("there is no such field");
-  expect([labelOf(above, "V"), labelOf(above, "")]).toEqual(["Raised above (V)", "Raised above"]);
-  expect([fits("limit", "number"), fits("limit", "state"), fits("state", "text"), fits("state", "number"), fits("stale", "state")]).toEqual([true, false, true, false, true]);
+  expect([fieldLabel(above, "V"), fieldLabel(above, "")]).toEqual(["Raised above (V)", "Raised above"]);
+  expect([kindFitsType("limit", "number"), kindFitsType("limit", "state"), kindFitsType("state", "text"), kindFitsType("state", "number"), kindFitsType("stale", "state")]).toEqual([true, false, true, false, true]);
 });

@@ -1,10 +1,10 @@
 import { describe, expect, test } from "vitest";
-import { formatBytes, frameQuery, NO_FILTER, placeProblem, readFilter, skyPlace, writeFilter } from "../../../src/pages/archive/archive-query.js";
+import { formatFileSize, frameQuery, NO_FILTER, placeProblem, readArchiveFilter, skyPlace, writeArchiveFilter } from "../../../src/pages/archive/archive-query.js";
 
 describe("the archive's question", () => {
   test("is the same after a turn through the address bar", () => {
     const filter = { ...NO_FILTER, night: "2026-11-20", target: "M 31 & co", ra: "10.68", dec: "-5", radius: "2" };
-    expect(readFilter(`?${writeFilter(filter)}`)).toEqual(filter);
+    expect(readArchiveFilter(`?${writeArchiveFilter(filter)}`)).toEqual(filter);
   });
 
   test("leaves a place out that makes no sense, and says why", () => {
@@ -30,5 +30,5 @@ describe("a place on the sky", () => {
 });
 
 test("sizes are said in the unit that fits", () => {
-  expect([formatBytes(900), formatBytes(2_630_000), formatBytes(3.2e9)]).toEqual(["1 kB", "2.6 MB", "3.20 GB"]);
+  expect([formatFileSize(900), formatFileSize(2_630_000), formatFileSize(3.2e9)]).toEqual(["1 kB", "2.6 MB", "3.20 GB"]);
 });

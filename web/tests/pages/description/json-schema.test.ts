@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
-import { differenceLines, differenceWords } from "../../../src/format/unified-diff.js";
-import { changedAt, emptyOf, fieldsOf, freeName, movedAt, pathOf, renamedAt, type JsonObject } from "../../../src/pages/description/json-schema.js";
-import { Edits } from "../../../src/state/edit-history.js";
+import { differenceLines, differenceText } from "../../../src/format/unified-diff.js";
+import { changedAt, emptyOf, schemaFields, freeName, movedAt, pathOf, renamedAt, type JsonObject } from "../../../src/pages/description/json-schema.js";
+import { EditHistory } from "../../../src/state/edit-history.js";
 
 const ROOT = {
   $ref: "#/$defs/Site",
@@ -33,7 +33,7 @@ const SITE: JsonObject = { name: "S", devices: { base: { name: "Base", signals: 
 
 describe("a form made of a schema", () => {
   it("has a line for each property, what must be said first", () => {
-    const fields = fieldsOf(ROOT, ROOT);
+    const fields = schemaFields(ROOT, ROOT);
     expect(fields.map((field) => [field.key, field.kind, field.required])).toEqual([
       ["name", "text", true],
       ["zone", "text", false],
@@ -43,7 +43,7 @@ describe("a form made of a schema", () => {
   });
 
   it("follows references, and tells choices and help", () => {
-    const device = fieldsOf(ROOT, { $ref: "#/$defs/Device" });
+    const device = schemaFields(ROOT, { $ref: "#/$defs/Device" });
     expect(device[1]).toMatchObject({ key: "kind", kind: "choice", choices: ["dome", "other"], standard: "other" });
     expect(device[2]).toMatchObject({ key: "low", kind: "number", nullable: true, help: "the least" });
   });
@@ -88,7 +88,7 @@ describe("a change by path", () => {
 
 describe("what was done to a text", () => {
   it("is taken back and done again", () => {
-    const edits = new Edits("a");
+    const edits = new EditHistory("a");
     edits.recordEdit("b");
     edits.recordEdit("c");
     edits.undoEdit();
@@ -105,7 +105,7 @@ describe("what was done to a text", () => {
   });
 
   it("takes typing back in one step", () => {
-    const edits = new Edits("");
+    const edits = new EditHistory("");
     edits.recordEdit("x");
     edits.recordEdit("xy", true);
     edits.recordEdit("xyz", true);
@@ -128,7 +128,7 @@ describe("a difference in lines", () => {
   });
 
   it("is said in words", () => {
-    expect(differenceWords(lines)).toBe("2 lines added, 1 line removed");
-    expect(differenceWords([])).toBe("no line differs");
+    expect(differenceText(lines)).toBe("2 lines added, 1 line removed");
+    expect(differenceText([])).toBe("no line differs");
   });
 });

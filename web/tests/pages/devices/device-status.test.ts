@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { isShown, standing } from "../../../src/pages/devices/device-status.js";
+import { matchesSearch, deviceStatus } from "../../../src/pages/devices/device-status.js";
 import { publicOf } from "../../../src/pages/public/public-parts.js";
 import type { DeviceInfo, DeviceRow, SignalInfo, SiteDetail } from "../../../src/wire/api-types.js";
 
@@ -9,16 +9,16 @@ const row = (change: Partial<DeviceRow> = {}): DeviceRow => ({
 });
 
 test("a device of an unlinked site is offline, whatever its signals say", () => {
-  expect(standing(row({ online: false, stale: 4 }))).toBe("offline");
-  expect(standing(row({ stale: 1 }))).toBe("stale");
-  expect(standing(row())).toBe("online");
+  expect(deviceStatus(row({ online: false, stale: 4 }))).toBe("offline");
+  expect(deviceStatus(row({ stale: 1 }))).toBe("stale");
+  expect(deviceStatus(row())).toBe("online");
 });
 
 test("a filter finds all of its words, in any of a device's names", () => {
-  expect(isShown(row(), "  HOUSE vehi ", "")).toBe(true);
-  expect(isShown(row(), "house arm", "")).toBe(false);
-  expect(isShown(row({ public: true }), "public", "")).toBe(true);
-  expect(isShown(row(), "", "stale")).toBe(false);
+  expect(matchesSearch(row(), "  HOUSE vehi ", "")).toBe(true);
+  expect(matchesSearch(row(), "house arm", "")).toBe(false);
+  expect(matchesSearch(row({ public: true }), "public", "")).toBe(true);
+  expect(matchesSearch(row(), "", "stale")).toBe(false);
 });
 
 test("of a site only what is public stands on the public page, for an operator too", () => {
@@ -34,6 +34,6 @@ test("of a site only what is public stands on the public page, for an operator t
     place: null, rules: [], enclosures: [],
     devices: [device("base", [signal("open", true), signal("closed", false)]), device("safe", [signal("own", false)])],
   };
-  const shown = publicOf(detail).map((one) => [one.device.id, one.signals.map(({ id }) => id)]);
+  const shown = publicOf(detail).map((device) => [device.device.id, device.signals.map(({ id }) => id)]);
   expect(shown).toEqual([["base", ["open"]]]);
 });

@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
-import { loadedOf } from "../../../src/pages/history/data/history-loader.js";
+import { loadedSeries } from "../../../src/pages/history/data/history-loader.js";
 import { quickOf, quickShown, readView, spanOf, writeView, type HistoryView } from "../../../src/pages/history/history-query.js";
-import { firstChoice, rowsOf, together } from "../../../src/pages/history/data/channel-rows.js";
+import { firstChoice, channelRows, groupChannels } from "../../../src/pages/history/data/channel-rows.js";
 import { textBand } from "../../../src/pages/history/data/text-band.js";
-import { runs } from "../../../src/series/state-runs.js";
+import { stateRuns } from "../../../src/series/state-runs.js";
 import { ZoneClock } from "../../../src/series/zone-clock.js";
 import type { SignalInfo, SiteDetail, StoredInfo } from "../../../src/wire/api-types.js";
 
@@ -67,7 +67,7 @@ const DETAIL: SiteDetail = {
 
 describe("rows of the history page", () => {
   it("share a chart when they share a unit, and states and unitless numbers stand alone", () => {
-    const groups = together(rowsOf(DETAIL)).map(({ title, rows }) => [title, rows.map(({ address }) => address)]);
+    const groups = groupChannels(channelRows(DETAIL)).map(({ title, rows }) => [title, rows.map(({ address }) => address)]);
     expect(groups).toEqual([
       ["m", ["base/left", "base/right", "base/pose.x"]],
       ["V", ["base/volt"]],
@@ -79,7 +79,7 @@ describe("rows of the history page", () => {
 
   it("share a chart with other units when asked to, at most so many units in one", () => {
     const groups = (axes: number): [string, readonly string[]][] =>
-      together(rowsOf(DETAIL), axes).map(({ title, rows }) => [title, rows.map(({ address }) => address)]);
+      groupChannels(channelRows(DETAIL), axes).map(({ title, rows }) => [title, rows.map(({ address }) => address)]);
     expect(groups(4)).toEqual([
       ["m, V, rad, no unit", ["base/left", "base/right", "base/pose.x", "base/volt", "base/pose.yaw", "base/count"]],
       ["mode", ["base/mode"]],
@@ -95,7 +95,7 @@ describe("rows of the history page", () => {
       { ...was, address: "arm/place.yaw", name: "Place", type: "position", unit: "", states: [] },
       { ...was, address: "arm/old", name: "", type: "", unit: "", states: [] },
     ];
-    const rows = rowsOf(DETAIL, former);
+    const rows = channelRows(DETAIL, former);
     expect(rows.filter((row) => row.former).map(({ address, name, type, unit, device }) => [address, name, type, unit, device.name])).toEqual([
       ["base/gear", "Gear", "state", "", "Base"],
       ["arm/place.yaw", "Place, yaw", "number", "rad", "arm"],
@@ -106,24 +106,24 @@ describe("rows of the history page", () => {
   });
 
   it("begin with the first main numbers", () => {
-    expect(firstChoice(rowsOf(DETAIL))).toEqual(["base/left", "base/right"]);
+    expect(firstChoice(channelRows(DETAIL))).toEqual(["base/left", "base/right"]);
     expect(firstChoice([])).toEqual([]);
   });
 });
 
 describe("what was loaded", () => {
   it("lists texts with their times", () => {
-    const loaded = loadedOf({ address: "a", t_us: [1, 2], v: [null, null], text: ["docked", "gone"], kind: "exact", gaps: [] }, 5e6);
+    const loaded = loadedSeries({ address: "a", t_us: [1, 2], v: [null, null], text: ["docked", "gone"], kind: "exact", gaps: [] }, 5e6);
     expect(loaded.texts).toEqual([{ timeUs: 1, text: "docked" }, { timeUs: 2, text: "gone" }]);
   });
 
   it("holds each text until the next, and none across a gap", () => {
     const texts = ["docked", "gone", "docked"];
     const gaps = [{ from_us: 4e6, to_us: 6e6, reason: "the spool was full" }];
-    const loaded = loadedOf({ address: "a", t_us: [1e6, 3e6, 7e6], v: [null, null, null], text: texts, kind: "exact", gaps }, 5e6);
+    const loaded = loadedSeries({ address: "a", t_us: [1e6, 3e6, 7e6], v: [null, null, null], text: texts, kind: "exact", gaps }, 5e6);
     const { words, samples } = textBand(loaded, 5e6);
     expect(words).toEqual(["docked", "gone"]);
-    expect(runs(samples.times, samples.values, 8e6, samples.allowedUs)).toEqual([
+    expect(stateRuns(samples.times, samples.values, 8e6, samples.allowedUs)).toEqual([
       { fromUs: 1e6, toUs: 3e6, value: 0 },
       { fromUs: 3e6, toUs: 4e6 + 1, value: 1 },
       { fromUs: 7e6, toUs: 8e6, value: 0 },
@@ -131,7 +131,7 @@ describe("what was loaded", () => {
   });
 
   it("tells a silence once: with its reason where the hub has one", () => {
-    const loaded = loadedOf(
+    const loaded = loadedSeries(
       {
         address: "a", t_us: [0, 1e6, 30e6, 31e6, 32e6, 33e6, 90e6], v: [1, 1, 1, 1, 1, 1, 1], kind: "exact",
         gaps: [{ from_us: 1e6, to_us: 30e6, reason: "the spool was full" }],

@@ -1,16 +1,16 @@
 import { expect, test } from "vitest";
-import { momentQuery, NO_FILTER, pageQuery, readFilter, recordingAt, showsInSight, writeFilter } from "../../../src/pages/logbook/logbook-query.js";
+import { momentQuery, NO_FILTER, logbookPageQuery, readLogbookFilter, recordingAt, showsCurrentSightings, writeLogbookFilter } from "../../../src/pages/logbook/logbook-query.js";
 
 test("a filter survives the address, and all of it is as if there were none", () => {
   const filter = { text: "rain & wind", kind: "alarm", device: "dome", who: "ada", bad: true };
-  expect(readFilter(`?${writeFilter(filter)}`)).toEqual(filter);
-  expect(writeFilter(NO_FILTER)).toBe("");
-  expect(readFilter("?good=maybe&before=7")).toEqual(NO_FILTER);
+  expect(readLogbookFilter(`?${writeLogbookFilter(filter)}`)).toEqual(filter);
+  expect(writeLogbookFilter(NO_FILTER)).toBe("");
+  expect(readLogbookFilter("?good=maybe&before=7")).toEqual(NO_FILTER);
 });
 
 test("the next page is asked for by the last row of this one", () => {
-  expect(pageQuery({ ...NO_FILTER, kind: "stop" }, "17", 50)).toBe("kind=stop&before=17&limit=50");
-  expect(pageQuery(NO_FILTER, "", 50)).toBe("limit=50");
+  expect(logbookPageQuery({ ...NO_FILTER, kind: "stop" }, "17", 50)).toBe("kind=stop&before=17&limit=50");
+  expect(logbookPageQuery(NO_FILTER, "", 50)).toBe("limit=50");
 });
 
 test("an event leads to the history around its moment", () => {
@@ -18,10 +18,10 @@ test("an event leads to the history around its moment", () => {
 });
 
 test("what is in sight stands above the lines that it would fit among", () => {
-  expect(showsInSight(NO_FILTER)).toBe(true);
-  expect(showsInSight({ ...NO_FILTER, kind: "sighting" })).toBe(true);
+  expect(showsCurrentSightings(NO_FILTER)).toBe(true);
+  expect(showsCurrentSightings({ ...NO_FILTER, kind: "sighting" })).toBe(true);
   for (const other of [{ kind: "alarm" }, { text: "dog" }, { device: "camera" }, { who: "ada" }, { bad: true }]) {
-    expect(showsInSight({ ...NO_FILTER, ...other })).toBe(false);
+    expect(showsCurrentSightings({ ...NO_FILTER, ...other })).toBe(false);
   }
 });
 

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { changesOf, cellOf, draftsOf, edited, isChanged, linesOf, redrafted } from "../../../src/pages/roles/permission-matrix.js";
+import { changesOf, cellOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts } from "../../../src/pages/roles/permission-matrix.js";
 import { ANY, EVERYWHERE } from "../../../src/state/rights.js";
 import type { RoleRow } from "../../../src/wire/admin-types.js";
 import type { DeviceRow, Permission } from "../../../src/wire/api-types.js";
@@ -17,7 +17,7 @@ const base = { site: "agv", device: "base" };
 
 describe("the lines", () => {
   test("are the hub, then each site with its devices", () => {
-    const shown = linesOf(DEVICES, []).map(({ depth, name }) => `${String(depth)} ${name}`);
+    const shown = matrixLines(DEVICES, []).map(({ depth, name }) => `${String(depth)} ${name}`);
     expect(shown).toEqual([
       "0 Every site", "1 Site agv", "2 Device base", "2 Device arm", "1 Site dome", "2 Device roof",
     ]);
@@ -25,7 +25,7 @@ describe("the lines", () => {
 
   test("hold also what a role names and no gateway has told of", () => {
     const crew = role("crew", [{ right: "view", site: "far", device: "mast" }]);
-    const lines = linesOf([], [crew]);
+    const lines = matrixLines([], [crew]);
     expect(lines.map(({ site, device }) => `${site} ${device}`)).toEqual(["* *", "far *", "far mast"]);
   });
 });
@@ -38,22 +38,22 @@ describe("a cell", () => {
 
   test("set to what comes from above gives nothing of its own", () => {
     const crew = role("crew", [{ right: "view", site: "agv", device: ANY }, { right: "use", ...base }]);
-    const [draft] = edited(draftsOf([crew]), "crew", base, "view");
+    const [draft] = withLevelEdited(draftsOf([crew]), "crew", base, "view");
     expect(draft?.permissions).toEqual([{ right: "view", site: "agv", device: ANY }]);
   });
 
   test("of the role that can do everything cannot be changed", () => {
     const drafts = draftsOf([ADMIN]);
-    expect(edited(drafts, "admin", EVERYWHERE, "none")).toEqual(drafts);
+    expect(withLevelEdited(drafts, "admin", EVERYWHERE, "none")).toEqual(drafts);
   });
 });
 
 describe("changes", () => {
   const crew = role("crew", [{ right: "view", site: "dome", device: ANY }]);
-  const lines = linesOf(DEVICES, [ADMIN, crew]);
+  const lines = matrixLines(DEVICES, [ADMIN, crew]);
 
   test("are told by role and place, before and after", () => {
-    const drafts = edited(draftsOf([ADMIN, crew]), "crew", base, "use");
+    const drafts = withLevelEdited(draftsOf([ADMIN, crew]), "crew", base, "use");
     expect(changesOf(drafts, lines)).toEqual([
       { role: "crew", place: "Site agv, Device base", before: "none", after: "use" },
     ]);
@@ -61,15 +61,15 @@ describe("changes", () => {
   });
 
   test("that are taken back are none", () => {
-    const there = edited(draftsOf([crew]), "crew", base, "use");
-    expect(changesOf(edited(there, "crew", base, "none"), lines)).toEqual([]);
+    const there = withLevelEdited(draftsOf([crew]), "crew", base, "use");
+    expect(changesOf(withLevelEdited(there, "crew", base, "none"), lines)).toEqual([]);
   });
 
   test("that are not saved outlive a fresh look at the hub, and saved ones do not", () => {
-    const drafts = edited(draftsOf([crew]), "crew", base, "use");
+    const drafts = withLevelEdited(draftsOf([crew]), "crew", base, "use");
     const other = role("other");
-    expect(redrafted(drafts, [crew, other]).map(isChanged)).toEqual([true, false]);
+    expect(updatedDrafts(drafts, [crew, other]).map(isChanged)).toEqual([true, false]);
     const saved = { ...crew, permissions: drafts[0]?.permissions ?? [] };
-    expect(redrafted(drafts, [saved]).map(isChanged)).toEqual([false]);
+    expect(updatedDrafts(drafts, [saved]).map(isChanged)).toEqual([false]);
   });
 });

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { SightingNews } from "../../../src/generated/wire.js";
-import { historyQuery, labelOf, NO_FILTER, pageQuery, readFilter, told, writeFilter } from "../../../src/pages/sightings/sightings-query.js";
+import { historyQuery, matchingLabel, NO_FILTER, sightingsPageQuery, readSightingFilter, withUpdate, writeSightingFilter } from "../../../src/pages/sightings/sightings-query.js";
 import type { SiteDetail } from "../../../src/wire/api-types.js";
 import type { Sighting } from "../../../src/wire/sightings-api.js";
 
@@ -11,27 +11,27 @@ const row = (id: number, more: Partial<Sighting> = {}): Sighting => ({
 
 test("a filter survives the address, and all of it is as if there were none", () => {
   const filter = { what: "wine & glass", camera: "camera/front", fromUs: 0, toUs: 1_780_000_000_000_000, open: true };
-  expect(readFilter(`?${writeFilter(filter)}`)).toEqual(filter);
-  expect(writeFilter(NO_FILTER)).toBe("");
-  expect(readFilter("?from=&to=soon&open=1")).toEqual(NO_FILTER);
+  expect(readSightingFilter(`?${writeSightingFilter(filter)}`)).toEqual(filter);
+  expect(writeSightingFilter(NO_FILTER)).toBe("");
+  expect(readSightingFilter("?from=&to=soon&open=1")).toEqual(NO_FILTER);
 });
 
 test("what is typed finds its class: whatever its case, in the plural, and by a part that no other has", () => {
   const typed = ["Person", " persons", "wine", "dogs", "dog", "do", "zebra", ""];
-  expect(typed.map((one) => labelOf(one, LABELS))).toEqual(["person", "person", "wine glass", "dog", "dog", "do", "zebra", ""]);
+  expect(typed.map((address) => matchingLabel(address, LABELS))).toEqual(["person", "person", "wine glass", "dog", "dog", "do", "zebra", ""]);
 });
 
 test("the hub is asked in its own words, and for the next page by the last row of this one", () => {
-  expect(pageQuery(NO_FILTER, LABELS, "", 30)).toBe("limit=30");
-  const asked = pageQuery({ what: "Dogs", camera: "c/f", fromUs: 5, toUs: 9, open: true }, LABELS, "17", 30);
+  expect(sightingsPageQuery(NO_FILTER, LABELS, "", 30)).toBe("limit=30");
+  const asked = sightingsPageQuery({ what: "Dogs", camera: "c/f", fromUs: 5, toUs: 9, open: true }, LABELS, "17", 30);
   expect(asked).toBe("label=dog&camera=c%2Ff&from_us=5&to_us=9&open=true&before=17&limit=30");
 });
 
 test("news changes the row that it is about, and says where there is none", () => {
   const news: SightingNews = { t: "sighting", site: "agv", id: 2, camera: "camera/front", label: "person", many: 3, confidence: 0.9, began_us: 100e6, ended_us: 180e6 };
-  expect(told([row(2), row(1)], news)).toEqual([row(2, { many: 3, confidence: 0.9, ended_us: 180e6 }), row(1)]);
-  expect(told([row(2)], { ...news, ended_us: 0 })?.[0]?.ended_us).toBeNull();
-  expect(told([row(1)], news)).toBeNull();
+  expect(withUpdate([row(2), row(1)], news)).toEqual([row(2, { many: 3, confidence: 0.9, ended_us: 180e6 }), row(1)]);
+  expect(withUpdate([row(2)], { ...news, ended_us: 0 })?.[0]?.ended_us).toBeNull();
+  expect(withUpdate([row(1)], news)).toBeNull();
 });
 
 test("a sighting leads to the history around it, with the signal that counts such things", () => {

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { formatBytes } from "../../../src/format/bytes.js";
-import { filtered, FIRST_SORTING, signalsOf, sorted, sortedAnew, type SortKey } from "../../../src/pages/storage/signal-usage.js";
-import { daysText, forecastText, keepText, warningOf } from "../../../src/pages/storage/storage-text.js";
+import { filterSignals, FIRST_SORTING, signalUsage, sortSignals, toggleSorting, type SortKey } from "../../../src/pages/storage/signal-usage.js";
+import { durationText, forecastText, keepText, warningOf } from "../../../src/pages/storage/storage-text.js";
 import type { ChannelStorage, StorageUse } from "../../../src/wire/admin-types.js";
 
 function channel(address: string, change: Partial<ChannelStorage> = {}): ChannelStorage {
@@ -19,24 +19,24 @@ const CHANNELS = [
 
 describe("what signals take", () => {
   it("is what their channels take together", () => {
-    const [pose, speed, old] = signalsOf(CHANNELS);
+    const [pose, speed, old] = signalUsage(CHANNELS);
     expect(pose).toMatchObject({ address: "base/pose", name: "Position", channels: ["base/pose.x", "base/pose.y"], samples: 20, bytes: 200, dayBytes: 2, firstUs: 3, lastUs: 20 });
     expect(speed).toMatchObject({ name: "Speed", keepDays: 30, described: true });
     expect(old).toMatchObject({ name: "base/old", described: false, site: "dome" });
   });
 
   it("can be sorted by each column, and turned round", () => {
-    const signals = signalsOf(CHANNELS);
-    const names = (by: SortKey, down: boolean): string[] => sorted(signals, { by, down }).map(({ name }) => name);
+    const signals = signalUsage(CHANNELS);
+    const names = (by: SortKey, down: boolean): string[] => sortSignals(signals, { by, down }).map(({ name }) => name);
     expect(names("bytes", true)).toEqual(["Position", "Speed", "base/old"]);
     expect(names("bytes", false)).toEqual(["base/old", "Speed", "Position"]);
     expect(names("name", false)).toEqual(["base/old", "Position", "Speed"]);
     // For good is longer than any number of days.
     expect(names("keep", false)[0]).toBe("Speed");
     expect(names("samples", true)[0]).toBe("Position");
-    expect(sortedAnew(FIRST_SORTING, "bytes")).toEqual({ by: "bytes", down: false });
-    expect(sortedAnew(FIRST_SORTING, "name")).toEqual({ by: "name", down: false });
-    expect(filtered(signals, "DOME old").map(({ address }) => address)).toEqual(["base/old"]);
+    expect(toggleSorting(FIRST_SORTING, "bytes")).toEqual({ by: "bytes", down: false });
+    expect(toggleSorting(FIRST_SORTING, "name")).toEqual({ by: "name", down: false });
+    expect(filterSignals(signals, "DOME old").map(({ address }) => address)).toEqual(["base/old"]);
   });
 });
 
@@ -85,7 +85,7 @@ describe("sizes", () => {
   });
 
   it("and lengths of time are told roughly", () => {
-    expect([0.5, 3, 900].map(daysText)).toEqual(["12 hours", "3 days", "2.5 years"]);
+    expect([0.5, 3, 900].map(durationText)).toEqual(["12 hours", "3 days", "2.5 years"]);
     expect([0, 1, 30, 0.25].map(keepText)).toEqual(["for good", "1 day", "30 days", "0.25 days"]);
   });
 });

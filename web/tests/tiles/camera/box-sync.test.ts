@@ -1,7 +1,7 @@
 import { beforeEach, expect, test } from "vitest";
 import type { ShotBoxes } from "../../../src/generated/wire.js";
-import { Hold } from "../../../src/tiles/camera/box-delay.js";
-import { InStep } from "../../../src/tiles/camera/box-sync.js";
+import { BoxDelay } from "../../../src/tiles/camera/box-delay.js";
+import { BoxSync } from "../../../src/tiles/camera/box-sync.js";
 
 const FRAME_MS = 33;
 const closed: number[] = [];
@@ -24,10 +24,10 @@ const boxes = (seq: number): ShotBoxes => ({
 const shot = (seq: number): Shot => ({ seq, time_us: seq * FRAME_MS * 1000 });
 const at = (seq: number): number => seq * FRAME_MS;
 
-let step: InStep<Picture, Shot>;
+let step: BoxSync<Picture, Shot>;
 beforeEach(() => {
   closed.length = 0;
-  step = new InStep();
+  step = new BoxSync();
 });
 
 /** What is on screen after each step: the picture's number, and of which picture the boxes are. */
@@ -84,7 +84,7 @@ test("a detector that is too slow to wait for holds nothing up, and its late box
 
 test("waiting makes no picture old that is live: what came late waits less, or not at all", () => {
   for (const [age, wait] of [[380, 20], [400, 0], [900, 0], [Number.NaN, 0]] as const) {
-    step = new InStep();
+    step = new BoxSync();
     step.addPicture(new Picture(1), shot(1), 0, 0);
     step.addBoxes(boxes(1), 70);
     step.takeDuePicture(80);
@@ -175,7 +175,7 @@ test("what waits is closed with the camera", () => {
 });
 
 test("waiting follows what is measured: longer at once, shorter only when it is worth it, and never over the most", () => {
-  const hold = new Hold();
+  const hold = new BoxDelay();
   expect(hold.delayMs(0)).toBe(0);
   hold.recordLatency(65, 0);
   expect(hold.delayMs(1)).toBe(80);
@@ -195,8 +195,8 @@ test("waiting follows what is measured: longer at once, shorter only when it is 
 });
 
 test("one late answer among many keeps nobody waiting for longer", () => {
-  const hold = new Hold();
-  for (let one = 0; one < 29; one += 1) hold.recordLatency(60, one * 50);
+  const hold = new BoxDelay();
+  for (let number = 0; number < 29; number += 1) hold.recordLatency(60, number * 50);
   hold.recordLatency(280, 1500);
   expect(hold.delayMs(1501)).toBe(80);
 });

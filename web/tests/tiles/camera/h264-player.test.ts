@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Shot } from "../../../src/generated/wire.js";
-import { Film, playsFilms } from "../../../src/tiles/camera/h264-player.js";
+import { H264Player, supportsH264 } from "../../../src/tiles/camera/h264-player.js";
 
 const shot = (seq: number, key: boolean, codec = key ? "avc1.42C01E" : ""): Shot => ({
   t: "shot", seq, time_us: 0, hub_us: 0, width: 1, height: 1, format: "h264", key, codec, small: false,
@@ -33,10 +33,10 @@ class FakeDecoder {
 const drawn: number[] = [];
 const paid: number[] = [];
 let broken = 0;
-let film: Film;
+let film: H264Player;
 
-const show = (one: Shot): void => {
-  film.receivePicture(one, () => paid.push(one.seq));
+const show = (shot: Shot): void => {
+  film.receivePicture(shot, () => paid.push(shot.seq));
 };
 
 beforeEach(() => {
@@ -49,7 +49,7 @@ beforeEach(() => {
       this.timestamp = init.timestamp;
     }
   });
-  film = new Film({ draw: (_frame, { seq }) => drawn.push(seq), broken: () => (broken += 1) });
+  film = new H264Player({ draw: (_frame, { seq }) => drawn.push(seq), broken: () => (broken += 1) });
 });
 afterEach(() => {
   vi.unstubAllGlobals();
@@ -71,7 +71,7 @@ test("the same decoder goes on over key pictures, and a film of another kind has
   show(shot(2, true));
   expect(FakeDecoder.all).toHaveLength(1);
   show(shot(3, true, "avc1.42C028"));
-  expect(FakeDecoder.all.map((each) => [each.configured, each.state])).toEqual([
+  expect(FakeDecoder.all.map((decoder) => [decoder.configured, decoder.state])).toEqual([
     ["avc1.42C01E", "closed"], ["avc1.42C028", "configured"],
   ]);
   expect(paid).toEqual([1, 2]);
@@ -97,7 +97,7 @@ test("nothing is drawn after it is closed", () => {
 test("films are asked for only where the browser says that it plays them", async () => {
   const says = (supported: boolean) =>
     ({ VideoDecoder: { isConfigSupported: () => Promise.resolve({ supported }) } }) as unknown as typeof globalThis;
-  expect(await playsFilms({})).toBe(false);
-  expect(await playsFilms(says(false))).toBe(false);
-  expect(await playsFilms(says(true))).toBe(true);
+  expect(await supportsH264({})).toBe(false);
+  expect(await supportsH264(says(false))).toBe(false);
+  expect(await supportsH264(says(true))).toBe(true);
 });

@@ -1,18 +1,18 @@
 import { expect, test } from "vitest";
 import type { Shot } from "../../../src/generated/wire.js";
-import { Newest } from "../../../src/tiles/camera/jpeg-player.js";
+import { JpegPlayer } from "../../../src/tiles/camera/jpeg-player.js";
 
 const shot = (seq: number): Shot => ({
   t: "shot", seq, time_us: 0, hub_us: 0, width: 1, height: 1, format: "jpeg", key: true, codec: "", small: false, data: new Uint8Array(),
 });
 const bitmap = { width: 1, height: 1, close: () => undefined } as ImageBitmap;
 
-function desk(): { newest: Newest; drawn: number[]; paid: number[]; failed: number[]; finish: (good?: boolean) => Promise<void>; show: (seq: number) => void } {
+function desk(): { newest: JpegPlayer; drawn: number[]; paid: number[]; failed: number[]; finish: (good?: boolean) => Promise<void>; show: (seq: number) => void } {
   const drawn: number[] = [];
   const paid: number[] = [];
   const failed: number[] = [];
   let settle: ((good: boolean) => void) | null = null;
-  const newest = new Newest({
+  const newest = new JpegPlayer({
     decode: () =>
       new Promise((resolve, reject) => {
         settle = (good) => {

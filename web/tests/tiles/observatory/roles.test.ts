@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import {
-  cameraDeeds, domeDeeds, domeSignals, outletsOf, partOf, shownBy, shutterOf, slewOf, telescopeDeeds, telescopeSignals, tellingSignals,
+  cameraCommands, domeCommands, domeSignals, outletsOf, partOf, commandsShownBy, shutterOf, slewOf, telescopeCommands, telescopeSignals, summarySignals,
 } from "../../../src/tiles/observatory/roles.js";
 import { argument, command, device, signal, state } from "./described.js";
 
@@ -40,8 +40,8 @@ test("a dome behind ROS and one behind INDI are read alike", () => {
 });
 
 test("a dome's buttons open and close the shutter, never the flap", () => {
-  expect(domeDeeds(indiDome).buttons.map(({ command: { id } }) => id)).toEqual(["open", "close", "park", "unpark", "stop"]);
-  expect(domeDeeds(rosDome).forms.map(({ id }) => id)).toEqual(["goto"]);
+  expect(domeCommands(indiDome).buttons.map(({ command: { id } }) => id)).toEqual(["open", "close", "park", "unpark", "stop"]);
+  expect(domeCommands(rosDome).forms.map(({ id }) => id)).toEqual(["goto"]);
 });
 
 test("a roof that slides away needs no azimuth", () => {
@@ -83,16 +83,16 @@ test("without that, a command with right ascension and declination points it, an
 });
 
 test("tracking is two buttons, of one switch or of two commands", () => {
-  const one = device("telescope", [], [command("track", [argument("active", { type: "boolean" })])]);
+  const other = device("telescope", [], [command("track", [argument("active", { type: "boolean" })])]);
   const two = device("telescope", [], [command("track"), command("untrack")]);
-  expect(telescopeDeeds(one).map(({ args }) => args)).toEqual([{ active: true }, { active: false }]);
-  expect(telescopeDeeds(two).map(({ command: { id } }) => id)).toEqual(["track", "untrack"]);
+  expect(telescopeCommands(other).map(({ args }) => args)).toEqual([{ active: true }, { active: false }]);
+  expect(telescopeCommands(two).map(({ command: { id } }) => id)).toEqual(["track", "untrack"]);
 });
 
 test("a camera that takes exposures has another page than one that only watches", () => {
   const takes = device("camera", [], [command("expose", [argument("seconds", { unit: "s" })])]);
   expect(partOf(takes)).toBe("camera");
-  expect(cameraDeeds(takes).expose).toHaveLength(1);
+  expect(cameraCommands(takes).expose).toHaveLength(1);
   expect(partOf(device("camera", []))).toBe("pictures");
 });
 
@@ -106,11 +106,11 @@ test("an outlet is a state of off and on with the switch of its own id", () => {
   expect(rest).toEqual([]);
   expect([lamp?.on?.args, lamp?.off?.args]).toEqual([{ active: true }, { active: false }]);
   expect([fan?.on?.command.id, fan?.off?.command.id]).toEqual(["fan_on", "fan_off"]);
-  expect(tellingSignals(pdu).map(({ id }) => id)).toEqual(["total"]);
+  expect(summarySignals(pdu).map(({ id }) => id)).toEqual(["total"]);
 });
 
 test("what a drawn part does not show stands below: no command is lost", () => {
-  const shown = shownBy(rosDome);
+  const shown = commandsShownBy(rosDome);
   expect(rosDome.commands.filter(({ id }) => !shown.has(id)).map(({ id }) => id)).toEqual(["polish"]);
-  expect(indiDome.commands.filter(({ id }) => !shownBy(indiDome).has(id)).map(({ id }) => id)).toEqual(["open_flap", "close_flap"]);
+  expect(indiDome.commands.filter(({ id }) => !commandsShownBy(indiDome).has(id)).map(({ id }) => id)).toEqual(["open_flap", "close_flap"]);
 });

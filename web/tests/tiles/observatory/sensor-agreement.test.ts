@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { sensorsDisagree, type RoofSensor } from "../../../src/tiles/observatory/sensor-agreement.js";
 
-const says = (...closed: (boolean | null)[]): RoofSensor[] => closed.map((each) => ({ name: "sensor", word: String(each), closed: each }));
+const says = (...closed: (boolean | null)[]): RoofSensor[] => closed.map((closed) => ({ name: "sensor", word: String(closed), closed: closed }));
 
 describe("sensorsDisagree", () => {
   it("hears a shell whose end switch and encoder contradict each other", () => {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { InterlockNews } from "../../../src/generated/wire.js";
-import { limitLines, rulesAbout, verdictOf, type Known, type Verdict } from "../../../src/tiles/observatory/weather-verdict.js";
+import { limitLines, rulesAbout, verdictOf, type KnownValue, type WeatherVerdict } from "../../../src/tiles/observatory/weather-verdict.js";
 import type { LimitInfo, RuleInfo } from "../../../src/wire/api-types.js";
 import { signal, state } from "./described.js";
 
@@ -17,10 +17,10 @@ const said = (more: Partial<InterlockNews> = {}): InterlockNews => ({
   clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
   condition: "", no_override: "", ...more,
 });
-const wind = (value: number, fresh = true): ((of: { id: string }) => Known) => ({ id }) =>
+const wind = (value: number, fresh = true): ((of: { id: string }) => KnownValue) => ({ id }) =>
   id === "wind" ? { fresh, value, word: "" } : { fresh, value: 0, word: "dry" };
 
-function judged(value: number, news: InterlockNews | undefined, fresh = true, online = true): Verdict {
+function judged(value: number, news: InterlockNews | undefined, fresh = true, online = true): WeatherVerdict {
   return verdictOf(online, [WIND], () => news, limitLines([WIND], "it", SIGNALS, wind(value, fresh)));
 }
 
@@ -89,11 +89,11 @@ test("a state that is none of the safe ones is beyond", () => {
 test("a temperature is judged by how far it is from the dew point, given or computed", () => {
   const air = [signal("temperature", { unit: "°C" }), signal("dew_point", { unit: "°C" }), signal("humidity", { unit: "%" })];
   const values: Readonly<Record<string, number>> = { temperature: 15, dew_point: 13, humidity: 85 };
-  const known = (silent: string) => ({ id }: { id: string }): Known => ({ fresh: id !== silent, value: values[id] ?? 0, word: "" });
+  const known = (silent: string) => ({ id }: { id: string }): KnownValue => ({ fresh: id !== silent, value: values[id] ?? 0, word: "" });
   for (const other of [{ minus: "it/dew_point" }, { humidity: "it/humidity" }]) {
-    const one = rule([limit({ signal: "it/temperature", below: 3, until_above: 4, ...other })]);
-    expect(limitLines([one], "it", air, known(""))[0]).toMatchObject({ stands: "beyond" });
+    const single = rule([limit({ signal: "it/temperature", below: 3, until_above: 4, ...other })]);
+    expect(limitLines([single], "it", air, known(""))[0]).toMatchObject({ stands: "beyond" });
     const silent = Object.values(other)[0]?.slice(3) ?? "";
-    expect(limitLines([one], "it", air, known(silent))[0]).toMatchObject({ stands: "unknown", now: "unknown" });
+    expect(limitLines([single], "it", air, known(silent))[0]).toMatchObject({ stands: "unknown", now: "unknown" });
   }
 });

@@ -5,19 +5,19 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../../controllers/action.js";
-import { DetectorsController, type Watchers } from "../../../controllers/anomaly-detectors.js";
+import { AnomalyDetectorsController, type AnomalySource } from "../../../controllers/anomaly-detectors.js";
 import { LoadController } from "../../../controllers/load.js";
 import { base } from "../../../elements/base/base-style.js";
-import { indentOf, type ChartSeries, type Indent } from "../../../elements/chart/chart-model.js";
-import type { Painter } from "../../../elements/chart/paint-scheduler.js";
+import { indentOf, type ChartSeries, type ChartIndent } from "../../../elements/chart/chart-model.js";
+import type { PaintScheduler } from "../../../elements/chart/paint-scheduler.js";
 import { anomalyMarks } from "../../../elements/chart/anomaly-marks.js";
 import { adviceFor } from "../../../format/error-advice.js";
-import type { Span } from "../../../series/time-window.js";
+import type { TimeSpan } from "../../../series/time-window.js";
 import { apiContext } from "../../../state/contexts.js";
 import type { Detector } from "../../../state/anomaly-detectors.js";
 import type { History } from "../../../wire/api-types.js";
 import type { HistoryQuery, HubApi } from "../../../wire/hub-api.js";
-import { loadedOf } from "../data/history-loader.js";
+import { loadedSeries } from "../data/history-loader.js";
 import "../../../elements/analysis/detector.js";
 import "../../../elements/feedback/loading.js";
 import "../../../elements/feedback/problem.js";
@@ -26,13 +26,13 @@ import "../../../elements/feedback/problem.js";
 const WRITTEN_US = 130e6;
 
 /** What this needs of the hub's HTTP interface. */
-export interface Scores extends Watchers {
+export interface ScoreSource extends AnomalySource {
   history(site: string, query: HistoryQuery): Promise<History>;
   dismissAnomaly(site: string, address: string, detector: string): Promise<boolean>;
 }
 
 @customElement("t-anomalies")
-export class Anomalies extends LitElement {
+export class AnomalyScores extends LitElement {
   static override styles = [
     base,
     css`
@@ -62,9 +62,9 @@ export class Anomalies extends LitElement {
   /** Names the site's description: another one has other detectors. */
   @property() edition = "";
   @property({ attribute: false }) channels: readonly string[] = [];
-  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
-  @property({ attribute: false }) indent: Indent = indentOf(1, 60);
-  @property({ attribute: false }) painter: Painter | null = null;
+  @property({ attribute: false }) span: TimeSpan = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) indent: ChartIndent = indentOf(1, 60);
+  @property({ attribute: false }) painter: PaintScheduler | null = null;
   @property({ attribute: false }) cursorUs: number | null = null;
   /** The window is being moved: scores are asked for once it rests. */
   @property({ type: Boolean }) moving = false;
@@ -72,11 +72,11 @@ export class Anomalies extends LitElement {
   @property() zone = "UTC";
 
   /** Answers in the hub's place; the gallery has one for each state. */
-  @property({ attribute: false }) hub: Scores | null = null;
+  @property({ attribute: false }) hub: ScoreSource | null = null;
 
   @consume({ context: apiContext, subscribe: true }) private readonly api: HubApi | undefined;
 
-  private readonly detectors = new DetectorsController(this);
+  private readonly detectors = new AnomalyDetectorsController(this);
   private readonly scores = new LoadController<History>(this);
   private readonly action = new ActionController(this);
   private series = new Map<string, ChartSeries>();
@@ -119,7 +119,7 @@ export class Anomalies extends LitElement {
       ${repeat(
         shown,
         ({ scores }) => scores,
-        (one) => this.renderDetector(one),
+        (detector) => this.renderDetector(detector),
       )}`;
   }
 
@@ -128,12 +128,12 @@ export class Anomalies extends LitElement {
     return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retryScores}></t-problem>`;
   }
 
-  private renderDetector(one: Detector): TemplateResult {
+  private renderDetector(detector: Detector): TemplateResult {
     return html`<t-detector
       named
-      .detector=${one}
-      .series=${this.series.get(one.scores) ?? null}
-      .marks=${one.anomaly === null ? [] : anomalyMarks([one.anomaly])}
+      .detector=${detector}
+      .series=${this.series.get(detector.scores) ?? null}
+      .marks=${detector.anomaly === null ? [] : anomalyMarks([detector.anomaly])}
       .span=${this.span}
       .indent=${this.indent}
       .painter=${this.painter}
@@ -154,10 +154,10 @@ export class Anomalies extends LitElement {
   private buildSeries(history: History | undefined): void {
     this.drawnOf = history;
     this.series = new Map(
-      (history?.series ?? []).map((one, colour): [string, ChartSeries] => {
-        const { trace, gaps } = loadedOf(one, WRITTEN_US);
-        const plain = { address: one.address, name: "Score", unit: "", decimals: 2, states: [], stale: false };
-        return [one.address, { ...plain, colour, samples: trace, gaps }];
+      (history?.series ?? []).map((series, colour): [string, ChartSeries] => {
+        const { trace, gaps } = loadedSeries(series, WRITTEN_US);
+        const plain = { address: series.address, name: "Score", unit: "", decimals: 2, states: [], stale: false };
+        return [series.address, { ...plain, colour, samples: trace, gaps }];
       }),
     );
   }
@@ -186,6 +186,6 @@ export class Anomalies extends LitElement {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-anomalies": Anomalies;
+    "t-anomalies": AnomalyScores;
   }
 }

@@ -1,11 +1,11 @@
 /** What happened, as marks on the time axis. */
 
 import type { EventInfo } from "../../../wire/api-types.js";
-import { lengthOf, type Span } from "../../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 
 export type MarkKind = "alarm" | "stop" | "command" | "driving" | "anomaly" | "sighting" | "recording" | "link" | "other";
 
-export interface Mark {
+export interface EventMark {
   readonly timeUs: number;
   readonly kind: MarkKind;
   /** What happened, as the hub says it: `command asked`. */
@@ -18,9 +18,9 @@ export interface Mark {
 }
 
 /** Marks that are too near to each other to be told apart. */
-export interface Cluster {
+export interface MarkCluster {
   readonly timeUs: number;
-  readonly marks: readonly Mark[];
+  readonly marks: readonly EventMark[];
   /** The most serious kind among them. */
   readonly kind: MarkKind;
   readonly good: boolean;
@@ -47,7 +47,7 @@ export function kindOf(title: string): MarkKind {
 }
 
 /** @param names of devices by their id */
-export function marksOf(events: readonly EventInfo[], names: ReadonlyMap<string, string>): Mark[] {
+export function eventMarks(events: readonly EventInfo[], names: ReadonlyMap<string, string>): EventMark[] {
   return events
     .map(({ time_us, kind, device, who, message, good }) => ({
       timeUs: time_us, kind: kindOf(kind), title: kind.replaceAll("_", " "), device: names.get(device) ?? device, who, message, good,
@@ -56,8 +56,8 @@ export function marksOf(events: readonly EventInfo[], names: ReadonlyMap<string,
 }
 
 /** @param apart marks nearer than this part of the window are put together */
-export function clusters(marks: readonly Mark[], span: Span, apart: number): Cluster[] {
-  const found: Mark[][] = [];
+export function clusterMarks(marks: readonly EventMark[], span: TimeSpan, apart: number): MarkCluster[] {
+  const found: EventMark[][] = [];
   const within = apart * lengthOf(span);
   for (const mark of marks) {
     if (mark.timeUs < span.fromUs || mark.timeUs > span.toUs) continue;

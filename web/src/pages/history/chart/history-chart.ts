@@ -6,21 +6,21 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../../elements/base/base-style.js";
 import type { Chart } from "../../../elements/chart/chart.js";
-import { indentOf, type ChartSeries, type Indent } from "../../../elements/chart/chart-model.js";
-import type { Painter } from "../../../elements/chart/paint-scheduler.js";
-import { momentText, readOut } from "../../../elements/chart/cursor-values.js";
+import { indentOf, type ChartSeries, type ChartIndent } from "../../../elements/chart/chart-model.js";
+import type { PaintScheduler } from "../../../elements/chart/paint-scheduler.js";
+import { momentText, cursorValue } from "../../../elements/chart/cursor-values.js";
 import { decimalsFor, formatNumber, NOTHING } from "../../../format/number.js";
 import { knownZone, timeText } from "../../../format/time.js";
-import { outlierWords } from "../../../series/outlier-text.js";
+import { outlierText } from "../../../series/outlier-text.js";
 import { OutlierMemo, type Outliers } from "../../../series/outliers.js";
-import { summary, type Summary } from "../../../series/columns.js";
-import { lengthOf, type Span } from "../../../series/time-window.js";
+import { summarize, type ColumnsSummary } from "../../../series/columns.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import type { OutlierInfo, StatisticsInfo } from "../../../wire/api-types.js";
 import { historyChartStyle } from "./history-chart-style.js";
-import type { Loaded } from "../data/history-loader.js";
-import type { Mark } from "./event-marks.js";
-import type { Row, Together } from "../data/channel-rows.js";
+import type { LoadedSeries } from "../data/history-loader.js";
+import type { EventMark } from "./event-marks.js";
+import type { ChannelRow, ChartGroup } from "../data/channel-rows.js";
 import { renderStatisticsCells, renderStatisticsHead } from "./statistics-cells.js";
 import { textBand, type TextBand } from "../data/text-band.js";
 import "../../../elements/chart/chart.js";
@@ -36,25 +36,25 @@ const AXIS_WIDTH = 60;
 export class HistoryChart extends LitElement {
   static override styles = [base, historyChartStyle];
 
-  @property({ attribute: false }) group: Together | null = null;
-  @property({ attribute: false }) data: ReadonlyMap<string, Loaded> = new Map();
-  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) group: ChartGroup | null = null;
+  @property({ attribute: false }) data: ReadonlyMap<string, LoadedSeries> = new Map();
+  @property({ attribute: false }) span: TimeSpan = { fromUs: 0, toUs: 1 };
   @property({ attribute: false }) cursorUs: number | null = null;
   /** The same channels on another day, so much before (µs); 0 for none. */
-  @property({ attribute: false }) ghost: ReadonlyMap<string, Loaded> = new Map();
+  @property({ attribute: false }) ghost: ReadonlyMap<string, LoadedSeries> = new Map();
   @property({ attribute: false }) ghostUs = 0;
   /** The other day, as it is called beside its values. */
   @property({ attribute: "ghost-name" }) ghostName = "";
   /** What the hub counted of the window. */
   @property({ attribute: false }) numbers: ReadonlyMap<string, StatisticsInfo> = new Map();
-  @property({ attribute: false }) marks: readonly Mark[] = [];
+  @property({ attribute: false }) marks: readonly EventMark[] = [];
   /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
   @property({ type: Number }) outliers = 0;
   /** What the hub found in all samples, where the chart holds only some. */
   @property({ attribute: false }) fences: ReadonlyMap<string, OutlierInfo> = new Map();
   /** It could not look: what the chart holds has to do. */
   @property({ type: Boolean }) unfenced = false;
-  @property({ attribute: false }) painter: Painter | null = null;
+  @property({ attribute: false }) painter: PaintScheduler | null = null;
   /** When each channel was heard of last (µs), for a window without samples. */
   @property({ attribute: false }) newest: ReadonlyMap<string, number> = new Map();
   /** The first answer has come. */
@@ -63,7 +63,7 @@ export class HistoryChart extends LitElement {
   /** Several units in the chart, with an axis for each. */
   @property({ type: Boolean }) joined = false;
   /** Room beside the plot, the same for all charts of the page. */
-  @property({ attribute: false }) indent: Indent = indentOf(1, AXIS_WIDTH);
+  @property({ attribute: false }) indent: ChartIndent = indentOf(1, AXIS_WIDTH);
   @property({ type: Number, attribute: "axis-width" }) axisWidth = AXIS_WIDTH;
 
   @query("t-chart") private readonly chart!: Chart | null;
@@ -99,7 +99,7 @@ export class HistoryChart extends LitElement {
           zone=${this.zone}
           label=${`History of ${group.rows.map(({ name }) => name).join(", ")}`}
         ></t-chart>
-        ${this.loaded && this.series.every((one) => !this.hasAny(one)) ? this.renderEmpty(group) : nothing}
+        ${this.loaded && this.series.every((series) => !this.hasAny(series)) ? this.renderEmpty(group) : nothing}
       </div>
       ${this.renderOutlierList()}
       ${group.type === "text" ? this.renderTexts(group) : nothing}
@@ -125,7 +125,7 @@ export class HistoryChart extends LitElement {
     const numbers = this.outliers === 0 ? [] : this.series.filter(({ states }) => states.length === 0);
     if (numbers.length === 0) return nothing;
     return html`<ul class="outliers" role="status" aria-label="Outliers">
-      ${map(numbers, (one) => html`<li><strong>${one.name}</strong> ${this.outlierLine(one)}</li>`)}
+      ${map(numbers, (series) => html`<li><strong>${series.name}</strong> ${this.outlierLine(series)}</li>`)}
     </ul>`;
   }
 
@@ -135,14 +135,14 @@ export class HistoryChart extends LitElement {
     const whole = this.data.get(address)?.exact === true;
     const fences = this.fences.get(address);
     const places = decimalsFor(unit, decimals);
-    if (whole) return `${outlierWords(found, unit, places, true)}.`;
-    if (!this.unfenced && fences !== undefined) return `${outlierWords(found, unit, places, fences.exact || fences.stored)}.`;
+    if (whole) return `${outlierText(found, unit, places, true)}.`;
+    if (!this.unfenced && fences !== undefined) return `${outlierText(found, unit, places, fences.exact || fences.stored)}.`;
     const counted = this.numbers.get(address)?.count;
     const more = counted === undefined ? "" : ` The window has ${formatNumber(counted, 0)} samples, and the hub could not count them now.`;
-    return `${outlierWords(found, unit, places, false)}.${more}`;
+    return `${outlierText(found, unit, places, false)}.${more}`;
   }
 
-  private renderTable(group: Together): TemplateResult {
+  private renderTable(group: ChartGroup): TemplateResult {
     const { cursorUs } = this;
     return html`<div class="scroll">
       <table>
@@ -167,7 +167,7 @@ export class HistoryChart extends LitElement {
     </div>`;
   }
 
-  private renderLine(row: Row, index: number): TemplateResult {
+  private renderLine(row: ChannelRow, index: number): TemplateResult {
     const series = this.series.find(({ address }) => address === row.address);
     const swatch = row.type === "number" ? html`<span class="swatch c${(index % 8) + 1}"></span>` : nothing;
     return html`<tr>
@@ -179,7 +179,7 @@ export class HistoryChart extends LitElement {
 
   private renderValue(series: ChartSeries): unknown {
     const at = this.cursorUs ?? Math.min(this.span.toUs, series.samples.newestUs);
-    const { text } = readOut(series, at, this.columnUs(), lengthOf(this.span) * REACH);
+    const { text } = cursorValue(series, at, this.columnUs(), lengthOf(this.span) * REACH);
     if (text === NOTHING) return this.renderNoValueReason(series, at);
     const spread = series.states.length > 0 ? -1 : text.indexOf(" (");
     return spread < 0 ? text : html`${text.slice(0, spread)}<span class="spread">${text.slice(spread)}</span>`;
@@ -195,13 +195,13 @@ export class HistoryChart extends LitElement {
     const { ghost } = series;
     if (ghost === undefined) return nothing;
     const at = (this.cursorUs ?? this.span.toUs) - ghost.shiftUs;
-    const { text } = readOut({ ...series, samples: ghost.samples }, at, this.columnUs(), lengthOf(this.span) * REACH);
+    const { text } = cursorValue({ ...series, samples: ghost.samples }, at, this.columnUs(), lengthOf(this.span) * REACH);
     return html`<span class="then">${series.states.length > 0 ? text : (text.split(" (")[0] ?? NOTHING)}</span>`;
   }
 
-  private drawn({ samples, states }: ChartSeries): Summary | undefined {
+  private drawn({ samples, states }: ChartSeries): ColumnsSummary | undefined {
     const { fromUs, toUs } = this.span;
-    return states.length > 0 ? undefined : summary(samples.columnsAt(this.columnUs()), fromUs, toUs);
+    return states.length > 0 ? undefined : summarize(samples.columnsAt(this.columnUs()), fromUs, toUs);
   }
 
   // The chart's own columns where there is one: two resolutions would thin all of it twice.
@@ -209,7 +209,7 @@ export class HistoryChart extends LitElement {
     return this.chart?.columnUs || Math.max(1, Math.round(lengthOf(this.span) / COLUMNS));
   }
 
-  private renderEmpty(group: Together): TemplateResult {
+  private renderEmpty(group: ChartGroup): TemplateResult {
     const newest = Math.max(...group.rows.map(({ address }) => this.newest.get(address) ?? 0));
     const now = Date.now() * 1000;
     return html`<div class="none">
@@ -219,7 +219,7 @@ export class HistoryChart extends LitElement {
   }
 
   /** All texts of the window, to read and to copy: in the band there is no room for long ones. */
-  private renderTexts(group: Together): TemplateResult | null {
+  private renderTexts(group: ChartGroup): TemplateResult | null {
     const { fromUs, toUs } = this.span;
     const held = this.data.get(group.rows[0]?.address ?? "")?.texts ?? [];
     const texts = held.filter(({ timeUs }) => timeUs >= fromUs && timeUs <= toUs);
@@ -256,7 +256,7 @@ export class HistoryChart extends LitElement {
 }
 
 /** A text is drawn as a state; all else is drawn as it is. */
-function bandOf(row: Row, held: Loaded, words: readonly string[]): TextBand {
+function bandOf(row: ChannelRow, held: LoadedSeries, words: readonly string[]): TextBand {
   return row.type === "text" ? textBand(held, row.maxAge * SECOND_US, words) : { words, samples: held.trace };
 }
 

@@ -5,13 +5,13 @@ import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../../elements/base/base-style.js";
-import type { Indent } from "../../../elements/chart/chart-model.js";
+import type { ChartIndent } from "../../../elements/chart/chart-model.js";
 import { momentText } from "../../../elements/chart/cursor-values.js";
 import { styled } from "../../../elements/base/style-directive.js";
 import { knownZone } from "../../../format/time.js";
-import { lengthOf, type Span } from "../../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { renderMarkShape } from "./mark-shapes.js";
-import { clusters, KINDS, type Cluster, type Mark, type MarkKind } from "./event-marks.js";
+import { clusterMarks, KINDS, type MarkCluster, type EventMark, type MarkKind } from "./event-marks.js";
 import { marksLaneStyle } from "./marks-lane-style.js";
 
 /** Marks nearer than this are put together (CSS pixels). */
@@ -29,11 +29,11 @@ const TOLD = 12;
 export class MarksLane extends LitElement {
   static override styles = [base, marksLaneStyle];
 
-  @property({ attribute: false }) marks: readonly Mark[] = [];
+  @property({ attribute: false }) marks: readonly EventMark[] = [];
   @property({ attribute: false }) without: readonly MarkKind[] = [];
-  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) span: TimeSpan = { fromUs: 0, toUs: 1 };
   /** Room beside the plots, so that the lane lines up with them. */
-  @property({ attribute: false }) indent: Indent = { left: 0, right: 0 };
+  @property({ attribute: false }) indent: ChartIndent = { left: 0, right: 0 };
   /** Older events of the window were left out. */
   @property({ type: Boolean }) more = false;
   /** What could not be loaded; empty for nothing. */
@@ -68,7 +68,7 @@ export class MarksLane extends LitElement {
     const at = shown.findIndex(({ timeUs }) => timeUs === this.open);
     return html`
       <div class="head" @change=${this.onFilterChange}>
-        <strong>Events</strong> ${map(KINDS, (one) => this.renderFilter(one))}
+        <strong>Events</strong> ${map(KINDS, (kind) => this.renderFilter(kind))}
         ${shown.length === 0 && this.problem === "" ? html`<span class="muted">none to show in this window</span>` : nothing}
         ${this.problem === "" ? nothing : html`<span role="alert">${this.problem}</span>`}
         ${this.more ? html`<span class="muted">Only the newest 1000 are shown: zoom in for more.</span>` : nothing}
@@ -102,7 +102,7 @@ export class MarksLane extends LitElement {
     >`;
   }
 
-  private renderButton({ timeUs, marks, kind, good }: Cluster, index: number, count: number): TemplateResult {
+  private renderButton({ timeUs, marks, kind, good }: MarkCluster, index: number, count: number): TemplateResult {
     const first = marks[0];
     const name = marks.length > 1 ? `${String(marks.length)} events, first ${first?.title ?? ""}` : (first?.title ?? "");
     const part = (timeUs - this.span.fromUs) / lengthOf(this.span);
@@ -124,7 +124,7 @@ export class MarksLane extends LitElement {
     </button>`;
   }
 
-  private renderTip(cluster: Cluster | undefined): unknown {
+  private renderTip(cluster: MarkCluster | undefined): unknown {
     if (cluster === undefined) return nothing;
     const part = (cluster.timeUs - this.span.fromUs) / lengthOf(this.span);
     // Over its mark as far as the lane goes: at the left its left side, at the right its right side.
@@ -136,7 +136,7 @@ export class MarksLane extends LitElement {
     </div>`;
   }
 
-  private renderDetails({ timeUs, kind, title, device, who, message, good }: Mark): TemplateResult {
+  private renderDetails({ timeUs, kind, title, device, who, message, good }: EventMark): TemplateResult {
     const about = [device, who === "" ? "" : `by ${who}`].filter(Boolean).join(", ");
     return html`<p>
       <svg viewBox="0 0 16 16" class=${good ? kind : "bad"}>${renderMarkShape(kind)}</svg>
@@ -149,13 +149,13 @@ export class MarksLane extends LitElement {
     return momentText(us, knownZone(this.zone), lengthOf(this.span));
   }
 
-  private isInWindow({ timeUs }: Mark): boolean {
+  private isInWindow({ timeUs }: EventMark): boolean {
     return timeUs >= this.span.fromUs && timeUs <= this.span.toUs;
   }
 
-  private clusters(): Cluster[] {
+  private clusters(): MarkCluster[] {
     const shown = this.marks.filter(({ kind }) => !this.without.includes(kind));
-    return clusters(shown, this.span, APART / Math.max(1, this.width - this.indent.left - this.indent.right));
+    return clusterMarks(shown, this.span, APART / Math.max(1, this.width - this.indent.left - this.indent.right));
   }
 
   private readonly openTip = (event: Event): void => {

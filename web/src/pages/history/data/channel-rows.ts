@@ -3,7 +3,7 @@
 import type { DeviceInfo, SignalInfo, SiteDetail, StoredInfo } from "../../../wire/api-types.js";
 
 /** One channel that can be chosen. */
-export interface Row {
+export interface ChannelRow {
   readonly address: string;
   readonly device: Pick<DeviceInfo, "id" | "name">;
   readonly name: string;
@@ -19,11 +19,11 @@ export interface Row {
 }
 
 /** Rows that are drawn in one chart: numbers of a unit or a few, or one state, or one text. */
-export interface Together {
+export interface ChartGroup {
   readonly key: string;
   readonly title: string;
-  readonly type: Row["type"];
-  readonly rows: readonly Row[];
+  readonly type: ChannelRow["type"];
+  readonly rows: readonly ChannelRow[];
 }
 
 const TYPES = ["number", "state", "text", "position"] as const satisfies readonly SignalInfo["type"][];
@@ -35,7 +35,7 @@ const FORMER_AGE = 5;
 const FIRST_CHOICE = 2;
 
 /** @param former channels that have history and are no longer described; they come last */
-export function rowsOf(detail: SiteDetail, former: readonly StoredInfo[] = []): Row[] {
+export function channelRows(detail: SiteDetail, former: readonly StoredInfo[] = []): ChannelRow[] {
   const rows = detail.devices.flatMap((device) =>
     device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(device, signal, channel))),
   );
@@ -44,16 +44,16 @@ export function rowsOf(detail: SiteDetail, former: readonly StoredInfo[] = []): 
   return [...rows, ...former.filter(({ address }) => !described.has(address)).map((stored) => formerRow(detail, stored))];
 }
 
-function formerRow({ devices }: SiteDetail, { address, name, unit, type, states, decimals }: StoredInfo): Row {
+function formerRow({ devices }: SiteDetail, { address, name, unit, type, states, decimals }: StoredInfo): ChannelRow {
   const id = address.split("/")[0] ?? "";
-  const device = devices.find((one) => one.id === id) ?? { id, name: id };
+  const device = devices.find((device) => device.id === id) ?? { id, name: id };
   const kind = TYPES.find((known) => known === type) ?? "number";
   const signal = { name: name || address, type: kind, unit, states, decimals, max_age: FORMER_AGE, primary: false };
   return { ...rowOf(device, signal, address), former: true };
 }
 
 /** What to show to somebody who has not chosen: the first main numbers. */
-export function firstChoice(rows: readonly Row[]): string[] {
+export function firstChoice(rows: readonly ChannelRow[]): string[] {
   const numbers = rows.filter(({ type }) => type === "number");
   const main = numbers.filter(({ primary }) => primary);
   return (main.length > 0 ? main : numbers).slice(0, FIRST_CHOICE).map(({ address }) => address);
@@ -64,8 +64,8 @@ export function firstChoice(rows: readonly Row[]): string[] {
  *
  * @param axes so many units may share a chart
  */
-export function together(rows: readonly Row[], axes = 1): Together[] {
-  const found = new Map<string, { title: string; type: Row["type"]; rows: Row[] }>();
+export function groupChannels(rows: readonly ChannelRow[], axes = 1): ChartGroup[] {
+  const found = new Map<string, { title: string; type: ChannelRow["type"]; rows: ChannelRow[] }>();
   for (const row of rows) {
     const key = row.type === "number" && row.unit !== "" ? `unit ${row.unit}` : row.address;
     const group = found.get(key) ?? { title: row.type === "number" ? row.unit : row.name, type: row.type, rows: [] };
@@ -73,19 +73,19 @@ export function together(rows: readonly Row[], axes = 1): Together[] {
     group.rows.push(row);
   }
   const groups = [...found].map(([key, group]) => ({ key, ...group }));
-  return axes > 1 ? joined(groups, axes) : groups;
+  return axes > 1 ? joinGroups(groups, axes) : groups;
 }
 
 /** The units among some rows. */
-export function unitsOf(rows: readonly Row[]): string[] {
+export function unitsOf(rows: readonly ChannelRow[]): string[] {
   return [...new Set(rows.filter(({ type }) => type === "number").map(({ unit }) => unit))];
 }
 
 // Numbers first, since what is joined may have stood anywhere; numbers without a unit are one unit here.
-function joined(groups: readonly Together[], axes: number): Together[] {
+function joinGroups(groups: readonly ChartGroup[], axes: number): ChartGroup[] {
   const numbers = groups.filter(({ type }) => type === "number").flatMap(({ rows }) => rows);
   const units = unitsOf(numbers);
-  const charts = Array.from({ length: Math.ceil(units.length / axes) }, (_, i): Together => {
+  const charts = Array.from({ length: Math.ceil(units.length / axes) }, (_, i): ChartGroup => {
     const own = units.slice(i * axes, (i + 1) * axes);
     const rows = numbers.filter(({ unit }) => own.includes(unit));
     return { key: `units ${own.join(" ")}`, title: own.map((unit) => unit || "no unit").join(", "), type: "number", rows };
@@ -93,9 +93,9 @@ function joined(groups: readonly Together[], axes: number): Together[] {
   return [...charts, ...groups.filter(({ type }) => type !== "number")];
 }
 
-type Described = Pick<SignalInfo, "name" | "type" | "unit" | "states" | "decimals" | "max_age" | "primary">;
+type DescribedChannel = Pick<SignalInfo, "name" | "type" | "unit" | "states" | "decimals" | "max_age" | "primary">;
 
-function rowOf(device: Row["device"], signal: Described, channel: string): Row {
+function rowOf(device: ChannelRow["device"], signal: DescribedChannel, channel: string): ChannelRow {
   const plain = { address: channel, device, states: [], maxAge: signal.max_age, primary: signal.primary, former: false } as const;
   if (signal.type !== "position") {
     return { ...plain, name: signal.name, type: signal.type, unit: signal.unit, decimals: signal.decimals, states: signal.states };

@@ -1,17 +1,17 @@
 /** What happened in a window, asked again when the window leaves what is known or time has gone on. */
 
 import type { EventList } from "../../../wire/api-types.js";
-import { lengthOf, type Span } from "../../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
-import { Asker } from "./latest-request.js";
+import { LatestRequest } from "./latest-request.js";
 
-export interface Happened {
-  events(site: string, span: Span, limit: number, signal?: AbortSignal): Promise<EventList>;
+export interface EventsSource {
+  events(site: string, span: TimeSpan, limit: number, signal?: AbortSignal): Promise<EventList>;
 }
 
-interface Question {
+interface EventsQuestion {
   readonly site: string;
-  readonly span: Span;
+  readonly span: TimeSpan;
 }
 
 const LIMIT = 1000;
@@ -21,10 +21,10 @@ const NOTHING_YET: EventList = { events: [], more: false };
 
 export class EventsLoader {
   list: EventList = NOTHING_YET;
-  private readonly asker: Asker<Question, EventList>;
+  private readonly asker: LatestRequest<EventsQuestion, EventList>;
 
-  constructor(happened: Happened, changed: () => void) {
-    this.asker = new Asker<Question, EventList>({
+  constructor(happened: EventsSource, changed: () => void) {
+    this.asker = new LatestRequest<EventsQuestion, EventList>({
       fetch: ({ site, span }, signal) => happened.events(site, span, LIMIT, signal),
       isStillUseful: (running, next) => running.site === next.site,
       onAnswer: (list) => {
@@ -39,7 +39,7 @@ export class EventsLoader {
   }
 
   /** Asks for some more than the window, in steps, so that a small move asks for nothing new. */
-  loadEvents(site: string, span: Span): void {
+  loadEvents(site: string, span: TimeSpan): void {
     const step = Math.max(EVERY_US, 2 ** Math.floor(Math.log2(lengthOf(span) / 4)));
     const fromUs = Math.max(0, Math.floor(span.fromUs / step) * step);
     this.asker.request({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step } });

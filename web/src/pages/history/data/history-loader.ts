@@ -1,20 +1,20 @@
 /** Asks the hub for windows, and keeps what it has until the next has come. */
 
-import { silences, type Gap } from "../../../series/gaps.js";
+import { gapsOf, type Gap } from "../../../series/gaps.js";
 import { Trace } from "../../../series/trace.js";
-import { lengthOf, type Span } from "../../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import { samplesOf } from "../../../tiles/chart/history-samples.js";
 import type { History, HistorySeries } from "../../../wire/api-types.js";
 import type { HistoryQuery } from "../../../wire/hub-api.js";
-import { Asker, type AskerState } from "./latest-request.js";
+import { LatestRequest, type RequestStatus } from "./latest-request.js";
 
-export interface Past {
+export interface WindowSource {
   history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
 }
 
 /** One channel as it was loaded. */
-export interface Loaded {
+export interface LoadedSeries {
   readonly trace: Trace;
   readonly gaps: readonly Gap[];
   readonly texts: readonly { readonly timeUs: number; readonly text: string }[];
@@ -24,11 +24,11 @@ export interface Loaded {
   readonly count: number;
 }
 
-export interface Question {
+export interface WindowQuestion {
   readonly site: string;
   /** Channels with their limits of age (s). */
   readonly channels: readonly { readonly address: string; readonly maxAge: number }[];
-  readonly span: Span;
+  readonly span: TimeSpan;
   /** CSS pixels */
   readonly width: number;
 }
@@ -41,27 +41,27 @@ const COARSE = 1.3;
 
 export class HistoryLoader {
   /** What is there, by address. A new map with each answer. */
-  data: ReadonlyMap<string, Loaded> = new Map();
-  private held: Question | null = null;
-  private readonly asker: Asker<Question, History>;
+  data: ReadonlyMap<string, LoadedSeries> = new Map();
+  private held: WindowQuestion | null = null;
+  private readonly asker: LatestRequest<WindowQuestion, History>;
 
   constructor(
-    private readonly past: Past,
+    private readonly past: WindowSource,
     changed: () => void,
   ) {
-    this.asker = new Asker<Question, History>({
+    this.asker = new LatestRequest<WindowQuestion, History>({
       fetch: (question, signal) => this.past.history(question.site, queryOf(question), signal),
-      isStillUseful: (running, next) => sameChannels(running, next) && overlap(running.span, next.span),
+      isStillUseful: (running, next) => sameChannels(running, next) && overlapPart(running.span, next.span),
       onAnswer: (answer, question) => {
         const ages = new Map(question.channels.map(({ address, maxAge }) => [address, maxAge * SECOND_US]));
-        this.data = new Map(answer.series.map((one) => [one.address, loadedOf(one, ages.get(one.address) ?? 0)]));
+        this.data = new Map(answer.series.map((series) => [series.address, loadedSeries(series, ages.get(series.address) ?? 0)]));
         this.held = question;
       },
       onChange: changed,
     });
   }
 
-  get state(): AskerState {
+  get state(): RequestStatus {
     return this.asker.state;
   }
 
@@ -70,12 +70,12 @@ export class HistoryLoader {
   }
 
   /** Ask, unless this was the last question. @param moving what is held does for as long as it is fine enough */
-  loadHistory(question: Question, moving: boolean): void {
+  loadHistory(question: WindowQuestion, moving: boolean): void {
     if (question.channels.length === 0) {
       this.asker.cancelRequest("ready");
       this.data = new Map();
       this.held = null;
-    } else if (!moving || this.held === null || !covers(this.held, question)) {
+    } else if (!moving || this.held === null || !windowCovers(this.held, question)) {
       this.asker.request(question);
     }
   }
@@ -93,25 +93,25 @@ export class HistoryLoader {
   }
 }
 
-function queryOf({ channels, span, width }: Question): HistoryQuery {
+function queryOf({ channels, span, width }: WindowQuestion): HistoryQuery {
   const { fromUs, toUs } = withMargin(span);
   return { channels: channels.map(({ address }) => address), fromUs, toUs, width: Math.ceil(width * (1 + 2 * MARGIN)) };
 }
 
-function withMargin(span: Span): Span {
+function withMargin(span: TimeSpan): TimeSpan {
   const more = lengthOf(span) * MARGIN;
   return { fromUs: span.fromUs - more, toUs: span.toUs + more };
 }
 
-function sameChannels(a: Question, b: Question): boolean {
+function sameChannels(a: WindowQuestion, b: WindowQuestion): boolean {
   return a.site === b.site && a.channels.length === b.channels.length && a.channels.every(({ address }, i) => address === b.channels[i]?.address);
 }
 
-function overlap(a: Span, b: Span): boolean {
+function overlapPart(a: TimeSpan, b: TimeSpan): boolean {
   return a.fromUs < b.toUs && b.fromUs < a.toUs;
 }
 
-function covers(held: Question, wanted: Question): boolean {
+function windowCovers(held: WindowQuestion, wanted: WindowQuestion): boolean {
   const { fromUs, toUs } = withMargin(held.span);
   const inside = wanted.span.fromUs >= fromUs && wanted.span.toUs <= toUs;
   const fine = lengthOf(held.span) / held.width <= (COARSE * lengthOf(wanted.span)) / wanted.width;
@@ -119,13 +119,13 @@ function covers(held: Question, wanted: Question): boolean {
 }
 
 /** @param maxAgeUs the signal's limit of age (µs) */
-export function loadedOf(series: HistorySeries, maxAgeUs: number): Loaded {
+export function loadedSeries(series: HistorySeries, maxAgeUs: number): LoadedSeries {
   const { times, values, intervalUs } = samplesOf(series);
   const trace = new Trace(Infinity, maxAgeUs, MOST);
   trace.backfill(times, values, intervalUs);
   const known = series.gaps;
   // A silence that the hub has a reason for is told once, with the reason.
-  const silent = silences(trace.times, trace.allowedUs).filter(
+  const silent = gapsOf(trace.times, trace.allowedUs).filter(
     (gap) => !known.some(({ from_us, to_us }) => from_us < gap.to_us && to_us > gap.from_us),
   );
   const texts = (series.text ?? []).flatMap((text, i) =>

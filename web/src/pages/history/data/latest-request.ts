@@ -4,9 +4,9 @@
  * while it moves, and the hub never gets more than one question ahead of what is seen.
  */
 
-export type AskerState = "idle" | "loading" | "ready" | "failed";
+export type RequestStatus = "idle" | "loading" | "ready" | "failed";
 
-export interface Errand<Q, A> {
+export interface RequestTask<Q, A> {
   fetch(question: Q, signal: AbortSignal): Promise<A>;
   /** An answer to `running` would still be worth something to who asks `next`; otherwise it is cancelled. */
   isStillUseful(running: Q, next: Q): boolean;
@@ -14,14 +14,14 @@ export interface Errand<Q, A> {
   onChange(): void;
 }
 
-export class Asker<Q, A> {
-  state: AskerState = "idle";
+export class LatestRequest<Q, A> {
+  state: RequestStatus = "idle";
   error: unknown = null;
   private asked = "";
   private running: { readonly question: Q; readonly stop: AbortController } | null = null;
   private waiting: Q | null = null;
 
-  constructor(private readonly errand: Errand<Q, A>) {}
+  constructor(private readonly errand: RequestTask<Q, A>) {}
 
   /** Ask, unless this was the last question. */
   request(question: Q): void {
@@ -37,7 +37,7 @@ export class Asker<Q, A> {
   }
 
   /** Nothing is wanted any more; what is under way is cancelled. */
-  cancelRequest(state: AskerState = "idle"): void {
+  cancelRequest(state: RequestStatus = "idle"): void {
     this.asked = "";
     this.waiting = null;
     this.running?.stop.abort();
@@ -72,7 +72,7 @@ export class Asker<Q, A> {
     else this.setState("failed", said.error);
   }
 
-  private setState(state: AskerState, error: unknown): void {
+  private setState(state: RequestStatus, error: unknown): void {
     this.state = state;
     this.error = error;
     this.errand.onChange();

@@ -1,18 +1,18 @@
 /** The quartiles of the shown window, of every sample in it, where the chart holds only some of them. */
 
 import type { OutlierInfo, OutlierList } from "../../../wire/api-types.js";
-import type { Span } from "../../../series/time-window.js";
-import { Asker, type AskerState } from "./latest-request.js";
-import { apart } from "./statistics-loader.js";
+import type { TimeSpan } from "../../../series/time-window.js";
+import { LatestRequest, type RequestStatus } from "./latest-request.js";
+import { windowDistance } from "./statistics-loader.js";
 
-export interface Finding {
-  outliers(site: string, channels: readonly string[], span: Span, k: number, signal?: AbortSignal): Promise<OutlierList>;
+export interface OutliersSource {
+  outliers(site: string, channels: readonly string[], span: TimeSpan, k: number, signal?: AbortSignal): Promise<OutlierList>;
 }
 
-interface Question {
+interface OutliersQuestion {
   readonly site: string;
   readonly channels: readonly string[];
-  readonly span: Span;
+  readonly span: TimeSpan;
   readonly k: number;
 }
 
@@ -23,43 +23,43 @@ const NEAR = 0.1;
 
 export class OutliersLoader {
   private found: ReadonlyMap<string, OutlierInfo> = NONE;
-  private of: Question | null = null;
-  private asked: Question | null = null;
-  private readonly asker: Asker<Question, OutlierList>;
+  private of: OutliersQuestion | null = null;
+  private asked: OutliersQuestion | null = null;
+  private readonly asker: LatestRequest<OutliersQuestion, OutlierList>;
 
-  constructor(finding: Finding, changed: () => void) {
-    this.asker = new Asker<Question, OutlierList>({
+  constructor(finding: OutliersSource, changed: () => void) {
+    this.asker = new LatestRequest<OutliersQuestion, OutlierList>({
       fetch: ({ site, channels, span, k }, signal) => finding.outliers(site, channels, span, k, signal),
       // It may take seconds: what nobody wants any more is given up.
       isStillUseful: () => false,
       onAnswer: (list, question) => {
-        this.found = new Map(list.outliers.map((one) => [one.address, one]));
+        this.found = new Map(list.outliers.map((outlier) => [outlier.address, outlier]));
         this.of = question;
       },
       onChange: changed,
     });
   }
 
-  get state(): AskerState {
+  get state(): RequestStatus {
     return this.asker.state;
   }
 
   /** @param following the window goes with the time: it is not looked at again with each step */
-  loadOutliers(site: string, channels: readonly string[], span: Span, k: number, following: boolean): void {
+  loadOutliers(site: string, channels: readonly string[], span: TimeSpan, k: number, following: boolean): void {
     if (k === 0 || channels.length === 0) {
       if (this.asked !== null) this.close();
       return;
     }
     const before = this.asked;
     const same = before !== null && before.site === site && before.k === k && before.channels.join("\n") === channels.join("\n");
-    if (same && following && apart(before.span, span) < STEP) return;
+    if (same && following && windowDistance(before.span, span) < STEP) return;
     this.asked = { site, channels, span: { fromUs: Math.round(span.fromUs), toUs: Math.round(span.toUs) }, k };
     this.asker.request(this.asked);
   }
 
   /** What was found in a window, or in one that is hardly another. */
-  foundIn(site: string, span: Span, k: number): ReadonlyMap<string, OutlierInfo> {
-    const known = this.of !== null && this.of.site === site && this.of.k === k && apart(this.of.span, span) < NEAR;
+  foundIn(site: string, span: TimeSpan, k: number): ReadonlyMap<string, OutlierInfo> {
+    const known = this.of !== null && this.of.site === site && this.of.k === k && windowDistance(this.of.span, span) < NEAR;
     return known ? this.found : NONE;
   }
 

@@ -1,17 +1,17 @@
 /** What the shown window amounts to, of every sample in it, as the hub counts it. */
 
 import type { StatisticsInfo, StatisticsList } from "../../../wire/api-types.js";
-import { lengthOf, type Span } from "../../../series/time-window.js";
-import { Asker } from "./latest-request.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
+import { LatestRequest } from "./latest-request.js";
 
-export interface Counting {
-  statistics(site: string, channels: readonly string[], span: Span, signal?: AbortSignal): Promise<StatisticsList>;
+export interface StatisticsSource {
+  statistics(site: string, channels: readonly string[], span: TimeSpan, signal?: AbortSignal): Promise<StatisticsList>;
 }
 
-interface Question {
+interface StatisticsQuestion {
   readonly site: string;
   readonly channels: readonly string[];
-  readonly span: Span;
+  readonly span: TimeSpan;
 }
 
 /** A window that follows is counted again once it has moved by this part of itself. */
@@ -21,16 +21,16 @@ const NEAR = 0.05;
 
 export class StatisticsLoader {
   private found: ReadonlyMap<string, StatisticsInfo> = new Map();
-  private of: Question | null = null;
-  private asked: Question | null = null;
-  private readonly asker: Asker<Question, StatisticsList>;
+  private of: StatisticsQuestion | null = null;
+  private asked: StatisticsQuestion | null = null;
+  private readonly asker: LatestRequest<StatisticsQuestion, StatisticsList>;
 
-  constructor(counting: Counting, changed: () => void) {
-    this.asker = new Asker<Question, StatisticsList>({
+  constructor(counting: StatisticsSource, changed: () => void) {
+    this.asker = new LatestRequest<StatisticsQuestion, StatisticsList>({
       fetch: ({ site, channels, span }, signal) => counting.statistics(site, channels, span, signal),
       isStillUseful: (running, next) => running.site === next.site,
       onAnswer: (list, question) => {
-        this.found = new Map(list.statistics.map((one) => [one.address, one]));
+        this.found = new Map(list.statistics.map((statistics) => [statistics.address, statistics]));
         this.of = question;
       },
       onChange: changed,
@@ -38,19 +38,19 @@ export class StatisticsLoader {
   }
 
   /** @param following the window goes with the time: it is not counted at each step */
-  loadStatistics(site: string, channels: readonly string[], span: Span, following: boolean): void {
+  loadStatistics(site: string, channels: readonly string[], span: TimeSpan, following: boolean): void {
     const question = { site, channels, span: { fromUs: Math.round(span.fromUs), toUs: Math.round(span.toUs) } };
     const before = this.asked;
     const same = before !== null && before.site === site && before.channels.join("\n") === channels.join("\n");
-    if (same && following && apart(before.span, span) < STEP) return;
+    if (same && following && windowDistance(before.span, span) < STEP) return;
     this.asked = question;
     if (channels.length === 0) this.asker.cancelRequest("ready");
     else this.asker.request(question);
   }
 
   /** The numbers of a window, as far as they are known of this one or one that is hardly another. */
-  numbersOf(site: string, span: Span): ReadonlyMap<string, StatisticsInfo> {
-    const known = this.of !== null && this.of.site === site && apart(this.of.span, span) < NEAR;
+  numbersOf(site: string, span: TimeSpan): ReadonlyMap<string, StatisticsInfo> {
+    const known = this.of !== null && this.of.site === site && windowDistance(this.of.span, span) < NEAR;
     return known ? this.found : NONE;
   }
 
@@ -64,6 +64,6 @@ export class StatisticsLoader {
 const NONE: ReadonlyMap<string, StatisticsInfo> = new Map();
 
 /** How far the ends of two windows are from each other, as a part of the second. */
-export function apart(a: Span, b: Span): number {
+export function windowDistance(a: TimeSpan, b: TimeSpan): number {
   return Math.max(Math.abs(a.fromUs - b.fromUs), Math.abs(a.toUs - b.toUs)) / lengthOf(b);
 }

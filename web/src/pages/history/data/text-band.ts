@@ -1,7 +1,7 @@
 /** Texts over time as a band: each different text is a state. */
 
 import { Trace } from "../../../series/trace.js";
-import type { Loaded } from "./history-loader.js";
+import type { LoadedSeries } from "./history-loader.js";
 
 const MOST = 200_000;
 /** `pauseAllowed` gives three usual intervals. */
@@ -16,7 +16,7 @@ export interface TextBand {
  * @param maxAgeUs the signal's limit of age (µs): after it nobody knows whether the text still holds
  * @param known words that have their places already
  */
-export function textBand({ texts, gaps, trace }: Loaded, maxAgeUs: number, known: readonly string[] = []): TextBand {
+export function textBand({ texts, gaps, trace }: LoadedSeries, maxAgeUs: number, known: readonly string[] = []): TextBand {
   const places = new Map(known.map((word, place) => [word, place]));
   for (const { text } of texts) if (!places.has(text)) places.set(text, places.size);
   const points = texts.map(({ timeUs, text }) => ({ timeUs, place: places.get(text) ?? NaN }));

@@ -1,13 +1,13 @@
 /** All that is loaded for the window that is shown: samples, those of another day, events, statistics. */
 
 import type { EventList } from "../../../wire/api-types.js";
-import { pan } from "../../../series/time-window.js";
-import { EventsLoader, type Happened } from "./events-loader.js";
-import { HistoryLoader, type Loaded, type Past, type Question } from "./history-loader.js";
-import { OutliersLoader, type Finding } from "./outliers-loader.js";
-import { StatisticsLoader, type Counting } from "./statistics-loader.js";
+import { panned } from "../../../series/time-window.js";
+import { EventsLoader, type EventsSource } from "./events-loader.js";
+import { HistoryLoader, type LoadedSeries, type WindowSource, type WindowQuestion } from "./history-loader.js";
+import { OutliersLoader, type OutliersSource } from "./outliers-loader.js";
+import { StatisticsLoader, type StatisticsSource } from "./statistics-loader.js";
 
-export interface Wanted extends Question {
+export interface WantedWindow extends WindowQuestion {
   /** The other day lies so much before (µs); 0 for none. */
   readonly ghostUs: number;
   /** Fingers or the wheel are at the window. */
@@ -25,7 +25,7 @@ export class WindowData {
   readonly statistics: StatisticsLoader;
   readonly outliers: OutliersLoader;
 
-  constructor(api: Past & Happened & Counting & Finding, changed: () => void) {
+  constructor(api: WindowSource & EventsSource & StatisticsSource & OutliersSource, changed: () => void) {
     this.now = new HistoryLoader(api, changed);
     this.then = new HistoryLoader(api, changed);
     this.happened = new EventsLoader(api, changed);
@@ -33,7 +33,7 @@ export class WindowData {
     this.outliers = new OutliersLoader(api, changed);
   }
 
-  get ghost(): ReadonlyMap<string, Loaded> {
+  get ghost(): ReadonlyMap<string, LoadedSeries> {
     return this.then.data;
   }
 
@@ -47,10 +47,10 @@ export class WindowData {
     return this.happened.failed ? "What happened cannot be loaded now." : "";
   }
 
-  loadWindow({ ghostUs, moving, following, outliers, ...question }: Wanted): void {
+  loadWindow({ ghostUs, moving, following, outliers, ...question }: WantedWindow): void {
     const { site, channels, span } = question;
     this.now.loadHistory(question, moving);
-    if (ghostUs !== 0) this.then.loadHistory({ ...question, span: pan(span, -ghostUs) }, moving);
+    if (ghostUs !== 0) this.then.loadHistory({ ...question, span: panned(span, -ghostUs) }, moving);
     else if (this.then.data.size > 0) this.then.close();
     this.happened.loadEvents(site, span);
     // Lines first: a day's statistics cost the hub as much as its chart, and the eye waits for the chart.
@@ -69,6 +69,6 @@ export class WindowData {
   }
 
   close(): void {
-    for (const each of [this.now, this.then, this.happened, this.statistics, this.outliers]) each.close();
+    for (const loader of [this.now, this.then, this.happened, this.statistics, this.outliers]) loader.close();
   }
 }

@@ -1,20 +1,20 @@
 /** The films of the window, and the moment at which they and the charts' cursor stand. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { lengthOf, type Span } from "../../../series/time-window.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import type { FilmList } from "../../../wire/films-api.js";
-import { Asker } from "../data/latest-request.js";
-import { firstMoment, isFilmed, nextBegin, reelsOf, type Reel } from "./film-search.js";
+import { LatestRequest } from "../data/latest-request.js";
+import { firstFilmMoment, isFilmed, nextFilmStart, filmsByCamera, type CameraFilms } from "./film-search.js";
 import { nextSpeed, Playhead } from "./playhead.js";
 
 export interface FilmSource {
-  list(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmList>;
+  listFilms(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmList>;
 }
 
-interface Question {
+interface FilmQuestion {
   readonly site: string;
-  readonly span: Span;
+  readonly span: TimeSpan;
   readonly turn: number;
 }
 
@@ -26,18 +26,18 @@ const STEP_US = 5 * SECOND_US;
 const NOTHING: FilmList = { films: [], more: false, unfilmed: [], filming: [], may_film: false, why_not: "" };
 
 export class FilmController implements ReactiveController {
-  reels: readonly Reel[] = [];
+  reels: readonly CameraFilms[] = [];
   more = false;
   private list: FilmList = NOTHING;
   private readonly head = new Playhead();
   private moment: number | null = null;
   /** A person has put it there: it is the charts' cursor, too. */
   private isMeant = false;
-  private span: Span = { fromUs: 0, toUs: 0 };
+  private span: TimeSpan = { fromUs: 0, toUs: 0 };
   private frame = 0;
   private drawnMs = 0;
   private isHeld = false;
-  private readonly asker: Asker<Question, FilmList>;
+  private readonly asker: LatestRequest<FilmQuestion, FilmList>;
 
   constructor(
     private readonly host: ReactiveControllerHost,
@@ -46,8 +46,8 @@ export class FilmController implements ReactiveController {
     private readonly left: (us: number) => void,
   ) {
     host.addController(this);
-    this.asker = new Asker<Question, FilmList>({
-      fetch: ({ site, span }, signal) => this.source()?.list(site, span.fromUs, span.toUs, signal) ?? Promise.resolve(NOTHING),
+    this.asker = new LatestRequest<FilmQuestion, FilmList>({
+      fetch: ({ site, span }, signal) => this.source()?.listFilms(site, span.fromUs, span.toUs, signal) ?? Promise.resolve(NOTHING),
       isStillUseful: (running, next) => running.site === next.site,
       onAnswer: (list) => {
         this.list = list;
@@ -99,14 +99,14 @@ export class FilmController implements ReactiveController {
   }
 
   /** @param names of the cameras, by their address */
-  load(site: string, span: Span, names: ReadonlyMap<string, string>): void {
+  load(site: string, span: TimeSpan, names: ReadonlyMap<string, string>): void {
     this.span = span;
     const step = Math.max(STEP_US, 2 ** Math.floor(Math.log2(lengthOf(span) / 4)));
     const fromUs = Math.max(0, Math.floor(span.fromUs / step) * step);
     const coming = this.list.filming.length > 0 || this.list.films.some(({ state }) => state === "uploading");
     const turn = coming ? Math.floor(Date.now() / AGAIN_MS) : 0;
     this.asker.request({ site, span: { fromUs, toUs: Math.ceil(span.toUs / step) * step }, turn });
-    this.reels = this.within(reelsOf(this.list, names), span);
+    this.reels = this.filmsInSpan(filmsByCamera(this.list, names), span);
     this.more = this.list.more;
     this.moveToFilm();
   }
@@ -138,8 +138,8 @@ export class FilmController implements ReactiveController {
     if (from === null) return;
     this.isMeant = true;
     // At the end it begins anew, as everywhere.
-    if (!isFilmed(this.reels, from) && nextBegin(this.reels, from) === null) {
-      const first = firstMoment(this.reels, this.span.fromUs);
+    if (!isFilmed(this.reels, from) && nextFilmStart(this.reels, from) === null) {
+      const first = firstFilmMoment(this.reels, this.span.fromUs);
       if (first !== null) this.seek(first);
     }
     this.head.play(performance.now());
@@ -173,9 +173,9 @@ export class FilmController implements ReactiveController {
     this.host.requestUpdate();
   }
 
-  private within(reels: readonly Reel[], span: Span): Reel[] {
-    const here = (one: { readonly begin_us: number; readonly end_us: number }): boolean => one.begin_us <= span.toUs && one.end_us >= span.fromUs;
-    return reels.filter(({ films, unfilmed }) => films.some(here) || unfilmed.some(here));
+  private filmsInSpan(reels: readonly CameraFilms[], span: TimeSpan): CameraFilms[] {
+    const isInSpan = (stretch: { readonly begin_us: number; readonly end_us: number }): boolean => stretch.begin_us <= span.toUs && stretch.end_us >= span.fromUs;
+    return reels.filter(({ films, unfilmed }) => films.some(isInSpan) || unfilmed.some(isInSpan));
   }
 
   /** Puts the moment to where there is a film, unless a person has put it elsewhere. */
@@ -187,7 +187,7 @@ export class FilmController implements ReactiveController {
     }
     const inside = moment !== null && moment >= span.fromUs && moment <= span.toUs;
     if (inside || this.playing) return;
-    const first = firstMoment(this.reels, span.fromUs) ?? span.fromUs;
+    const first = firstFilmMoment(this.reels, span.fromUs) ?? span.fromUs;
     this.head.seek(first, performance.now());
     this.moment = first;
     this.isMeant = false;
@@ -203,7 +203,7 @@ export class FilmController implements ReactiveController {
     const now = performance.now();
     let us = this.head.timeUs(now);
     if (!isFilmed(this.reels, us)) {
-      const skip = nextBegin(this.reels, us);
+      const skip = nextFilmStart(this.reels, us);
       if (skip === null) {
         this.moment = us;
         this.pause();

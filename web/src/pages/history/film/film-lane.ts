@@ -4,10 +4,10 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../../elements/base/base-style.js";
-import type { Indent } from "../../../elements/chart/chart-model.js";
+import type { ChartIndent } from "../../../elements/chart/chart-model.js";
 import { styled } from "../../../elements/base/style-directive.js";
-import { lengthOf, type Span } from "../../../series/time-window.js";
-import type { Reel } from "./film-search.js";
+import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
+import type { CameraFilms } from "./film-search.js";
 
 /** Narrower than this part of the window a film could not be hit. */
 const LEAST_PART = 0.004;
@@ -62,9 +62,9 @@ export class FilmLane extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) reels: readonly Reel[] = [];
-  @property({ attribute: false }) span: Span = { fromUs: 0, toUs: 1 };
-  @property({ attribute: false }) indent: Indent = { left: 0, right: 0 };
+  @property({ attribute: false }) reels: readonly CameraFilms[] = [];
+  @property({ attribute: false }) span: TimeSpan = { fromUs: 0, toUs: 1 };
+  @property({ attribute: false }) indent: ChartIndent = { left: 0, right: 0 };
   @property({ type: Number }) us = 0;
 
   override render(): unknown {
@@ -74,7 +74,7 @@ export class FilmLane extends LitElement {
     return this.reels.map(
       (reel) => html`<div class="row" aria-hidden="true" ${styled(room)} @click=${this.onClick}>
         ${map(reel.films, (film) => this.renderBar(film.begin_us, film.end_us, film.state === "complete" ? "" : "coming"))}
-        ${map(reel.unfilmed, (one) => this.renderBar(one.begin_us, one.end_us, "raw"))}
+        ${map(reel.unfilmed, (stretch) => this.renderBar(stretch.begin_us, stretch.end_us, "raw"))}
         ${at < 0 || at > 1 ? nothing : html`<div class="at" ${styled({ "inset-inline-start": `${String(100 * at)}%` })}></div>`}
         <span class="name">${reel.name}</span>
       </div>`,

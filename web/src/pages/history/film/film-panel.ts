@@ -239,7 +239,7 @@ export class FilmPanel extends LitElement {
         this.step(1);
       })}
       <select aria-label="Speed" @change=${this.onSpeedChange}>
-        ${map(SPEEDS, (one) => html`<option value=${one} .selected=${one === speed}>${one === 0.5 ? "½" : one}×</option>`)}
+        ${map(SPEEDS, (number) => html`<option value=${number} .selected=${number === speed}>${number === 0.5 ? "½" : number}×</option>`)}
       </select>
       ${this.renderTool(this.full ? "Leave full screen" : "Full screen", this.full ? "M9 4v5H4M15 4v5h5M9 20v-5H4M15 20v-5h5" : "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5", this.toggleFullScreen, "line")}
       <span class="moment"><strong>${momentText(us, knownZone(this.zone), 0)}</strong><span>${formatClock(us, "UTC")} UTC</span></span>
@@ -270,7 +270,7 @@ export class FilmPanel extends LitElement {
 
   private step(by: 1 | -1): void {
     this.control?.pause();
-    const moments = [...this.views].map((view) => view.stepped(this.control?.us ?? this.us, by)).filter((us) => us !== null);
+    const moments = [...this.views].map((view) => view.stepTimeUs(this.control?.us ?? this.us, by)).filter((us) => us !== null);
     // With several cameras: to the nearest picture of any of them.
     if (moments.length > 0) this.seekTo(by > 0 ? Math.min(...moments) : Math.max(...moments));
   }

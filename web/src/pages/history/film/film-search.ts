@@ -3,7 +3,7 @@
 import type { FilmList, FilmRow, UnfilmedRow } from "../../../wire/films-api.js";
 
 /** What there is of one camera. */
-export interface Reel {
+export interface CameraFilms {
   readonly stream: string;
   readonly name: string;
   /** By time. */
@@ -13,7 +13,7 @@ export interface Reel {
   readonly filming: boolean;
 }
 
-export type Showing =
+export type FilmState =
   | { readonly kind: "film"; readonly film: FilmRow }
   /** A film of that time has not come whole to the hub. */
   | { readonly kind: "coming"; readonly film: FilmRow }
@@ -30,29 +30,29 @@ const LAST_US = 100_000;
  * @param names of cameras by their address
  * @returns the cameras of which there is anything, in the order of the names
  */
-export function reelsOf(list: FilmList, names: ReadonlyMap<string, string>): Reel[] {
+export function filmsByCamera(list: FilmList, names: ReadonlyMap<string, string>): CameraFilms[] {
   const known = [...names.keys()];
   const streams = new Set([...list.films, ...list.unfilmed].map(({ stream }) => stream));
-  const place = (stream: string): number => (known.includes(stream) ? known.indexOf(stream) : known.length);
+  const cameraOrder = (stream: string): number => (known.includes(stream) ? known.indexOf(stream) : known.length);
   return [...streams]
-    .sort((a, b) => place(a) - place(b) || a.localeCompare(b))
+    .sort((a, b) => cameraOrder(a) - cameraOrder(b) || a.localeCompare(b))
     .map((stream) => ({
       stream,
       name: names.get(stream) ?? stream,
       films: list.films.filter((film) => film.stream === stream).sort((a, b) => a.begin_us - b.begin_us),
-      unfilmed: list.unfilmed.filter((one) => one.stream === stream),
+      unfilmed: list.unfilmed.filter((stretch) => stretch.stream === stream),
       filming: list.filming.includes(stream),
     }));
 }
 
 /** What of a camera shows a moment (µs). */
-export function showingAt({ films, unfilmed, filming }: Reel, us: number): Showing {
-  const has = (one: { readonly begin_us: number; readonly end_us: number }): boolean => one.begin_us <= us && us <= one.end_us + LAST_US;
+export function filmStateAt({ films, unfilmed, filming }: CameraFilms, us: number): FilmState {
+  const isInside = (stretch: { readonly begin_us: number; readonly end_us: number }): boolean => stretch.begin_us <= us && us <= stretch.end_us + LAST_US;
   // Of two that meet, the later one.
-  const there = films.filter(has);
+  const there = films.filter(isInside);
   const here = there.filter(({ state }) => state === "complete").at(-1) ?? there.at(-1);
   if (here !== undefined) return { kind: here.state === "complete" ? "film" : here.state === "failed" ? "failed" : "coming", film: here };
-  const raw = unfilmed.find(has);
+  const raw = unfilmed.find(isInside);
   if (raw !== undefined) return { kind: "raw", recording: raw.recording };
   const before = films.filter(({ end_us }) => end_us < us).at(-1) ?? null;
   const after = films.find(({ begin_us }) => begin_us > us) ?? null;
@@ -60,19 +60,19 @@ export function showingAt({ films, unfilmed, filming }: Reel, us: number): Showi
 }
 
 /** Whether any camera has a film that can be played at a moment. */
-export function isFilmed(reels: readonly Reel[], us: number): boolean {
-  return reels.some((reel) => showingAt(reel, us).kind === "film");
+export function isFilmed(reels: readonly CameraFilms[], us: number): boolean {
+  return reels.some((reel) => filmStateAt(reel, us).kind === "film");
 }
 
 /** When the next film begins after a moment; null for none. */
-export function nextBegin(reels: readonly Reel[], us: number): number | null {
+export function nextFilmStart(reels: readonly CameraFilms[], us: number): number | null {
   const begins = reels.flatMap(({ films }) => films.filter(({ state, begin_us }) => state === "complete" && begin_us > us));
   return begins.length === 0 ? null : Math.min(...begins.map(({ begin_us }) => begin_us));
 }
 
 /** Where playing begins when nobody has said: with the first film that reaches into the window. */
-export function firstMoment(reels: readonly Reel[], fromUs: number): number | null {
-  return isFilmed(reels, fromUs) ? fromUs : nextBegin(reels, fromUs);
+export function firstFilmMoment(reels: readonly CameraFilms[], fromUs: number): number | null {
+  return isFilmed(reels, fromUs) ? fromUs : nextFilmStart(reels, fromUs);
 }
 
 /** The picture that stands at a time in a film: the last one that has come (0 for a time before the first). */
@@ -87,7 +87,7 @@ export function pictureAt(times: Float64Array, us: number): number {
 }
 
 /** The moment (µs) a picture further on or back from where a film stands; null beyond its ends. */
-export function steppedUs(film: FilmRow, times: Float64Array, us: number, by: 1 | -1): number | null {
+export function stepTime(film: FilmRow, times: Float64Array, us: number, by: 1 | -1): number | null {
   const time = times[pictureAt(times, us - film.begin_us) + by];
   return time === undefined ? null : film.begin_us + time;
 }

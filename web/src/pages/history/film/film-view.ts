@@ -15,7 +15,7 @@ import { formatClock, knownZone } from "../../../format/time.js";
 import { fetchTimes } from "../../../wire/mp4-times.js";
 import { filmPath, type FilmRow } from "../../../wire/films-api.js";
 import { recordingPath } from "../../../wire/recordings-api.js";
-import { pictureAt, showingAt, steppedUs, type Reel, type Showing } from "./film-search.js";
+import { pictureAt, filmStateAt, stepTime, type CameraFilms, type FilmState } from "./film-search.js";
 import "../../../elements/forms/button.js";
 import "../../../elements/base/icon.js";
 
@@ -28,7 +28,7 @@ const INTO_S = 0.000_5;
 /** Less than this is the same place (s). */
 const SAME_S = 0.000_4;
 
-interface Presented {
+interface PresentedFrame {
   readonly mediaTime: number;
 }
 
@@ -118,7 +118,7 @@ export class FilmView extends LitElement {
   ];
 
   @property() site = "";
-  @property({ attribute: false }) reel: Reel | null = null;
+  @property({ attribute: false }) reel: CameraFilms | null = null;
   /** The moment that is to be shown (µs). */
   @property({ type: Number }) us = 0;
   @property({ type: Boolean }) playing = false;
@@ -150,10 +150,10 @@ export class FilmView extends LitElement {
   }
 
   /** The moment of the next picture or of the one before; null where this film has none. */
-  stepped(us: number, by: 1 | -1): number | null {
+  stepTimeUs(us: number, by: 1 | -1): number | null {
     const { film, times } = this;
     if (film === null) return null;
-    if (times !== null) return steppedUs(film, times, us, by);
+    if (times !== null) return stepTime(film, times, us, by);
     const step = (film.end_us - film.begin_us) / Math.max(1, film.pictures - 1);
     const to = us + by * step;
     return film.begin_us <= to && to <= film.end_us ? to : null;
@@ -161,13 +161,13 @@ export class FilmView extends LitElement {
 
   protected override updated(): void {
     const { reel } = this;
-    const showing = reel === null ? null : showingAt(reel, this.us);
+    const showing = reel === null ? null : filmStateAt(reel, this.us);
     this.loadFilm(showing?.kind === "film" ? showing.film : null);
     this.followMoment();
   }
 
   override render(): TemplateResult {
-    const showing = this.reel === null ? null : showingAt(this.reel, this.us);
+    const showing = this.reel === null ? null : filmStateAt(this.reel, this.us);
     const plays = showing?.kind === "film" && this.broken === "";
     const name = this.reel?.name ?? "";
     return html`<video
@@ -192,7 +192,7 @@ export class FilmView extends LitElement {
       <span class="badge">${name}${plays && this.shownUs > 0 ? html`<time> · ${this.moment(this.shownUs)}</time>` : nothing}</span>`;
   }
 
-  private renderPlaceholder(showing: Showing): TemplateResult {
+  private renderPlaceholder(showing: FilmState): TemplateResult {
     switch (showing.kind) {
       case "film":
         return html`<div class="veil">
@@ -234,10 +234,10 @@ export class FilmView extends LitElement {
   }
 
   private renderFilmLink(word: string, us: number): TemplateResult {
-    const go = (): void => {
+    const goToFilm = (): void => {
       this.dispatchEvent(new CustomEvent("t-moment", { detail: us, bubbles: true, composed: true }));
     };
-    return html`<t-button @click=${go}>${word}: ${formatClock(us, this.zone)}</t-button>`;
+    return html`<t-button @click=${goToFilm}>${word}: ${formatClock(us, this.zone)}</t-button>`;
   }
 
   private moment(us: number): string {
@@ -279,7 +279,7 @@ export class FilmView extends LitElement {
   /** Learns of each picture that is seen while it plays when it came. */
   private watchFrames(turn: number): void {
     const { video } = this;
-    const recordFrameTime = (_now: number, { mediaTime }: Presented): void => {
+    const recordFrameTime = (_now: number, { mediaTime }: PresentedFrame): void => {
       if (turn !== this.watching || this.film === null) return;
       if (!video.paused) this.holdsTime(this.film, mediaTime);
       video.requestVideoFrameCallback(recordFrameTime);

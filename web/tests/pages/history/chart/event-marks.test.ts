@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
 import { EventsLoader } from "../../../../src/pages/history/data/events-loader.js";
-import { clusters, kindOf, marksOf, type Mark } from "../../../../src/pages/history/chart/event-marks.js";
+import { clusterMarks, kindOf, eventMarks, type EventMark } from "../../../../src/pages/history/chart/event-marks.js";
 import type { EventInfo } from "../../../../src/wire/api-types.js";
 
-function mark(timeUs: number, change: Partial<Mark> = {}): Mark {
+function mark(timeUs: number, change: Partial<EventMark> = {}): EventMark {
   return { timeUs, kind: "command", title: "command asked", device: "", who: "", message: "", good: true, ...change };
 }
 
@@ -15,13 +15,13 @@ describe("marks of what happened", () => {
 
   it("stand in the order of time, under the names that people gave", () => {
     const event: EventInfo = { id: "1", time_us: 5, kind: "stop pressed", device: "base", who: "ada", message: "", good: true };
-    const marks = marksOf([event, { ...event, time_us: 3, device: "gone" }], new Map([["base", "Vehicle base"]]));
+    const marks = eventMarks([event, { ...event, time_us: 3, device: "gone" }], new Map([["base", "Vehicle base"]]));
     expect(marks.map(({ timeUs, device }) => [timeUs, device])).toEqual([[3, "gone"], [5, "Vehicle base"]]);
   });
 
   it("are put together where they cannot be told apart, as serious as the most serious", () => {
     const marks = [mark(-1), mark(0), mark(90, { kind: "alarm", good: false }), mark(120), mark(500), mark(1001)];
-    const found = clusters(marks, { fromUs: 0, toUs: 1000 }, 0.1);
+    const found = clusterMarks(marks, { fromUs: 0, toUs: 1000 }, 0.1);
     expect(found.map(({ timeUs, kind, good, marks: own }) => [timeUs, kind, good, own.length])).toEqual([
       [45, "alarm", false, 2], [120, "command", true, 1], [500, "command", true, 1],
     ]);

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { HistoryLoader, type Question } from "../../../../src/pages/history/data/history-loader.js";
+import { HistoryLoader, type WindowQuestion } from "../../../../src/pages/history/data/history-loader.js";
 import type { History } from "../../../../src/wire/api-types.js";
 import type { HistoryQuery } from "../../../../src/wire/hub-api.js";
 
@@ -33,7 +33,7 @@ function hub(): { loader: HistoryLoader; asked: Asked[] } {
 
 const ONE: History = { series: [{ address: "a", t_us: [1, 2], v: [1, 2], kind: "exact", gaps: [] }] };
 
-function question(fromUs: number, address = "a", length = 1000): Question {
+function question(fromUs: number, address = "a", length = 1000): WindowQuestion {
   return { site: "agv", channels: [{ address, maxAge: 5 }], span: { fromUs, toUs: fromUs + length }, width: 100 };
 }
 

@@ -14,8 +14,8 @@ function hub(): { asked: string[]; loader: OutliersLoader; answer: (() => void)[
       signal?.addEventListener("abort", () => (stopped += 1));
       return new Promise<OutlierList>((done) => {
         answer.push(() => {
-          const one = { samples: 9, stored: 9, first: 1, third: 2, low: 0, high: 3, count: 4, exact: true };
-          done({ outliers: channels.map((address) => ({ address, ...one })) });
+          const outlier = { samples: 9, stored: 9, first: 1, third: 2, low: 0, high: 3, count: 4, exact: true };
+          done({ outliers: channels.map((address) => ({ address, ...outlier })) });
         });
       });
     },

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { daysText, ghostUs } from "../../../../src/pages/history/history-query.js";
+import { comparedDaysText, ghostUs } from "../../../../src/pages/history/history-query.js";
 import { StatisticsLoader } from "../../../../src/pages/history/data/statistics-loader.js";
 import { ZoneClock } from "../../../../src/series/zone-clock.js";
 import type { StatisticsInfo, StatisticsList } from "../../../../src/wire/api-types.js";
@@ -25,12 +25,12 @@ describe("another day to compare with", () => {
   });
 
   it("is said in words", () => {
-    expect([1, 28, -1, -3].map(daysText)).toEqual(["1 day before", "28 days before", "1 day after", "3 days after"]);
+    expect([1, 28, -1, -3].map(comparedDaysText)).toEqual(["1 day before", "28 days before", "1 day after", "3 days after"]);
   });
 });
 
 describe("statistics of the window", () => {
-  const one: StatisticsInfo = { address: "a", count: 3, numbers: 3, low: null, high: null, mean: 1, deviation: 0, first: null, last: null, gap_us: 0 };
+  const entry: StatisticsInfo = { address: "a", count: 3, numbers: 3, low: null, high: null, mean: 1, deviation: 0, first: null, last: null, gap_us: 0 };
 
   function hub(): { loader: StatisticsLoader; asked: number[]; answer: () => Promise<void> } {
     const asked: number[] = [];
@@ -42,7 +42,7 @@ describe("statistics of the window", () => {
       });
     };
     const answer = async (): Promise<void> => {
-      resolve({ statistics: [one] });
+      resolve({ statistics: [entry] });
       for (let turn = 0; turn < 5; turn += 1) await Promise.resolve();
     };
     return { loader: new StatisticsLoader({ statistics }, () => undefined), asked, answer };
@@ -52,7 +52,7 @@ describe("statistics of the window", () => {
     const { loader, answer } = hub();
     loader.loadStatistics("agv", ["a"], { fromUs: 0, toUs: 1000 }, false);
     await answer();
-    expect(loader.numbersOf("agv", { fromUs: 0, toUs: 1000 }).get("a")).toEqual(one);
+    expect(loader.numbersOf("agv", { fromUs: 0, toUs: 1000 }).get("a")).toEqual(entry);
     expect(loader.numbersOf("agv", { fromUs: 500, toUs: 1500 }).size).toBe(0);
     expect(loader.numbersOf("other", { fromUs: 0, toUs: 1000 }).size).toBe(0);
   });

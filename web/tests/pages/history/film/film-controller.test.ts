@@ -14,7 +14,7 @@ async function page(...films: readonly FilmRow[]): Promise<{ control: FilmContro
   const list: FilmList = { films: [...films], more: false, unfilmed: [], filming: [], may_film: false, why_not: "" };
   const left: number[] = [];
   const host = { addController: () => undefined, removeController: () => undefined, requestUpdate: () => undefined, updateComplete: Promise.resolve(true) };
-  const control = new FilmController(host, () => ({ list: () => Promise.resolve(list) }), (us) => left.push(us));
+  const control = new FilmController(host, () => ({ listFilms: () => Promise.resolve(list) }), (us) => left.push(us));
   control.load("site", SPAN, NAMES);
   await vi.waitFor(() => {
     control.load("site", SPAN, NAMES);

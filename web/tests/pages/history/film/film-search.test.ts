@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { firstMoment, isFilmed, nextBegin, pictureAt, reelsOf, showingAt, steppedUs, type Reel } from "../../../../src/pages/history/film/film-search.js";
+import { firstFilmMoment, isFilmed, nextFilmStart, pictureAt, filmsByCamera, filmStateAt, stepTime, type CameraFilms } from "../../../../src/pages/history/film/film-search.js";
 import { nextSpeed, Playhead, SPEEDS } from "../../../../src/pages/history/film/playhead.js";
 import type { FilmList, FilmRow } from "../../../../src/wire/films-api.js";
 
@@ -13,15 +13,15 @@ function list(films: readonly FilmRow[], more: Partial<FilmList> = {}): FilmList
 
 const NAMES = new Map([["cam/front", "Front"], ["gate/road", "Road"]]);
 
-function only(films: readonly FilmRow[], more: Partial<FilmList> = {}): Reel {
-  const [reel] = reelsOf(list(films, more), NAMES);
+function only(films: readonly FilmRow[], more: Partial<FilmList> = {}): CameraFilms {
+  const [reel] = filmsByCamera(list(films, more), NAMES);
   if (reel === undefined) throw new Error("no reel");
   return reel;
 }
 
 describe("the films of a window", () => {
   it("stand by camera, in the order of the site, and by time", () => {
-    const found = reelsOf(
+    const found = filmsByCamera(
       list([film("b", 50e6, 60e6), film("r", 0, 10e6, { stream: "gate/road" }), film("a", 0, 10e6), film("x", 0, 1, { stream: "gone/eye" })]),
       NAMES,
     );
@@ -31,40 +31,40 @@ describe("the films of a window", () => {
 
   it("say which of them shows a moment, and what there is instead", () => {
     const reel = only([film("a", 0, 10e6), film("b", 50e6, 60e6), film("c", 70e6, 80e6, { state: "uploading" }), film("d", 90e6, 95e6, { state: "failed" })]);
-    expect(showingAt(reel, 5e6)).toMatchObject({ kind: "film", film: { id: "a" } });
-    expect(showingAt(reel, 10.05e6)).toMatchObject({ kind: "film", film: { id: "a" } });
-    expect(showingAt(reel, 30e6)).toMatchObject({ kind: "none", before: { id: "a" }, after: { id: "b" } });
-    expect(showingAt(reel, -1)).toMatchObject({ kind: "none", before: null, after: { id: "a" } });
-    expect(showingAt(reel, 75e6)).toMatchObject({ kind: "coming", film: { id: "c" } });
-    expect(showingAt(reel, 92e6)).toMatchObject({ kind: "failed" });
+    expect(filmStateAt(reel, 5e6)).toMatchObject({ kind: "film", film: { id: "a" } });
+    expect(filmStateAt(reel, 10.05e6)).toMatchObject({ kind: "film", film: { id: "a" } });
+    expect(filmStateAt(reel, 30e6)).toMatchObject({ kind: "none", before: { id: "a" }, after: { id: "b" } });
+    expect(filmStateAt(reel, -1)).toMatchObject({ kind: "none", before: null, after: { id: "a" } });
+    expect(filmStateAt(reel, 75e6)).toMatchObject({ kind: "coming", film: { id: "c" } });
+    expect(filmStateAt(reel, 92e6)).toMatchObject({ kind: "failed" });
     // Of two that meet, the later one.
-    expect(showingAt(only([film("a", 0, 10e6), film("b", 10.01e6, 20e6)]), 10.05e6)).toMatchObject({ film: { id: "b" } });
+    expect(filmStateAt(only([film("a", 0, 10e6), film("b", 10.01e6, 20e6)]), 10.05e6)).toMatchObject({ film: { id: "b" } });
   });
 
   it("tell a camera that only the raw recording has", () => {
     const raw = { recording: "r1", stream: "cam/front", begin_us: 0, end_us: 10e6 };
-    expect(showingAt(only([], { unfilmed: [raw] }), 5e6)).toEqual({ kind: "raw", recording: "r1" });
-    expect(showingAt(only([film("a", 0, 10e6)], { unfilmed: [raw] }), 5e6).kind).toBe("film");
+    expect(filmStateAt(only([], { unfilmed: [raw] }), 5e6)).toEqual({ kind: "raw", recording: "r1" });
+    expect(filmStateAt(only([film("a", 0, 10e6)], { unfilmed: [raw] }), 5e6).kind).toBe("film");
   });
 
   it("know where to begin, and where it goes on after a gap", () => {
     const reels = [only([film("a", 10e6, 20e6), film("b", 50e6, 60e6)]), only([film("u", 30e6, 31e6, { state: "uploading" })])];
-    expect(firstMoment(reels, 15e6)).toBe(15e6);
-    expect(firstMoment(reels, 0)).toBe(10e6);
-    expect(nextBegin(reels, 25e6)).toBe(50e6);
-    expect(nextBegin(reels, 70e6)).toBeNull();
+    expect(firstFilmMoment(reels, 15e6)).toBe(15e6);
+    expect(firstFilmMoment(reels, 0)).toBe(10e6);
+    expect(nextFilmStart(reels, 25e6)).toBe(50e6);
+    expect(nextFilmStart(reels, 70e6)).toBeNull();
     expect(isFilmed(reels, 55e6)).toBe(true);
     expect(isFilmed(reels, 30.5e6)).toBe(false);
   });
 
   it("step from picture to picture, however far they are apart", () => {
     const times = Float64Array.from([0, 40_000, 900_000, 933_000]);
-    const one = film("a", 100e6, 101e6);
+    const single = film("a", 100e6, 101e6);
     expect([-1, 0, 39_999, 40_000, 899_999, 5e6].map((us) => pictureAt(times, us))).toEqual([0, 0, 0, 1, 1, 3]);
-    expect(steppedUs(one, times, 100e6 + 50_000, 1)).toBe(100e6 + 900_000);
-    expect(steppedUs(one, times, 100e6 + 50_000, -1)).toBe(100e6);
-    expect(steppedUs(one, times, 101e6, 1)).toBeNull();
-    expect(steppedUs(one, times, 100e6, -1)).toBeNull();
+    expect(stepTime(single, times, 100e6 + 50_000, 1)).toBe(100e6 + 900_000);
+    expect(stepTime(single, times, 100e6 + 50_000, -1)).toBe(100e6);
+    expect(stepTime(single, times, 101e6, 1)).toBeNull();
+    expect(stepTime(single, times, 100e6, -1)).toBeNull();
   });
 });
 
