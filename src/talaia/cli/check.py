@@ -11,14 +11,19 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from talaia.extensions.declared import AdapterExtension, DetectorExtension
+from talaia.extensions.installed import installed
 from talaia.model.checks.site_checks import check
+from talaia.model.connection import ExtensionConnection
 from talaia.model.errors import DescriptionError
 from talaia.model.interlocks.unguarded import unguarded_notice
 from talaia.model.yaml_text.load import read_site
 from talaia.objects.here import sight_here
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
+
+    from talaia.model.site import Site
 
 __all__ = ["main"]
 
@@ -38,7 +43,7 @@ def main(argv: Sequence[str]) -> int:
             print(f"{path}: {error}", file=sys.stderr)
             wrong += 1
             continue
-        findings = check(site)
+        findings = check(site, installed().rules())
         for finding in findings:
             print(f"{path}: {finding}", file=sys.stderr)
         if findings:
@@ -48,6 +53,32 @@ def main(argv: Sequence[str]) -> int:
             print(f"{path}: right; {len(site.devices)} devices, {channels} channels")
             if notice := unguarded_notice(site):
                 print(f"{path}: note: {notice}")
+            for line in _not_judged(site):
+                print(f"{path}: note: {line}")
             for sight in sight_here(site, path.parent):
                 print(f"{path}: {sight.said}")
+    for broken in installed().broken():
+        print(broken, file=sys.stderr)
     return 1 if wrong else 0
+
+
+def _not_judged(site: Site) -> Iterator[str]:
+    """Name the extensions that a description needs and that are not here."""
+    adapters, detectors = installed().adapters(), installed().detectors()
+    needed = {
+        (AdapterExtension, each.extension, "its gateway")
+        for each in site.connections.values()
+        if isinstance(each, ExtensionConnection) and each.extension not in adapters
+    } | {
+        (DetectorExtension, watch.extension, "the hub")
+        for device in site.devices.values()
+        for signal in device.signals.values()
+        for watch in signal.anomalies
+        if watch.extension and watch.extension not in detectors
+    }
+    for kind, name, where in sorted(needed, key=lambda each: (each[0].group, each[1])):
+        what = kind.group.removeprefix("talaia.").removesuffix("s")
+        yield (
+            f"the {what} {name!r} is not installed here, so its keys were not judged; "
+            f"{where} needs the package that brings it"
+        )

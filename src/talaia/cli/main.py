@@ -48,6 +48,7 @@ WORDS = {
     "init": Word("talaia.cli.init", "write a site description of a live robot", ""),
     "check": Word("talaia.cli.check", "say whether a site description is right", ""),
     "upgrade": Word("talaia.cli.upgrade", "bring a site description to the newest format", ""),
+    "extensions": Word("talaia.cli.extensions", "list the parts that other packages bring", ""),
     "schema": Word("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }
 
@@ -77,7 +78,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _help() -> str:
-    rows = "\n".join(f"  {name:<9} {word.summary}" for name, word in WORDS.items())
+    rows = "\n".join(f"  {name:<10} {word.summary}" for name, word in WORDS.items())
     return (
         f"usage: talaia WORD …    (talaia {__version__})\n\n{rows}\n\n"
         "talaia WORD --help tells more about a word."

@@ -6,6 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
+from talaia.extensions.installed import installed
 from talaia.model.schema import site_schema
 
 if TYPE_CHECKING:
@@ -17,7 +18,9 @@ __all__ = ["main"]
 def main(argv: Sequence[str]) -> int:
     """Print the schema."""
     argparse.ArgumentParser(
-        "talaia schema", description="Print the JSON schema of the site description."
+        "talaia schema",
+        description="Print the JSON schema of the site description, with the keys of the"
+        " extensions that are installed here.",
     ).parse_args(argv)
-    print(json.dumps(site_schema(), indent=2, ensure_ascii=False))
+    print(json.dumps(site_schema(installed().rules()), indent=2, ensure_ascii=False))
     return 0

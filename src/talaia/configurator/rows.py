@@ -205,6 +205,7 @@ _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
     "source.run": frozenset({ConnectionKind.PROCESS}),
     "source.pattern": frozenset({ConnectionKind.PROCESS}),
     "source.messages": frozenset({ConnectionKind.PROCESS}),
+    "source.keys": frozenset({ConnectionKind.EXTENSION}),
 }
 _BY_TYPE: dict[str, frozenset[SignalType]] = {
     **dict.fromkeys(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.model.checks.identifiers import Finding
-from talaia.model.connection import ProcessConnection
+from talaia.model.connection import ExtensionConnection, ProcessConnection
 from talaia.model.derived_signals import eye_of
 
 if TYPE_CHECKING:
@@ -69,11 +69,17 @@ def _runs(site: Site) -> dict[str, str]:
     links = site.links()
     runs: dict[str, str] = {}
     for name, device in site.devices.items():
-        if not isinstance(links.get(site.connection_of(name)), ProcessConnection):
+        link = links.get(site.connection_of(name))
+        if not isinstance(link, ProcessConnection | ExtensionConnection):
             continue
         at = f"$.devices.{name}"
         for signal_id, signal in device.signals.items():
-            runs[f"{at}.signals.{signal_id}.source.run"] = signal.source.run
+            if isinstance(link, ProcessConnection):
+                runs[f"{at}.signals.{signal_id}.source.run"] = signal.source.run
+            else:
+                # They may name a file or a program: only the extension knows.
+                keys = msgspec.json.encode(signal.source.keys, order="sorted")
+                runs[f"{at}.signals.{signal_id}.source.keys"] = keys.decode()
         for command_id, command in device.commands.items():
             said = msgspec.json.encode((command.target, command.fixed, command.arguments))
             runs[f"{at}.commands.{command_id}"] = said.decode()

@@ -15,6 +15,7 @@ from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
+from talaia.hub.features.extensions import ExtensionsFeature
 from talaia.hub.features.feature import Core
 from talaia.hub.features.gateway_links import GatewayLinksFeature
 from talaia.hub.features.gateways import GatewaysFeature
@@ -112,6 +113,7 @@ class Hub:
         self.imports = ImportsFeature(
             core, registry=registry, history=store, alarms=alarms, audit=log
         )
+        self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=store)
         self.pages = PagesFeature(
             core,
@@ -125,7 +127,7 @@ class Hub:
             self.audit, self.gateways, self.people, self.history, self.media, self.alarms,
             self.notifications, self.robot_events, self.anomalies, self.sightings,
             self.detection, self.archive, self.recordings, self.descriptions,
-            self.gateway_links, self.imports, self.storage, self.pages,
+            self.gateway_links, self.imports, self.extensions, self.storage, self.pages,
         )  # fmt: skip
         self.app = self._application()
         self.asgi: ASGIApp = Shield(self.app, settings)

@@ -180,6 +180,9 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], Need]] = {
         ("POST", "/api/sites/{site}/descriptions/{number}/restore"): Need.ADMIN,
         ("GET", "/api/description-schema"): Need.SESSION,
     },
+    "extensions": {
+        ("GET", "/api/extensions"): Need.ADMIN,
+    },
     "storage": {
         ("GET", "/api/storage"): Need.ADMIN,
         ("GET", "/api/storage/outlook"): Need.ADMIN,

@@ -14,6 +14,8 @@ __all__ = [
     "ROS_KINDS",
     "Connection",
     "ConnectionKind",
+    "ExtensionConnection",
+    "ExtensionScalar",
     "IndiConnection",
     "ProcessConnection",
     "Ros1Connection",
@@ -34,6 +36,8 @@ class ConnectionKind(StrEnum):
     INDI = "indi"
     PROCESS = "process"
     VIDEO = "video"
+    # Whatever an installed extension speaks; see docs/how-to/extend.
+    EXTENSION = "extension"
 
 
 # These name things as ROS does: topics, services, types.
@@ -157,6 +161,23 @@ class VideoConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="v
     here: bool = False
 
 
+ExtensionScalar = bool | int | float | str
+
+
+class ExtensionConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="extension"):
+    """A protocol that an extension speaks, which is installed at the gateway.
+
+    Attributes:
+        extension: its name, as ``talaia extensions`` lists it: ``snmp``.
+        keys: what the extension asks for, by its own names; ``talaia extensions`` lists them. A
+            hub on which it is not installed keeps them as they are.
+
+    """
+
+    extension: str
+    keys: dict[str, ExtensionScalar] = {}
+
+
 Connection = (
     Ros2Connection
     | Ros1Connection
@@ -164,6 +185,7 @@ Connection = (
     | IndiConnection
     | ProcessConnection
     | VideoConnection
+    | ExtensionConnection
 )
 
 
@@ -182,3 +204,5 @@ def kind_of(connection: Connection) -> ConnectionKind:
             return ConnectionKind.PROCESS
         case VideoConnection():
             return ConnectionKind.VIDEO
+        case ExtensionConnection():
+            return ConnectionKind.EXTENSION

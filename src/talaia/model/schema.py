@@ -7,6 +7,7 @@ from inspect import cleandoc
 
 import msgspec
 
+from talaia.model.checks.extension_rules import NO_RULES, ExtensionRules
 from talaia.model.site import Site
 
 _ATTRIBUTE = re.compile(r"^ {4}(\w+): (.*(?:\n {8,}.*)*)", re.MULTILINE)
@@ -14,11 +15,17 @@ _ATTRIBUTE = re.compile(r"^ {4}(\w+): (.*(?:\n {8,}.*)*)", re.MULTILINE)
 __all__ = ["site_schema"]
 
 
-def site_schema() -> dict[str, object]:
-    """Give the schema (JSON Schema 2020-12) of a whole description."""
+def site_schema(rules: ExtensionRules = NO_RULES) -> dict[str, object]:
+    """Give the schema (JSON Schema 2020-12) of a whole description.
+
+    Args:
+        rules: extensions whose keys it is to know.
+
+    """
     (reference,), parts = msgspec.json.schema_components([Site], ref_template="#/$defs/{name}")
     for kind in _structs(msgspec.inspect.type_info(Site), {}).values():
         _explain(kind, parts[kind.__name__])
+    _add_extensions(parts, rules)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Talaia site description",
@@ -56,3 +63,32 @@ def _explain(kind: type, part: dict[str, object]) -> None:
     for name, said in _ATTRIBUTE.findall(attributes):
         if name in properties:
             properties[name]["description"] = " ".join(said.replace("`", "").split())
+
+
+def _add_extensions(parts: dict[str, object], rules: ExtensionRules) -> None:
+    """Say which keys go with which extension, where a connection or a detector names it."""
+    adapters = {name: each.connection for name, each in rules.adapters.items()}
+    for part, shapes in (("ExtensionConnection", adapters), ("Watch", rules.detectors)):
+        cases = []
+        for name, shape in sorted(shapes.items()):
+            reference = f"{part}.{name}"
+            parts[reference] = _keys_schema(shape)
+            cases.append(
+                {
+                    "if": {
+                        "properties": {"extension": {"const": name}},
+                        "required": ["extension"],
+                    },
+                    "then": {"properties": {"keys": {"$ref": f"#/$defs/{reference}"}}},
+                }
+            )
+        found = parts[part]
+        if cases and isinstance(found, dict):
+            found["allOf"] = cases
+
+
+def _keys_schema(shape: type[msgspec.Struct]) -> dict[str, object]:
+    _, made = msgspec.json.schema_components([shape], ref_template="#/$defs/{name}")
+    part: dict[str, object] = made[shape.__name__]
+    _explain(shape, part)
+    return part

@@ -20,7 +20,13 @@ from talaia.model.alarms.alarm import Alarm  # noqa: TC001 - msgspec reads it
 # These stand beside: what they need of a site is its addresses only.
 from talaia.model.alarms.anomaly import Watch  # noqa: TC001 - msgspec reads it
 from talaia.model.base import Shape
-from talaia.model.connection import Connection, Ros1Connection, Ros2Connection, Ros2Settings
+from talaia.model.connection import (
+    Connection,
+    ExtensionScalar,
+    Ros1Connection,
+    Ros2Connection,
+    Ros2Settings,
+)
 from talaia.model.detection import Detect, ObjectModel  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
@@ -103,10 +109,11 @@ class CommandKind(StrEnum):
     SERVICE = "service"
     TOPIC = "topic"
     ACTION = "action"
-    # ROS: sets parameters. INDI: sends a property. Process: runs a command.
+    # ROS: sets parameters. INDI: sends a property. Process: runs a command. Extension: its own.
     PARAMETER = "parameter"
     INDI = "indi"
     PROCESS = "process"
+    EXTENSION = "extension"
 
 
 class DriveMessage(StrEnum):
@@ -175,6 +182,7 @@ class Source(Shape, frozen=True, kw_only=True):
             further from the gateway's clock than ``max_age`` makes its value unknown.
         within: only those whose feet (the middle of the box's lower edge) are in this part of the
             picture: left, top, right, bottom, each 0 to 1; the drive path, say.
+        keys: extension: what the extension of the connection asks for, by its own names.
 
     """
 
@@ -196,6 +204,7 @@ class Source(Shape, frozen=True, kw_only=True):
     stamp: str = ""
     synchronized: bool = False
     within: tuple[float, float, float, float] | None = None
+    keys: dict[str, ExtensionScalar] = {}
 
 
 class Signal(Shape, frozen=True, kw_only=True):
@@ -348,7 +357,7 @@ class Argument(Shape, frozen=True, kw_only=True):
 
     Attributes:
         field: what it fills: a path into the ROS request, the name of a parameter, an INDI
-            element, or a placeholder ``{field}`` of a command line.
+            element, a placeholder ``{field}`` of a command line, or a key of an extension.
 
     """
 
@@ -367,8 +376,8 @@ class Command(Shape, frozen=True, kw_only=True):
 
     Attributes:
         target: the ROS service, topic or action; the node whose parameters are set; the INDI
-            property; or the arguments of a command as one line, without a shell, where ``{field}``
-            stands for an argument.
+            property; the arguments of a command as one line, without a shell, where ``{field}``
+            stands for an argument; or what an extension is to do, in its own words.
         type: ROS: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
         progress: for an action: the path of a number in its feedback, or empty.
         progress_end: the value of ``progress`` that means done.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.errors import SettingsError
 from talaia.model.connection import (
+    ExtensionConnection,
     IndiConnection,
     ProcessConnection,
     Ros1Connection,
@@ -48,6 +49,8 @@ def adapter_of(share: ConnectionScope, outlets: AdapterContext, status: AdapterS
             make = _process
         case VideoConnection():
             make, remedy = _video, "install talaia[camera]"
+        case ExtensionConnection():
+            make = _extension
     try:
         return make(share, outlets, status)
     except ImportError as error:
@@ -91,3 +94,9 @@ def _video(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatu
     from talaia.gateway.adapters.video.adapter import VideoAdapter
 
     return VideoAdapter(share, outlets, status)
+
+
+def _extension(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.extension import ExtensionAdapterProcess
+
+    return ExtensionAdapterProcess(share, outlets, status)

@@ -11,11 +11,16 @@ from talaia.hub.anomaly.ensemble import Together
 from talaia.hub.anomaly.knn_cad import Nearest
 from talaia.hub.anomaly.seasonal import Season
 from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
+from talaia.model.alarms.anomaly import DetectorKind
 
 if TYPE_CHECKING:
-    from talaia.hub.anomaly.base import Detector
+    from collections.abc import Mapping
 
-__all__ = ["KINDS", "Kind"]
+    from talaia.extensions.declared import DetectorExtension
+    from talaia.hub.anomaly.base import Detector
+    from talaia.model.alarms.anomaly import Watch
+
+__all__ = ["KINDS", "Kind", "kind_of"]
 
 
 class Kind(NamedTuple):
@@ -54,3 +59,22 @@ KINDS: dict[str, Kind] = {
     "rate": Kind(RateOfChange, 0.5, "rate of change"),
     "limits": Kind(Limits, 0.5, "limits", learns=False),
 }
+
+
+def kind_of(watch: Watch, extensions: Mapping[str, DetectorExtension]) -> Kind | None:
+    """Give the kind of detector that a description asks for.
+
+    Args:
+        watch: what the description says.
+        extensions: the detectors that are installed here beside ours.
+
+    Returns:
+        None for one that is not installed here.
+
+    """
+    if watch.detector is not DetectorKind.EXTENSION:
+        return KINDS[watch.detector]
+    found = extensions.get(watch.extension)
+    if found is None:
+        return None
+    return Kind(found.make, found.bar, found.summary, found.quiet, found.learning, found.learns)

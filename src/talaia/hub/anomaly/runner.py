@@ -7,20 +7,25 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.hub.anomaly.base import keep, wake
+from talaia.extensions.declared import DetectorExtension
+from talaia.extensions.installed import installed
+from talaia.hub.anomaly.base import Detector, keep, wake
 from talaia.hub.anomaly.baseline import Quartiles
 from talaia.hub.anomaly.episodes import Episodes, Turn
-from talaia.hub.anomaly.kinds import KINDS
+from talaia.hub.anomaly.guarded import GuardedDetector, extension_detector
+from talaia.hub.anomaly.kinds import KINDS, Kind, kind_of
 from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
+from talaia.model.alarms.anomaly import DetectorKind
 
 if TYPE_CHECKING:
-    from talaia.hub.anomaly.base import Detector
     from talaia.model.alarms.anomaly import Watch
 
 __all__ = ["SCORES", "Began", "Ended", "Watched", "detector_of", "score_address", "signal_of"]
 
 # Between a signal's address and the detector; no other address holds it.
 SCORES = "~"
+# An extension that is not installed here: nobody judges by it.
+_MISSING = Kind(Detector, 1.0, "not installed at this hub", learns=False)
 # A score is written down when it has moved so far, and at least this often (µs).
 _MOVED = 0.05
 _EVERY_US = 60_000_000
@@ -38,9 +43,14 @@ def signal_of(address: str) -> str:
     return address.partition(SCORES)[0]
 
 
-def detector_of(watch: Watch, unit: str) -> Detector:
-    """Make a new detector as a description asks for it."""
+def detector_of(watch: Watch, unit: str) -> Detector | GuardedDetector:
+    """Make a new detector as a description asks for it.
+
+    One of an extension that is not installed, or that cannot be made, sees nothing.
+    """
     match watch.detector:
+        case DetectorKind.EXTENSION:
+            return _of_extension(watch, unit)
         case "iqr":
             return Quartiles(unit=unit, k=watch.k)
         case "still":
@@ -53,6 +63,24 @@ def detector_of(watch: Watch, unit: str) -> Detector:
             return Limits(unit=unit, minimum=watch.minimum, maximum=watch.maximum)
         case _:
             return KINDS[watch.detector].make(unit=unit)
+
+
+def _of_extension(watch: Watch, unit: str) -> GuardedDetector:
+    def fail(problem: str) -> None:
+        installed().note_failure(DetectorExtension, watch.extension, problem)
+
+    found = installed().detectors().get(watch.extension)
+    guarded = GuardedDetector(Detector(unit=unit), fail)
+    if found is None:
+        guarded.off = "it is not installed at this hub"
+        fail(f"{guarded.off}, and a site asks for it")
+        return guarded
+    try:
+        guarded.detector = extension_detector(watch, unit, found)
+    except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+        guarded.off = f"it cannot be made: {type(error).__name__}: {error}"
+        fail(guarded.off)
+    return guarded
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +108,8 @@ class Watched:
     Attributes:
         address: of the signal.
         watch: as the description has it.
+        word: the detector's name.
+        kind: what is known of such detectors.
         score: the newest.
         why: of the anomaly that is on, or of the last one.
         from_us: when the newest anomaly began (µs); 0 before the first.
@@ -93,8 +123,9 @@ class Watched:
     def __init__(self, address: str, unit: str, watch: Watch, kept: bytes | None = None) -> None:
         """Go on with what was ``kept``; begin anew where there is nothing, or it does not fit."""
         self.address, self.unit, self.watch = address, unit, watch
+        self.word = watch.word()
         self.detector = detector_of(watch, unit)
-        kind = KINDS[watch.detector]
+        self.kind = kind = kind_of(watch, installed().detectors()) or _MISSING
         self.episodes = Episodes(
             bar=watch.bar or kind.bar,
             rest=watch.rest,
@@ -113,7 +144,11 @@ class Watched:
         try:
             asked, state, counts = msgspec.msgpack.decode(kept, type=_KEPT)
             if asked == msgspec.msgpack.encode(self.watch):
-                self.detector = wake(type(self.detector), state)
+                if isinstance(self.detector, GuardedDetector):
+                    inner = self.detector.detector
+                    self.detector.detector = wake(type(inner), state)
+                else:
+                    self.detector = wake(type(self.detector), state)
                 episodes = self.episodes
                 episodes.since, episodes.quiet, episodes.learning = counts
         except (msgspec.MsgspecError, ValueError):
@@ -125,7 +160,16 @@ class Watched:
         self.changed = False
         asked = msgspec.msgpack.encode(self.watch)
         counts = (self.episodes.since, self.episodes.quiet, self.episodes.learning)
-        return msgspec.msgpack.encode((asked, keep(self.detector), counts))
+        return msgspec.msgpack.encode((asked, self._state(), counts))
+
+    def _state(self) -> bytes:
+        if not isinstance(self.detector, GuardedDetector):
+            return keep(self.detector)
+        try:
+            return keep(self.detector.detector)
+        except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            self.detector.failed(f"what it has learned cannot be kept: {error}")
+            return b""
 
     @property
     def learning(self) -> int:

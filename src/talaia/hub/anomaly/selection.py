@@ -64,6 +64,6 @@ def score_channels(site: Site, beside: int) -> tuple[Channel, ...]:
     for wish in wanted(site)[0]:
         device, _, signal = wish.address.partition("/")
         for each in wish.watches:
-            address = score_address(wish.address, each.detector)
+            address = score_address(wish.address, each.word())
             found.append(Channel(address, device, signal, "", text=False))
     return tuple(found[: max(0, _MOST_CHANNELS - beside)])

@@ -24,6 +24,8 @@ from email.utils import formatdate
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+import msgspec
+
 from talaia.hub.notify.address_policy import AddressRefused, may_reach
 
 if TYPE_CHECKING:
@@ -83,6 +85,26 @@ def _guard(networks: list[ipaddress.IPv4Network | ipaddress.IPv6Network], left: 
         return allowed
 
     socket.getaddrinfo = guarded
+    connect = socket.socket.connect
+
+    def reached(self: socket.socket, address: Any) -> None:  # noqa: ANN401 - as it is there
+        # An extension may name an address without a look-up.
+        if self.family in (socket.AF_INET, socket.AF_INET6):
+            host = str(address[0])
+            if _is_address(host) and not may_reach(host, networks):
+                left.refused = AddressRefused(host, host)
+                raise left.refused
+        connect(self, address)
+
+    socket.socket.connect = reached  # type: ignore[method-assign, assignment]
+
+
+def _is_address(text: str) -> bool:
+    try:
+        ipaddress.ip_address(text.partition("%")[0])
+    except ValueError:
+        return False
+    return True
 
 
 def _words_of(job: Job) -> bytes:
@@ -286,11 +308,42 @@ def _push(job: Job, left: _Left) -> Outcome:
     return {**outcome, "gone": ",".join(str(number) for number in gone)}
 
 
+def _extension(job: Job, left: _Left) -> Outcome:
+    from talaia.extensions.declared import NotDelivered, NotifierMessage
+    from talaia.extensions.installed import installed
+
+    name = job["extension"]
+    known = installed().notifiers().get(name)
+    if known is None:
+        said = "; ".join(str(each) for each in installed().broken() if each.name == name)
+        return _went("failed", said or f"the extension {name!r} is not installed at this hub")
+    message = NotifierMessage(
+        job["key"], job["title"], job["body"], job["severity"], tuple(job["sites"]), job["open"]
+    )
+    try:
+        keys = msgspec.convert(json.loads(job.get("keys", "{}")), known.keys, strict=False)
+    except msgspec.ValidationError as error:
+        return _went("failed", f"the keys of {name!r} do not fit: {error}")
+    try:
+        # What it prints is no answer of ours.
+        with contextlib.redirect_stdout(sys.stderr):
+            known.send(keys, message)
+    except NotDelivered as error:
+        return _went("again" if error.again else "failed", str(error))
+    except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
+        if left.refused is not None:
+            return _went("failed", str(left.refused))
+        # Not sent again: nobody knows how far it came.
+        return _went("unsure", f"the extension {name!r} failed: {_told(error)}")
+    return _went("sent")
+
+
 _WAYS: dict[str, Callable[[Job, _Left], Outcome]] = {
     "mail": _mail,
     "webhook": _webhook,
     "chat": _chat,
     "push": _push,
+    "extension": _extension,
 }
 
 if __name__ == "__main__":

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from talaia.model.base import Shape
+import msgspec
 
-__all__ = ["OPTIONS", "DetectorKind", "Watch"]
+from talaia.model.base import Shape
+from talaia.model.connection import ExtensionScalar  # noqa: TC001 - msgspec reads it
+
+__all__ = ["MOST_LETTERS", "OPTIONS", "DetectorKind", "Watch"]
+
+# Of the name of a detector that an extension brings.
+MOST_LETTERS = 20
 
 
 class DetectorKind(StrEnum):
@@ -23,6 +29,8 @@ class DetectorKind(StrEnum):
     MISSING = "missing"
     RATE = "rate"
     LIMITS = "limits"
+    # One that is installed at the hub; see `Watch.extension`.
+    EXTENSION = "extension"
 
 
 class Watch(Shape, frozen=True, kw_only=True):
@@ -37,6 +45,8 @@ class Watch(Shape, frozen=True, kw_only=True):
         most: rate: so fast is too fast, in the signal's unit a second; 0 learns it.
         minimum: limits: below is an anomaly, in the signal's unit.
         maximum: limits: above is an anomaly, in the signal's unit.
+        extension: extension: the detector's name, as ``talaia extensions`` lists it at the hub.
+        keys: extension: what it asks for, by its own names.
 
     """
 
@@ -49,6 +59,16 @@ class Watch(Shape, frozen=True, kw_only=True):
     most: float = 0.0
     minimum: float | None = None
     maximum: float | None = None
+    extension: str = ""
+    keys: dict[str, ExtensionScalar] = {}
+
+    def word(self) -> str:
+        """Name the detector: an extension by its own name."""
+        return self.extension or str(self.detector)
+
+    def __hash__(self) -> int:
+        """Tell apart by all that is said, for what is kept by what watches."""
+        return hash(msgspec.msgpack.encode(self))
 
 
 # Which keys mean something to which detector, besides `Watch.bar` and `Watch.rest`.
@@ -58,4 +78,5 @@ OPTIONS: dict[DetectorKind, tuple[str, ...]] = {
     DetectorKind.MISSING: ("after",),
     DetectorKind.RATE: ("most",),
     DetectorKind.LIMITS: ("minimum", "maximum"),
+    DetectorKind.EXTENSION: ("extension", "keys"),
 }

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.model.alarms.anomaly import OPTIONS, DetectorKind, Watch
-from talaia.model.checks.identifiers import Finding
+from talaia.model.alarms.anomaly import MOST_LETTERS, OPTIONS, DetectorKind, Watch
+from talaia.model.checks.identifiers import Finding, id_fits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,16 +28,16 @@ def anomaly_findings(where: str, watches: tuple[Watch, ...], *, number: bool) ->
     """
     if watches and not number:
         yield Finding(f"{where}.anomalies", "only numbers are watched", "leave it out")
-    seen: set[DetectorKind] = set()
+    seen: set[str] = set()
     for index, watch in enumerate(watches):
         at = f"{where}.anomalies[{index}]"
-        if watch.detector in seen:
+        if watch.word() in seen:
             yield Finding(
                 f"{at}.detector",
-                f"the detector '{watch.detector}' stands here twice",
+                f"the detector '{watch.word()}' stands here twice",
                 "keep one of them",
             )
-        seen.add(watch.detector)
+        seen.add(watch.word())
         yield from _watch(at, watch)
 
 
@@ -48,7 +48,7 @@ def _watch(where: str, watch: Watch) -> Iterator[Finding]:
         yield Finding(f"{where}.rest", f"expected 1 to 1000000 samples, found {watch.rest}")
     means = _ANY | set(OPTIONS.get(watch.detector, ()))
     for field in msgspec.structs.fields(Watch):
-        if field.name in means or getattr(watch, field.name) == field.default:
+        if field.name in means or getattr(watch, field.name) == _default(field):
             continue
         owner = ", ".join(kind for kind, keys in OPTIONS.items() if field.name in keys)
         yield Finding(
@@ -61,9 +61,21 @@ def _watch(where: str, watch: Watch) -> Iterator[Finding]:
             yield Finding(f"{where}.{name}", f"expected 0 or more, found {getattr(watch, name):g}")
     if watch.k <= 0.0:
         yield Finding(f"{where}.k", f"expected more than 0, found {watch.k:g}")
+    if watch.detector is DetectorKind.EXTENSION:
+        yield from id_fits(f"{where}.extension", watch.extension)
+        if len(watch.extension) > MOST_LETTERS:
+            problem = f"a detector's name has at most {MOST_LETTERS} letters"
+            yield Finding(f"{where}.extension", problem)
+        if watch.extension in set(DetectorKind):
+            problem = f"'{watch.extension}' is a detector of Talaia itself"
+            yield Finding(f"{where}.extension", problem, f"write: detector: {watch.extension}")
     if watch.detector is DetectorKind.LIMITS:
         low, high = watch.minimum, watch.maximum
         if low is None and high is None:
             yield Finding(where, "limits without a limit", "give minimum, maximum or both")
         elif low is not None and high is not None and low >= high:
             yield Finding(f"{where}.minimum", f"{low:g} is not below the maximum, {high:g}")
+
+
+def _default(field: msgspec.structs.FieldInfo) -> object:
+    return field.default if field.default_factory is msgspec.NODEFAULT else field.default_factory()

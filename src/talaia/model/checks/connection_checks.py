@@ -24,6 +24,7 @@ from talaia.model.checks.validity_checks import stamp_fits
 from talaia.model.connection import (
     ROS_KINDS,
     ConnectionKind,
+    ExtensionConnection,
     IndiConnection,
     ProcessConnection,
     Ros1Connection,
@@ -65,12 +66,14 @@ _COMMANDS = {
     CommandKind.PARAMETER: ROS_KINDS - {ConnectionKind.ROSBRIDGE},
     CommandKind.INDI: frozenset({ConnectionKind.INDI}),
     CommandKind.PROCESS: frozenset({ConnectionKind.PROCESS}),
+    CommandKind.EXTENSION: frozenset({ConnectionKind.EXTENSION}),
 }
 _STAMP_KEYS = ("stamp", "synchronized")
 _ROS_KEYS = ("topic", "type", "field", "name", "parameter", *_STAMP_KEYS)
 _INDI_KEYS = ("property", "element", "device", *_STAMP_KEYS)
 _PROCESS_KEYS = ("run", "pattern", "messages")
 _VIDEO_KEYS = ("url", "file")
+_EXTENSION_KEYS = ("keys",)
 # As the kernel names them: /dev/video0, or /dev/v4l/by-id/….
 _SEEN_KEYS = ("stream", "sees", "within")
 _CAMERA_FILE = re.compile(r"/dev/(video[0-9]{1,3}|v4l/by-(id|path)/[A-Za-z0-9_.:+-]{1,200})\Z")
@@ -81,6 +84,7 @@ _EXAMPLES = {
     ConnectionKind.ROSBRIDGE: "topic: /odom, type: nav_msgs/msg/Odometry, field: …",
     ConnectionKind.INDI: "property: EQUATORIAL_EOD_COORD, element: RA",
     ConnectionKind.PROCESS: "run: dome_servcli client status",
+    ConnectionKind.EXTENSION: "keys: {…}",
 }
 
 
@@ -132,6 +136,9 @@ def _connection(where: str, connection: Connection) -> Iterator[Finding]:
             yield from above(f"{where}.poll", connection.poll, 0)
             yield from above(f"{where}.timeout", connection.timeout, 0)
             yield from _line_fits(f"{where}.prefix", connection.prefix, empty=True)
+        case ExtensionConnection():
+            # See `extension_rules`.
+            pass
         case VideoConnection():
             if connection.password_file and not connection.user:
                 yield Finding(f"{where}.user", "whose password is it?", "write: user: viewer")
@@ -241,6 +248,9 @@ def signal_source_fits(where: str, signal: Signal, link: Connection) -> Iterator
         if signal.type is not SignalType.POSITION and not source.field and not source.name:
             problem = "which field of the message is meant?"
             yield Finding(f"{where}.field", problem, "write: field: data")
+    elif kind is ConnectionKind.EXTENSION:
+        # What its keys must be is the extension's to say: see `extension_rules`.
+        return
     elif kind is ConnectionKind.VIDEO:
         yield Finding(where, "a camera gives no signals", "take another connection for them")
     elif signal.type is SignalType.POSITION:
@@ -266,7 +276,8 @@ def stream_source_fits(where: str, stream: Stream, link: Connection) -> Iterator
     elif isinstance(link, VideoConnection):
         yield from _camera_fits(where, source, link)
     else:
-        yield Finding(where, "commands give no pictures", "reach the camera otherwise")
+        problem = f"a connection of kind {kind} gives no pictures"
+        yield Finding(where, problem, "reach the camera otherwise")
 
 
 def frames_fit(where: str, device: Device, link: Connection) -> Iterator[Finding]:
@@ -299,9 +310,11 @@ def _keys_fit(where: str, source: Source, kind: ConnectionKind) -> Iterator[Find
         ConnectionKind.INDI: _INDI_KEYS,
         ConnectionKind.PROCESS: _PROCESS_KEYS,
         ConnectionKind.VIDEO: _VIDEO_KEYS,
+        ConnectionKind.EXTENSION: _EXTENSION_KEYS,
     }
     fitting = keys.get(kind, _ROS_KEYS)
-    for key in dict.fromkeys((*_ROS_KEYS, *_INDI_KEYS, *_PROCESS_KEYS, *_VIDEO_KEYS)):
+    known = (*_ROS_KEYS, *_INDI_KEYS, *_PROCESS_KEYS, *_VIDEO_KEYS, *_EXTENSION_KEYS)
+    for key in dict.fromkeys(known):
         if key not in fitting and getattr(source, key):
             problem = f"a connection of kind {kind} knows no {key}"
             yield Finding(f"{where}.{key}", problem, f"write as: {_EXAMPLES[kind]}")
@@ -379,6 +392,9 @@ def command_fits(where: str, command: Command, link: Connection) -> Iterator[Fin
                 yield from _indi_word_fits(at, field, "INDI element")
         case CommandKind.PROCESS:
             yield from _process_command(where, command.target, fields)
+        case CommandKind.EXTENSION:
+            # See `extension_rules`.
+            pass
         case _:
             yield from topic_fits(f"{where}.target", command.target)
             middle = {

@@ -25,6 +25,7 @@ from talaia.model.checks.detection_checks import (
     models_findings,
 )
 from talaia.model.checks.enclosure_checks import enclosure_findings
+from talaia.model.checks.extension_rules import NO_RULES, extension_findings
 from talaia.model.checks.identifiers import (
     FIELD,
     Finding,
@@ -50,6 +51,7 @@ from talaia.model.yaml_text.version import FORMAT
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from talaia.model.checks.extension_rules import ExtensionRules
     from talaia.model.recording import Recording
     from talaia.model.site import Argument, Command, Device, Drive, Signal, Stream
 
@@ -58,19 +60,25 @@ __all__ = ["Finding", "check", "raise_first"]
 _MAX_CHANNELS = 60_000
 
 
-def check(site: Site) -> list[Finding]:
-    """List all that does not fit together in ``site``; an empty list means it can run."""
-    return [*_site(site, with_counts(site))]
+def check(site: Site, rules: ExtensionRules = NO_RULES) -> list[Finding]:
+    """List all that does not fit together in ``site``; an empty list means it can run.
+
+    Args:
+        site: the description.
+        rules: what extensions that are installed here ask for; see `ExtensionRules`.
+
+    """
+    return [*_site(site, with_counts(site)), *extension_findings(site, rules)]
 
 
-def raise_first(site: Site) -> Site:
+def raise_first(site: Site, rules: ExtensionRules = NO_RULES) -> Site:
     """Give ``site`` back when it can run.
 
     Raises:
         DescriptionError: the first finding, with the number of the others.
 
     """
-    findings = check(site)
+    findings = check(site, rules)
     if not findings:
         return site
     first = findings[0]

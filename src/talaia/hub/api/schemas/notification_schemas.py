@@ -30,7 +30,9 @@ _Line = Annotated[str, StringConstraints(max_length=200, pattern=r"^[^\x00-\x1f\
 _Secret = Annotated[str, StringConstraints(max_length=2000, pattern=r"^[^\x00-\x1f\x7f]*$")]
 # One address and nothing else: it goes into a header.
 _MAIL = re.compile(r"[^\s\x00-\x1f\x7f<>(),:;\"\\@]{1,64}@[A-Za-z0-9.\-]{1,190}\Z")
+_Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,62}$")]
 _Severity = Literal["info", "warning", "critical"]
+WayWord = Literal["mail", "webhook", "chat", "push", "extension"]
 _Minute = Annotated[int, Field(ge=0, le=1439)]
 
 
@@ -40,6 +42,7 @@ class WriteOnly(Shape):
     password: _Secret | None = None
     url: _Secret | None = None
     token: _Secret | None = None
+    keys: Annotated[dict[_Key, _Secret], Field(max_length=50)] | None = None
 
 
 class WayAsk(Shape):
@@ -48,11 +51,13 @@ class WayAsk(Shape):
     Mail: ``host``, ``port``, ``security``, ``sender``, and ``user`` with the secret ``password``.
     Webhook: the secrets ``url`` and ``token`` (sent as a bearer token). Chat: the secret ``url``,
     as apprise writes it (``ntfys://…``, ``matrixs://…``, ``tgram://…``). Push: ``sender``, an
-    address at which a push service may reach you.
+    address at which a push service may reach you. Extension: its name, and the secret ``keys``,
+    all of them at once.
     """
 
     name: Annotated[_Line, StringConstraints(min_length=1, strip_whitespace=True)]
-    kind: Literal["mail", "webhook", "chat", "push"]
+    kind: WayWord
+    extension: Annotated[str, StringConstraints(pattern=r"^([a-z][a-z0-9_]{0,62})?$")] = ""
     host: Annotated[str, StringConstraints(max_length=200, pattern=r"^[A-Za-z0-9.\-:]*$")] = ""
     port: int = Field(default=587, ge=1, le=65535)
     security: Literal["starttls", "tls", "none"] = "starttls"
@@ -66,6 +71,8 @@ class WayAsk(Shape):
             raise ValueError("sender: expected one mail address")
         if self.kind == "mail" and not self.host:
             raise ValueError("host: expected the name of the mail server")
+        if (self.kind == "extension") != bool(self.extension):
+            raise ValueError("extension: expected the name of a notifier, with that kind only")
         return self
 
 
@@ -74,7 +81,8 @@ class WayShape(Shape):
 
     id: str
     name: str
-    kind: Literal["mail", "webhook", "chat", "push"]
+    kind: WayWord
+    extension: str
     host: str
     port: int
     security: Literal["starttls", "tls", "none"]
@@ -94,7 +102,7 @@ class WayChoice(Shape):
 
     id: str
     name: str
-    kind: Literal["mail", "webhook", "chat", "push"]
+    kind: WayWord
 
 
 class WayChoiceList(Shape):

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request
 
-from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.anomaly.runner import score_address
 from talaia.hub.api.access import address_of, live_of, who_of
 from talaia.hub.api.problems import ApiProblem
@@ -75,11 +74,11 @@ class AnomalyPages:
 
 
 def _shape(watched: Watched) -> AnomalyShape:
-    detector = str(watched.watch.detector)
+    detector = watched.word
     return AnomalyShape(
         address=watched.address,
         detector=detector,
-        name=KINDS[detector].name,
+        name=watched.kind.name,
         bar=watched.episodes.bar,
         score=watched.score,
         scores=score_address(watched.address, detector),
@@ -88,7 +87,7 @@ def _shape(watched: Watched) -> AnomalyShape:
         to_us=watched.to_us,
         why=watched.why,
         forgiven=watched.forgiven,
-        learns=KINDS[detector].learns,
+        learns=watched.kind.learns,
         learning=watched.learning,
         late=watched.late,
     )

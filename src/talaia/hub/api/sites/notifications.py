@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
 from typing import TYPE_CHECKING, Literal
 
+import msgspec
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 from fastapi import APIRouter, Request
 
+from talaia.extensions.installed import installed
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.problems import ApiProblem
@@ -198,12 +201,17 @@ class NotifyPages:
 
     async def _put(self, number: int | None, asked: WayAsk) -> int | None:
         secrets = {
-            key: said for key, said in asked.secrets.model_dump().items() if said is not None
+            key: said
+            for key, said in asked.secrets.model_dump(exclude={"keys"}).items()
+            if said is not None
         }
         settings: dict[str, str] = {}
         if asked.kind == "mail":
             settings = {key: str(getattr(asked, key)) for key in _PLAIN}
             secrets = {key: said for key, said in secrets.items() if key == "password"}
+        elif asked.kind == "extension":
+            settings = {"extension": asked.extension}
+            secrets = _extension_keys(asked, new=number is None)
         elif asked.kind == "push":
             settings, secrets = await self._push_keys(number)
             settings.update(sender=asked.sender, subject=f"mailto:{asked.sender}")
@@ -257,12 +265,33 @@ def _base64(raw: bytes) -> str:
     return base64.urlsafe_b64encode(raw).decode().rstrip("=")
 
 
+def _extension_keys(asked: WayAsk, *, new: bool) -> dict[str, str]:
+    """Give the keys of a notifier as the one secret that they are kept as."""
+    known = installed().notifiers().get(asked.extension)
+    if known is None:
+        there = ", ".join(sorted(installed().notifiers())) or "none"
+        raise ApiProblem(
+            422, "invalid", f"extension: it is not installed at this hub; installed: {there}"
+        )
+    given = asked.secrets.keys
+    if given is None and not new:
+        return {}
+    keys = {key: said for key, said in (given or {}).items() if said}
+    try:
+        msgspec.convert(keys, known.keys, strict=False)
+    except msgspec.ValidationError as error:
+        raise ApiProblem(422, "invalid", f"keys: {error}") from error
+    # Even none at all are kept, in place of those of before.
+    return {"keys": json.dumps(keys)}
+
+
 def _way_shape(way: Way) -> WayShape:
     settings = way.settings
     return WayShape(
         id=str(way.id),
         name=way.name,
         kind=way.kind.value,
+        extension=settings.get("extension", ""),
         host=settings.get("host", ""),
         port=int(settings.get("port", "587")),
         security=_security(settings.get("security", "")),

@@ -196,7 +196,7 @@ class Reporting:
             site=site,
             device=device,
             address=watched.address,
-            detector=str(watched.watch.detector),
+            detector=watched.word,
             on=watched.episodes.began_us >= 0,
             from_us=watched.from_us,
             to_us=watched.to_us,

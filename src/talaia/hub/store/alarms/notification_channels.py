@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_BROWSERS", "MOST_RULES", "NotifyStore", "PushBrowser", "Way", "WayKind"]
 
+# What says where a message goes.
+_SERVER = ("host", "port", "security", "extension")
 MOST_RULES = 50
 MOST_BROWSERS = 20
 
@@ -35,6 +37,8 @@ class WayKind(StrEnum):
     # ntfy, Matrix, Telegram.
     CHAT = "chat"
     PUSH = "push"
+    # An installed extension sends it.
+    EXTENSION = "extension"
 
 
 class Way(NamedTuple):
@@ -282,5 +286,5 @@ def _elsewhere(row: object, settings: Mapping[str, str], secrets: Mapping[str, s
     of theirs.
     """
     before = json.loads(row.settings)  # type: ignore[attr-defined]
-    moved = any(before.get(key) != settings.get(key) for key in ("host", "port", "security"))
+    moved = any(before.get(key) != settings.get(key) for key in _SERVER)
     return moved or "url" in secrets

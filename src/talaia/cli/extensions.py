@@ -1,0 +1,57 @@
+"""``talaia extensions``: list what other packages bring, with its keys, and what is broken."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from talaia.extend import API_VERSION
+from talaia.extensions.declared import AdapterExtension, DetectorExtension, NotifierExtension
+from talaia.extensions.installed import installed
+from talaia.extensions.shown import keys_shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from talaia.extensions.declared import Declared, ExtensionKeys
+
+__all__ = ["main"]
+
+
+def main(argv: Sequence[str]) -> int:
+    """List them; 0 when all can be used, 1 when one is broken."""
+    argparse.ArgumentParser(
+        "talaia extensions",
+        description="List the adapters, detectors, notifiers and importers that packages beside"
+        " this one bring, with the keys that each takes; and what of them is broken, with the"
+        " reason.",
+    ).parse_args(argv)
+    found = installed()
+    every = found.every()
+    for each in every:
+        print(f"{each.group.removeprefix('talaia.').removesuffix('s')} {each.name}: "
+              f"{each.declared.summary} ({each.package})")  # fmt: skip
+        for title, shape in _shapes(each.declared):
+            for key in keys_shown(shape):
+                must = "required" if key.required else f"default {key.default or 'empty'}"
+                about = f": {key.about}" if key.about else ""
+                print(f"  {title}{key.name} ({key.type}, {must}){about}")
+    if not every:
+        print(f"no extensions are installed here (talaia.extend version {API_VERSION})")
+    for broken in found.broken():
+        print(broken, file=sys.stderr)
+    return 1 if found.broken() else 0
+
+
+def _shapes(declared: Declared) -> Iterator[tuple[str, type[ExtensionKeys]]]:
+    match declared:
+        case AdapterExtension():
+            yield "connection.keys.", declared.connection
+            yield "source.keys.", declared.source
+            if declared.command is not None:
+                yield "command: ", declared.command
+        case DetectorExtension() | NotifierExtension():
+            yield "keys.", declared.keys
+        case _:
+            pass

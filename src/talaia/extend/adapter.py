@@ -1,0 +1,26 @@
+"""For an adapter: a protocol that a gateway speaks (entry point ``talaia.adapters``)."""
+
+from __future__ import annotations
+
+from talaia.extensions.adapter_host import (
+    AdapterHost,
+    CommandRefused,
+    CommandRequest,
+    ConnectionLost,
+    ExecutionFailed,
+    ExtensionAdapter,
+    WantedSignal,
+)
+from talaia.extensions.declared import AdapterExtension, ExtensionKeys
+
+__all__ = [
+    "AdapterExtension",
+    "AdapterHost",
+    "CommandRefused",
+    "CommandRequest",
+    "ConnectionLost",
+    "ExecutionFailed",
+    "ExtensionAdapter",
+    "ExtensionKeys",
+    "WantedSignal",
+]

@@ -1,0 +1,8 @@
+"""For a detector of anomalies at the hub (entry point ``talaia.detectors``)."""
+
+from __future__ import annotations
+
+from talaia.extensions.declared import DetectorExtension, ExtensionKeys
+from talaia.hub.anomaly.base import Detector
+
+__all__ = ["Detector", "DetectorExtension", "ExtensionKeys"]

@@ -1,0 +1,12 @@
+"""For a kind of server that messages about alarms go to (entry point ``talaia.notifiers``)."""
+
+from __future__ import annotations
+
+from talaia.extensions.declared import (
+    ExtensionKeys,
+    NotDelivered,
+    NotifierExtension,
+    NotifierMessage,
+)
+
+__all__ = ["ExtensionKeys", "NotDelivered", "NotifierExtension", "NotifierMessage"]

@@ -1,0 +1,1 @@
+"""Parts that other Python packages bring: what they declare, and how they are found."""

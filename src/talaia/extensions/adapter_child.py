@@ -1,0 +1,226 @@
+"""The process of one adapter that an extension brings: started by a gateway, for one connection.
+
+``python -m talaia.extensions.adapter_child FD``, where FD is a socket to the gateway. It ends when
+the gateway closes that socket.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ctypes
+import logging
+import signal
+import socket
+import sys
+import traceback
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.extensions.adapter_host import (
+    CommandRefused,
+    CommandRequest,
+    ConnectionLost,
+    ExecutionFailed,
+    WantedSignal,
+)
+from talaia.extensions.adapter_words import (
+    ActWords,
+    AdapterJob,
+    CancelWords,
+    DeviceWords,
+    DoneWords,
+    EndWords,
+    ReportWords,
+    UpWords,
+    ValueWords,
+    read_to_adapter,
+    written,
+)
+from talaia.extensions.declared import ExtensionKeys
+from talaia.extensions.installed import installed
+from talaia.model.checks.extension_rules import keys_fit
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.extensions.adapter_host import ExtensionAdapter
+    from talaia.extensions.adapter_words import FromAdapter
+    from talaia.extensions.declared import AdapterExtension
+    from talaia.model.checks.identifiers import Finding
+
+__all__ = ["main"]
+
+MAX_LINE = 16 * 1024 * 1024
+_MAX_SAID = 2000
+_PR_SET_PDEATHSIG = 1
+
+
+class _Host:
+    """An `AdapterHost`."""
+
+    def __init__(
+        self, job: AdapterJob, declared: AdapterExtension, writer: asyncio.StreamWriter
+    ) -> None:
+        self.signals = tuple(
+            WantedSignal(
+                each.address,
+                each.device,
+                each.type,
+                each.unit,
+                each.states,
+                msgspec.convert(each.keys, declared.source),
+            )
+            for each in job.signals
+        )
+        self.devices = job.devices
+        self.folder = Path(job.folder)
+        self._known = frozenset(each.address for each in job.signals)
+        self._writer = writer
+
+    def connected(self) -> None:
+        self.send(UpWords())
+
+    def publish(self, address: str, value: float | str, time_us: int | None = None) -> None:
+        if address not in self._known:
+            raise KeyError(f"{address} is no signal of this adapter")
+        if not isinstance(value, bool | int | str):
+            # NumPy's numbers, too.
+            value = float(value)
+        self.send(ValueWords(address, value, None if time_us is None else int(time_us)))
+
+    def device_reachable(self, device: str, *, reachable: bool, why: str = "") -> None:
+        self.send(DeviceWords(device, reachable, why[:_MAX_SAID]))
+
+    def report(self, kind: str, message: str) -> None:
+        self.send(ReportWords(kind[:100], message[:_MAX_SAID]))
+
+    def send(self, words: FromAdapter) -> None:
+        self._writer.write(written(words))
+
+
+class _Session:
+    """Runs an adapter, and does commands beside it."""
+
+    def __init__(self, host: _Host, adapter: ExtensionAdapter, declared: AdapterExtension) -> None:
+        self._host, self._adapter, self._declared = host, adapter, declared
+        self._acts: dict[int, asyncio.Task[None]] = {}
+
+    async def serve(self, reader: asyncio.StreamReader) -> EndWords:
+        running = asyncio.ensure_future(self._run())
+        hearing = asyncio.ensure_future(self._hear(reader))
+        try:
+            await asyncio.wait([running, hearing], return_when=asyncio.FIRST_COMPLETED)
+            return running.result() if running.done() else EndWords("the gateway has gone away")
+        finally:
+            tasks = [running, hearing, *self._acts.values()]
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _run(self) -> EndWords:
+        try:
+            await self._adapter.run()
+        except ConnectionLost as error:
+            return EndWords(str(error)[:_MAX_SAID])
+        except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            return _broken(error)
+        return EndWords("its run ended by itself", broken=True)
+
+    async def _hear(self, reader: asyncio.StreamReader) -> None:
+        while line := await reader.readline():
+            match read_to_adapter(line):
+                case ActWords() as act:
+                    task = self._acts[act.number] = asyncio.ensure_future(self._do(act))
+                    task.add_done_callback(partial(self._forget, act.number))
+                case CancelWords(number=number):
+                    if number in self._acts:
+                        self._acts[number].cancel()
+                case AdapterJob():
+                    pass
+
+    def _forget(self, number: int, _task: asyncio.Task[None]) -> None:
+        self._acts.pop(number, None)
+
+    async def _do(self, act: ActWords) -> None:
+        done = DoneWords(act.number, "unknown", "it was ended; look at the device")
+        try:
+            # Without commands there are no keys that fit.
+            keys = msgspec.convert(act.keys, self._declared.command or ExtensionKeys)
+            said = await self._adapter.execute(CommandRequest(act.device, act.command, keys))
+            done = DoneWords(act.number, "succeeded", str(said or "")[:_MAX_SAID])
+        except (CommandRefused, msgspec.ValidationError) as error:
+            done = DoneWords(act.number, "refused", str(error)[:_MAX_SAID])
+        except ExecutionFailed as error:
+            done = DoneWords(act.number, "failed", str(error)[:_MAX_SAID])
+        except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            traceback.print_exc()
+            said = f"the extension failed: {type(error).__name__}: {error}"
+            done = DoneWords(act.number, "unknown", said[:_MAX_SAID])
+        finally:
+            self._host.send(done)
+
+
+def main(argv: list[str]) -> None:
+    """Speak with the gateway over the socket that ``argv`` names, until it is closed."""
+    if sys.platform == "linux":
+        # Even one that hangs does not outlive its gateway.
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    # Ctrl-C in a terminal is the gateway's to hear.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
+    with socket.socket(fileno=int(argv[0])) as connection, contextlib.redirect_stdout(sys.stderr):
+        asyncio.run(_converse(connection))
+
+
+async def _converse(connection: socket.socket) -> None:
+    connection.setblocking(False)  # noqa: FBT003 - as it is there
+    reader, writer = await asyncio.open_connection(sock=connection, limit=MAX_LINE)
+    first = await reader.readline()
+    if not first:
+        return
+    job = read_to_adapter(first)
+    assert isinstance(job, AdapterJob)  # noqa: S101 - the gateway's promise
+    end = await _serve(job, reader, writer)
+    with contextlib.suppress(OSError):
+        writer.write(written(end))
+        await writer.drain()
+        writer.close()
+        await writer.wait_closed()
+
+
+async def _serve(
+    job: AdapterJob, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+) -> EndWords:
+    declared = installed().adapters().get(job.extension)
+    if declared is None:
+        said = [str(each) for each in installed().broken() if each.name == job.extension]
+        return EndWords("; ".join(said) or "it is not installed here", broken=True)
+    if findings := [str(each) for each in _findings(job, declared)]:
+        return EndWords("; ".join(findings)[:_MAX_SAID], broken=True)
+    try:
+        host = _Host(job, declared, writer)
+        adapter = declared.make(msgspec.convert(job.keys, declared.connection), host)
+    except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+        return _broken(error)
+    return await _Session(host, adapter, declared).serve(reader)
+
+
+def _findings(job: AdapterJob, declared: AdapterExtension) -> Iterator[Finding]:
+    yield from keys_fit(f"$.connections.{job.connection}.keys", declared.connection, job.keys)
+    for each in job.signals:
+        device, _, signal = each.address.partition("/")
+        where = f"$.devices.{device}.signals.{signal}.source.keys"
+        yield from keys_fit(where, declared.source, each.keys)
+
+
+def _broken(error: Exception) -> EndWords:
+    traceback.print_exception(error)
+    return EndWords(f"{type(error).__name__}: {error}"[:_MAX_SAID], broken=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

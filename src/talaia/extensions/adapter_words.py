@@ -1,0 +1,125 @@
+"""What a gateway and the process of an extension's adapter say to each other: lines of JSON."""
+
+from __future__ import annotations
+
+import msgspec
+
+__all__ = [
+    "ActWords",
+    "AdapterJob",
+    "CancelWords",
+    "DeviceWords",
+    "DoneWords",
+    "EndWords",
+    "FromAdapter",
+    "ReportWords",
+    "SignalWords",
+    "ToAdapter",
+    "UpWords",
+    "ValueWords",
+    "read_from_adapter",
+    "read_to_adapter",
+    "written",
+]
+
+Plain = bool | int | float | str
+
+
+class SignalWords(msgspec.Struct):
+    """A signal to be read; see `WantedSignal`."""
+
+    address: str
+    device: str
+    type: str
+    unit: str
+    states: tuple[str, ...]
+    keys: dict[str, Plain]
+
+
+class AdapterJob(msgspec.Struct, tag="job"):
+    """The first line: which extension, with which keys."""
+
+    connection: str
+    extension: str
+    keys: dict[str, Plain]
+    folder: str
+    devices: tuple[str, ...]
+    signals: tuple[SignalWords, ...]
+
+
+class ActWords(msgspec.Struct, tag="act"):
+    """A command to be done."""
+
+    number: int
+    device: str
+    command: str
+    keys: dict[str, Plain]
+
+
+class CancelWords(msgspec.Struct, tag="cancel"):
+    """A command to be ended early."""
+
+    number: int
+
+
+class UpWords(msgspec.Struct, tag="up"):
+    """The robot's side is reached."""
+
+
+class ValueWords(msgspec.Struct, tag="value"):
+    """A value of a signal; now where there is no time."""
+
+    address: str
+    value: Plain
+    time_us: int | None = None
+
+
+class DeviceWords(msgspec.Struct, tag="device"):
+    """Whether one device answers."""
+
+    device: str
+    reachable: bool
+    why: str = ""
+
+
+class ReportWords(msgspec.Struct, tag="report"):
+    """Something to be written down."""
+
+    kind: str
+    message: str
+
+
+class DoneWords(msgspec.Struct, tag="done"):
+    """How a command ended: ``succeeded``, ``failed``, ``refused`` or ``unknown``."""
+
+    number: int
+    phase: str
+    message: str = ""
+
+
+class EndWords(msgspec.Struct, tag="end"):
+    """The last line: why it ends, and whether that is the extension's own fault."""
+
+    why: str
+    broken: bool = False
+
+
+ToAdapter = AdapterJob | ActWords | CancelWords
+FromAdapter = UpWords | ValueWords | DeviceWords | ReportWords | DoneWords | EndWords
+_TO: msgspec.json.Decoder[ToAdapter] = msgspec.json.Decoder(ToAdapter)
+_FROM: msgspec.json.Decoder[FromAdapter] = msgspec.json.Decoder(FromAdapter)
+
+
+def written(words: ToAdapter | FromAdapter) -> bytes:
+    """Give a line."""
+    return msgspec.json.encode(words) + b"\n"
+
+
+def read_to_adapter(line: bytes) -> ToAdapter:
+    """Read a line of the gateway's."""
+    return _TO.decode(line)
+
+
+def read_from_adapter(line: bytes) -> FromAdapter:
+    """Read a line of the adapter's process; ``msgspec.MsgspecError`` where it is none."""
+    return _FROM.decode(line)

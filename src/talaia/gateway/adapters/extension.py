@@ -1,0 +1,338 @@
+"""An adapter that an extension brings, in a process of its own.
+
+It may block, leak or end as it likes: the gateway goes on, and begins it again a second later. What
+it says is judged here like anything that comes from outside.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import logging
+import math
+import os
+import socket
+import sys
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.extensions.adapter_child import MAX_LINE
+from talaia.extensions.adapter_words import (
+    ActWords,
+    AdapterJob,
+    CancelWords,
+    DeviceWords,
+    DoneWords,
+    EndWords,
+    ReportWords,
+    SignalWords,
+    UpWords,
+    ValueWords,
+    read_from_adapter,
+    written,
+)
+from talaia.extensions.declared import AdapterExtension
+from talaia.extensions.installed import installed
+from talaia.gateway.adapters.topic_readers import Gathered
+from talaia.gateway.errors import AdapterLost, SettingsError
+from talaia.gateway.ports import ChannelReading, CommandOutcome
+from talaia.gateway.samples.rate_limit import Sampler, rule_of
+from talaia.model.connection import ExtensionConnection
+from talaia.model.site import CommandKind, SignalType
+from talaia.wire.frames import CommandPhase
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from talaia.extensions.adapter_words import FromAdapter, ToAdapter
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.ports import AdapterContext, AdapterStatus
+    from talaia.model.site import Signal
+    from talaia.wire.frames import Scalar
+
+__all__ = ["ExtensionAdapterProcess"]
+
+log = logging.getLogger(__name__)
+_MAX_TEXT = 2000
+_END_S = 3.0
+# Values that come in one turn of the event loop go on together.
+_FLUSH_S = 0.01
+_PHASES = {
+    "succeeded": CommandPhase.SUCCEEDED,
+    "failed": CommandPhase.FAILED,
+    "refused": CommandPhase.REFUSED,
+}
+
+
+class ExtensionAdapterProcess:
+    """An `Adapter` for a connection of kind ``extension``."""
+
+    def __init__(
+        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+    ) -> None:
+        """Speak for ``share``.
+
+        Raises:
+            SettingsError: the extension is not installed here.
+
+        """
+        connection = share.connection
+        assert isinstance(connection, ExtensionConnection)  # noqa: S101 - the catalogue's promise
+        self._name, self._keys = connection.extension, connection.keys
+        _require_installed(share.name, self._name)
+        self._share, self._outlets, self._status = share, outlets, status
+        self._signals: dict[str, Signal] = {
+            f"{device_id}/{signal_id}": signal
+            for device_id, device in share.devices.items()
+            for signal_id, signal in device.signals.items()
+        }
+        self._samplers = {
+            address: Sampler(rule)
+            for address, signal in self._signals.items()
+            if signal.type is not SignalType.TEXT and (rule := rule_of(signal)) is not None
+        }
+        self._gathered = Gathered()
+        self._latest: dict[str, ChannelReading] = {}
+        self._unreadable: set[str] = set()
+        self._writer: asyncio.StreamWriter | None = None
+        self._numbers = itertools.count(1)
+        # Commands under way, by number: whoever asked, told once.
+        self._acts: dict[int, Callable[[CommandOutcome], None]] = {}
+        self._flushing: asyncio.TimerHandle | None = None
+
+    async def run(self) -> None:
+        """See `Adapter.run`."""
+        ours, theirs = socket.socketpair()
+        try:
+            with theirs:
+                child = await asyncio.create_subprocess_exec(
+                    sys.executable,
+                    "-m",
+                    "talaia.extensions.adapter_child",
+                    str(theirs.fileno()),
+                    stdin=asyncio.subprocess.DEVNULL,
+                    pass_fds=(theirs.fileno(),),
+                )
+        except OSError as error:
+            ours.close()
+            raise AdapterLost(f"its process cannot be started: {error}") from error
+        ours.setblocking(False)  # noqa: FBT003 - as it is there
+        try:
+            reader, self._writer = await asyncio.open_connection(sock=ours, limit=MAX_LINE)
+            self._send(self._job())
+            raise AdapterLost(await self._hear(reader))
+        finally:
+            self._end()
+            await _ended(child)
+
+    def _job(self) -> AdapterJob:
+        signals = tuple(
+            SignalWords(
+                address,
+                address.partition("/")[0],
+                str(signal.type),
+                signal.unit,
+                signal.states,
+                signal.source.keys,
+            )
+            for address, signal in self._signals.items()
+        )
+        folder = os.fspath(self._outlets.folder.absolute())
+        return AdapterJob(
+            self._share.name, self._name, self._keys, folder, tuple(self._share.devices), signals
+        )
+
+    def _end(self) -> None:
+        """Let go of the process, and of all that it was asked."""
+        if self._flushing is not None:
+            self._flush()
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+        self._latest.clear()
+        for number in list(self._acts):
+            said = "the adapter ended meanwhile; look at the device"
+            self._done(number, CommandOutcome(CommandPhase.UNKNOWN, said))
+
+    async def _hear(self, reader: asyncio.StreamReader) -> str:
+        """Take what the process says; give why it ended."""
+        why = ""
+        while True:
+            try:
+                line = await reader.readline()
+            except (ValueError, OSError) as error:
+                return f"what its process says cannot be read: {error}"
+            if not line:
+                return why or "its process ended without a word"
+            try:
+                words = read_from_adapter(line)
+            except msgspec.MsgspecError as error:
+                return f"what its process says cannot be read: {error}"
+            if isinstance(words, EndWords):
+                why = words.why
+                if words.broken:
+                    why = f"the extension {self._name!r} failed: {why}"
+                    installed().note_failure(AdapterExtension, self._name, words.why)
+            else:
+                self._take(words)
+
+    def _take(self, words: FromAdapter) -> None:
+        match words:
+            case UpWords():
+                self._status.up()
+            case ValueWords():
+                self._value(words)
+            case DeviceWords():
+                if words.device in self._share.devices:
+                    self._status.device(words.device, there=words.reachable, why=words.why[:200])
+            case ReportWords():
+                said = f"{self._share.name}: {words.message}"
+                self._outlets.events.tell(words.kind, said)
+            case DoneWords():
+                phase = _PHASES.get(words.phase, CommandPhase.UNKNOWN)
+                self._done(words.number, CommandOutcome(phase, words.message))
+            case EndWords():
+                pass
+
+    def _value(self, words: ValueWords) -> None:
+        signal = self._signals.get(words.address)
+        if signal is None:
+            return
+        clock = self._outlets.clock
+        mono_ns = clock.monotonic_ns()
+        time_us = clock.wall_ns() // 1000 if words.time_us is None else words.time_us
+        channel = self._share.channel[words.address]
+        if signal.type is SignalType.TEXT:
+            text = words.value if isinstance(words.value, str) else f"{words.value}"
+            self._gathered.add_text(channel, time_us, text[:_MAX_TEXT])
+        else:
+            value = _number(signal, words.value)
+            if value is None:
+                self._complain(words)
+                return
+            if words.address in self._share.guarded:
+                self._latest[words.address] = ChannelReading(value, mono_ns)
+            sampler = self._samplers.get(words.address)
+            if sampler is not None and not sampler.accepts(time_us, (value,)):
+                return
+            self._gathered.add(channel, time_us, value)
+        if self._flushing is None:
+            self._flushing = asyncio.get_running_loop().call_later(_FLUSH_S, self._flush)
+
+    def _complain(self, words: ValueWords) -> None:
+        if words.address in self._unreadable:
+            return
+        self._unreadable.add(words.address)
+        said = f"{words.address}: {str(words.value)[:80]!r} is no value of this signal"
+        log.warning("%s", said)
+        self._outlets.events.tell("unreadable", said, device=words.address.partition("/")[0])
+
+    def _flush(self) -> None:
+        if self._flushing is not None:
+            self._flushing.cancel()
+            self._flushing = None
+        columns = self._gathered.take()
+        if columns is not None:
+            self._outlets.samples.put(columns)
+
+    def _send(self, words: ToAdapter) -> None:
+        if self._writer is not None:
+            self._writer.write(written(words))
+
+    # ── what is asked of it ──
+
+    def latest(self, address: str) -> ChannelReading | None:
+        """See `ReadingSource.latest`."""
+        return self._latest.get(address)
+
+    def watch(self, streams: Collection[str]) -> None:
+        """Take no pictures: extensions give none."""
+
+    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
+        """Tell nobody: extensions are not driven."""
+
+    def stop(self, device: str, *, stopped: bool) -> None:
+        """Tell nobody."""
+
+    def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
+        """Begin the process anew, for all its devices."""
+        if self._writer is None:
+            done(
+                CommandOutcome(CommandPhase.FAILED, "it is not connected; it is tried every second")
+            )
+            return
+        self._writer.close()
+        done(CommandOutcome(CommandPhase.SUCCEEDED, "its process is started anew"))
+
+    def act(
+        self,
+        device: str,
+        command: str,
+        fields: dict[str, Scalar],
+        done: Callable[[CommandOutcome], None],
+    ) -> Callable[[], None] | None:
+        """See `CommandTarget.act`."""
+        described = self._share.devices[device].commands.get(command)
+        if described is None or described.kind is not CommandKind.EXTENSION:
+            said = f"{device}/{command} is no command of an extension"
+            done(CommandOutcome(CommandPhase.REFUSED, said))
+            return None
+        if self._writer is None:
+            done(
+                CommandOutcome(CommandPhase.REFUSED, "the adapter of this device does not run now")
+            )
+            return None
+        number = next(self._numbers)
+        self._acts[number] = done
+        keys = {"target": described.target, **fields}
+        self._send(ActWords(number, device, command, keys))
+        loop = asyncio.get_running_loop()
+
+        def cancel() -> None:
+            loop.call_soon_threadsafe(self._send, CancelWords(number))
+
+        return cancel
+
+    def _done(self, number: int, outcome: CommandOutcome) -> None:
+        done = self._acts.pop(number, None)
+        if done is not None:
+            done(outcome)
+
+
+def _require_installed(connection: str, name: str) -> None:
+    # By name only: its code is for a process of its own.
+    names = installed().names(AdapterExtension)
+    if name in names:
+        return
+    there = ", ".join(names) or "none"
+    raise SettingsError(
+        f"the connection {connection} of the description needs the extension {name!r}, which is "
+        "not installed here: pip install the package that brings it, into the gateway's "
+        f"environment; installed adapters: {there}"
+    )
+
+
+def _number(signal: Signal, value: float | str) -> float | None:
+    """Give a value as a number of the signal's; none where it is no value of it."""
+    if signal.type is SignalType.STATE:
+        if isinstance(value, str):
+            return float(signal.states.index(value)) if value in signal.states else None
+        whole = not math.isnan(value) and 0 <= value < len(signal.states) and value == value // 1
+        return float(value) if whole else None
+    try:
+        number = float(value) * signal.scale
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+async def _ended(child: asyncio.subprocess.Process) -> None:
+    """Wait for the end of a process whose socket is closed, and end it when it does not."""
+    waiting = asyncio.ensure_future(child.wait())
+    done, _ = await asyncio.wait([waiting], timeout=_END_S)
+    if not done:
+        with contextlib.suppress(ProcessLookupError):
+            child.kill()
+        await waiting

@@ -1,0 +1,105 @@
+"""A detector that an extension brings, held so that it harms nobody but itself."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.hub.anomaly.base import Detector
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.extensions.declared import DetectorExtension
+    from talaia.model.alarms.anomaly import Watch
+
+__all__ = ["MOST_FAILURES", "SLOW_S", "GuardedDetector", "extension_detector"]
+
+# After so many errors, or samples that took too long, it is asked no more until the hub starts
+# anew or its entry of the description changes.
+MOST_FAILURES = 3
+# All other detectors and all pages wait as long (s).
+SLOW_S = 0.05
+
+
+class GuardedDetector:
+    """Asks an extension's detector, and takes no harm from what it answers.
+
+    Attributes:
+        detector: the extension's own.
+        off: why it is asked no more; empty while it is.
+
+    """
+
+    def __init__(self, detector: Detector, fail: Callable[[str], None]) -> None:
+        """Tell ``fail`` in words what goes wrong."""
+        self.detector = detector
+        self.off = ""
+        self._fail = fail
+        self._failures = 0
+
+    def see(self, time_us: int, value: float) -> float:
+        """See `Detector.see`; 0 while it cannot say."""
+        return self._score(lambda: self.detector.see(time_us, value))
+
+    def idle(self, time_us: int) -> float:
+        """See `Detector.idle`; 0 while it cannot say."""
+        return self._score(lambda: self.detector.idle(time_us))
+
+    def why(self) -> str:
+        """See `Detector.why`."""
+        try:
+            return str(self.detector.why())[:500]
+        except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            self.failed(f"it fails to say why: {type(error).__name__}: {error}")
+            return "the detector does not say why"
+
+    def forgive(self) -> bool:
+        """See `Detector.forgive`."""
+        try:
+            return bool(self.detector.forgive())
+        except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            self.failed(f"it fails to learn: {type(error).__name__}: {error}")
+            return False
+
+    def took(self, seconds: float) -> None:
+        """Take note how long it looked at one sample (s)."""
+        if seconds > SLOW_S:
+            self.failed(f"it took more than {SLOW_S * 1000:.0f} ms for one sample")
+
+    def failed(self, problem: str) -> None:
+        """Count a failure; the last one that is borne ends it."""
+        self._failures += 1
+        self._fail(problem)
+        if self._failures >= MOST_FAILURES and not self.off:
+            self.off = problem
+            self._fail(f"it is asked no more after {MOST_FAILURES} failures")
+
+    def _score(self, ask: Callable[[], float]) -> float:
+        if self.off:
+            return 0.0
+        try:
+            score = float(ask())
+        except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            self.failed(f"it fails: {type(error).__name__}: {error}")
+            return 0.0
+        if math.isnan(score):
+            self.failed("its score is no number")
+            return 0.0
+        return min(1.0, max(0.0, score))
+
+
+def extension_detector(watch: Watch, unit: str, declared: DetectorExtension) -> Detector:
+    """Make an extension's detector as a description asks for it.
+
+    Raises:
+        Exception: its keys do not fit, or whatever the extension raises.
+
+    """
+    keys = msgspec.convert(watch.keys, declared.keys)
+    detector = declared.make(unit=unit, **msgspec.structs.asdict(keys))
+    if not isinstance(detector, Detector):
+        raise TypeError(f"it makes a {type(detector).__name__}, which is no Detector")
+    return detector
