@@ -35,7 +35,7 @@ from talaia.extensions.adapter_words import (
 )
 from talaia.extensions.declared import AdapterExtension
 from talaia.extensions.installed import installed
-from talaia.gateway.adapters.topic_readers import Gathered
+from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import AdapterLost, SettingsError
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
@@ -93,7 +93,7 @@ class ExtensionAdapterProcess:
             for address, signal in self._signals.items()
             if signal.type is not SignalType.TEXT and (rule := rule_of(signal)) is not None
         }
-        self._gathered = Gathered()
+        self._gathered = SampleBuffer()
         self._latest: dict[str, ChannelReading] = {}
         self._unreadable: set[str] = set()
         self._writer: asyncio.StreamWriter | None = None
