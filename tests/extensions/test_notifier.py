@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from talaia.hub.notify.message import Message
-from talaia.hub.notify.sending import Outcome, Sender, Went
-from talaia.hub.store.notify import Way, WayKind
+from talaia.hub.notify.senders import Outcome, Sender, Went
+from talaia.hub.store.alarms.notification_channels import Way, WayKind
 
 from .broken_packages import write_package
 
