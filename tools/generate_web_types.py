@@ -25,6 +25,7 @@ from talaia.hub.api.schemas import (
     archive_schemas,
     common,
     description_schemas,
+    extension_schemas,
     history_schemas,
     notification_schemas,
     observatory_schemas,
@@ -57,6 +58,7 @@ SHAPES = (
     observatory_schemas,
     alarm_schemas,
     anomaly_schemas,
+    extension_schemas,
     notification_schemas,
     sighting_schemas,
 )
@@ -244,6 +246,8 @@ def api_type(hint: object, words: list[str] | None) -> str:
     inner = [api_type(one, words) for one in get_args(hint)]
     if get_origin(hint) is list:
         return f"readonly ({inner[0]})[]" if "|" in inner[0] else f"readonly {inner[0]}[]"
+    if get_origin(hint) is dict and inner[0] == "string":
+        return f"Readonly<Record<string, {inner[1]}>>"
     if get_origin(hint) in (types.UnionType, Union):
         return " | ".join(dict.fromkeys(inner))
     raise NoTypeScript(hint)

@@ -1074,6 +1074,39 @@ export interface ForgiveAsk {
   readonly comment?: string;
 }
 
+/** One that cannot be used, or that failed while it was used. */
+export interface BrokenExtensionShape {
+  readonly group: string;
+  readonly name: string;
+  readonly package: string;
+  readonly problem: string;
+}
+
+/** One key that an extension takes. */
+export interface ExtensionKeyShape {
+  readonly name: string;
+  readonly type: string;
+  readonly about: string;
+  readonly required: boolean;
+  readonly default: string;
+  readonly secret: boolean;
+}
+
+/** All that is installed beside the hub. */
+export interface ExtensionList {
+  readonly extensions: readonly ExtensionShape[];
+  readonly broken: readonly BrokenExtensionShape[];
+}
+
+/** One extension that can be used. */
+export interface ExtensionShape {
+  readonly group: string;
+  readonly name: string;
+  readonly package: string;
+  readonly summary: string;
+  readonly keys: readonly ExtensionKeyShape[];
+}
+
 /** One of your rules. */
 export interface NoticeRuleShape {
   readonly site: string;
@@ -1131,7 +1164,8 @@ export interface RuleList {
 /** A server that messages go to. */
 export interface WayAsk {
   readonly name: string;
-  readonly kind: "mail" | "webhook" | "chat" | "push";
+  readonly kind: "mail" | "webhook" | "chat" | "push" | "extension";
+  readonly extension?: string;
   readonly host?: string;
   readonly port?: number;
   readonly security?: "starttls" | "tls" | "none";
@@ -1144,7 +1178,7 @@ export interface WayAsk {
 export interface WayChoice {
   readonly id: string;
   readonly name: string;
-  readonly kind: "mail" | "webhook" | "chat" | "push";
+  readonly kind: "mail" | "webhook" | "chat" | "push" | "extension";
 }
 
 /** All ways that you can be told by. */
@@ -1161,7 +1195,8 @@ export interface WayList {
 export interface WayShape {
   readonly id: string;
   readonly name: string;
-  readonly kind: "mail" | "webhook" | "chat" | "push";
+  readonly kind: "mail" | "webhook" | "chat" | "push" | "extension";
+  readonly extension: string;
   readonly host: string;
   readonly port: number;
   readonly security: "starttls" | "tls" | "none";
@@ -1181,6 +1216,7 @@ export interface WriteOnly {
   readonly password?: string | null;
   readonly url?: string | null;
   readonly token?: string | null;
+  readonly keys?: Readonly<Record<string, string>> | null;
 }
 
 /** A class of which a camera has seen something that is kept. */

@@ -6,6 +6,7 @@ import type {
   AlarmList,
   AlarmPastList,
   EventList,
+  ExtensionList,
   PreviewShape,
   PushAsk,
   PushList,
@@ -30,6 +31,9 @@ export type {
   PushList,
   RuleAsk,
   NoticeRuleShape,
+  ExtensionKeyShape,
+  ExtensionList,
+  ExtensionShape,
   WayAsk,
   WayChoice,
   WayShape,
@@ -88,6 +92,11 @@ export class NotifyApi {
 
   testChannel(id: string): Promise<WentShape> {
     return this.hub.request("POST", `/api/ways/${encodeURIComponent(id)}/test`, {});
+  }
+
+  /** What other packages bring to the hub, and what of it is broken. */
+  listExtensions(): Promise<ExtensionList> {
+    return this.hub.request("GET", "/api/extensions");
   }
 
   channelChoices(): Promise<WayChoiceList> {

@@ -2,6 +2,8 @@
 
 It may block, leak or end as it likes: the gateway goes on, and begins it again a second later. What
 it says is judged here like anything that comes from outside.
+
+Long, because the process and what is asked of it are one life.
 """
 
 from __future__ import annotations

@@ -5,6 +5,8 @@ own, because the libraries of the ways out resolve names by themselves: here `so
 itself gives no address that messages may not go to, so that nothing can be reached by another
 name, by a redirect, or by a name that means something else the second time it is asked. And one
 that hangs is ended without harm to the hub.
+
+Long, because every way out is here, behind the same guard.
 """
 
 from __future__ import annotations

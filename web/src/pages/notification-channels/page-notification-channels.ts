@@ -16,7 +16,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { formText } from "../../format/form-values.js";
 import { apiContext } from "../../state/contexts.js";
-import { NotifyApi, type WayAsk, type WayShape } from "../../wire/alarms-api.js";
+import { NotifyApi, type ExtensionKeyShape, type ExtensionList, type ExtensionShape, type WayAsk, type WayShape } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
@@ -35,6 +35,7 @@ const KINDS: readonly { readonly kind: ChannelKind; readonly name: string }[] = 
   { kind: "webhook", name: "Webhook" },
   { kind: "chat", name: "ntfy, Matrix or Telegram" },
   { kind: "push", name: "Push to browsers" },
+  { kind: "extension", name: "An installed extension" },
 ];
 
 @customElement("t-page-ways")
@@ -44,15 +45,18 @@ export class PageNotificationChannels extends LitElement {
   /** Empty: a new one; null: none is being changed. */
   @state() private editing: string | null = null;
   @state() private kind: ChannelKind = "mail";
+  @state() private notifier = "";
   @state() private removing: WayShape | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly known = new LoadController<readonly WayShape[]>(this);
+  private readonly installed = new LoadController<ExtensionList>(this);
   private readonly action = new ActionController(this);
   private readonly tester = new TestMessageController(this, this.action, (id) => new NotifyApi(this.api).testChannel(id));
 
   override willUpdate(): void {
     this.known.load("ways", async () => (await new NotifyApi(this.api).listChannels()).ways);
+    this.installed.load("extensions", () => new NotifyApi(this.api).listExtensions());
   }
 
   override render(): TemplateResult {
@@ -73,6 +77,7 @@ export class PageNotificationChannels extends LitElement {
         : // Another form for each: what is typed for one way, a password too, is for no other.
           keyed(this.editing, this.renderForm(value?.find(({ id }) => id === this.editing)))}
       ${value === undefined ? (advice === null ? html`<t-loading what="Loading the ways"></t-loading>` : nothing) : this.renderList(value)}
+      ${map(this.installed.value?.broken ?? [], ({ group, name, problem }) => html`<t-problem what=${`The extension ${name} (${group}) is broken`} how=${problem}></t-problem>`)}
       <t-confirm
         ?open=${this.removing !== null}
         heading="Remove ${this.removing?.name ?? "this way"}?"
@@ -175,8 +180,40 @@ export class PageNotificationChannels extends LitElement {
         return html`<t-field label="Mail address of an admin" hint="For the push services, if something is wrong">
           <input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} />
         </t-field>`;
+      case "extension":
+        return this.renderNotifier(way);
     }
   }
+
+  private get notifiers(): readonly ExtensionShape[] {
+    return this.installed.value?.extensions.filter(({ group }) => group === "talaia.notifiers") ?? [];
+  }
+
+  /** The keys of an installed notifier; they are kept sealed, all at once. */
+  private renderNotifier(way: WayShape | undefined): TemplateResult {
+    const { notifiers } = this;
+    if (notifiers.length === 0) return html`<p class="muted">No notifier is installed beside this hub.</p>`;
+    const name = way?.extension ?? (this.notifier || notifiers[0]?.name);
+    const chosen = notifiers.find((one) => one.name === name);
+    return html`${way === undefined
+        ? html`<t-field label="Extension">
+            <select name="extension" @change=${this.onNotifierChange}>
+              ${map(notifiers, (one) => html`<option value=${one.name} .selected=${one.name === name}>${one.name}: ${one.summary}</option>`)}
+            </select>
+          </t-field>`
+        : html`<input type="hidden" name="extension" .value=${way.extension} />
+            <p class="muted">What is kept is never shown; write all of it to change it, or leave all of it empty.</p>`}
+      ${map(
+        chosen?.keys ?? [],
+        (key) => html`<t-field label=${key.name} hint=${keyHint(key)}>
+          <input name=${`key.${key.name}`} type=${key.secret ? "password" : "text"} autocomplete="off" maxlength="2000" />
+        </t-field>`,
+      )}`;
+  }
+
+  private readonly onNotifierChange = (event: Event): void => {
+    if (event.target instanceof HTMLSelectElement) this.notifier = event.target.value;
+  };
 
   private readonly addChannel = (): void => {
     this.openForm("", "mail");
@@ -214,10 +251,14 @@ export class PageNotificationChannels extends LitElement {
     const text = (name: string): string => formText(data, name);
     const secrets: Record<string, string> = {};
     for (const key of ["password", "url", "token"]) if (text(key) !== "") secrets[key] = text(key);
+    const entries = this.kind === "extension" ? [...data.keys()].filter((name) => name.startsWith("key.") && text(name) !== "") : [];
+    const keys = Object.fromEntries(entries.map((name) => [name.slice(4), text(name)]));
     const security = text("security");
     const way: WayAsk = {
       name: text("name"), kind: this.kind, host: text("host"), port: Number(text("port")) || 587,
-      security: security === "tls" || security === "none" ? security : "starttls", sender: text("sender"), user: text("user"), secrets,
+      security: security === "tls" || security === "none" ? security : "starttls", sender: text("sender"), user: text("user"),
+      ...(this.kind === "extension" ? { extension: text("extension") } : {}),
+      secrets: entries.length === 0 ? secrets : { ...secrets, keys },
     };
     const id = this.editing;
     void this.action.run("keep the way", () => new NotifyApi(this.api).saveChannel(id, way)).then((done) => {
@@ -245,6 +286,12 @@ export class PageNotificationChannels extends LitElement {
       this.known.invalidate();
     });
   };
+}
+
+/** What a key may be and what it means, for whoever writes it. */
+function keyHint(key: ExtensionKeyShape): string {
+  const must = key.required ? "required" : key.default === "" ? "may be left out" : `${key.default} if left out`;
+  return `${key.about === "" ? "" : `${key.about} `}(${key.type}, ${must})`;
 }
 
 declare global {

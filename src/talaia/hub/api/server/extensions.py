@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fastapi import APIRouter
-from pydantic import BaseModel, Field
 
 from talaia.extensions.declared import (
     AdapterExtension,
@@ -14,45 +13,14 @@ from talaia.extensions.declared import (
 )
 from talaia.extensions.installed import installed
 from talaia.extensions.shown import keys_shown
+from talaia.hub.api.schemas.extension_schemas import (
+    BrokenExtensionShape,
+    ExtensionKeyShape,
+    ExtensionList,
+    ExtensionShape,
+)
 
-__all__ = ["ExtensionList", "ExtensionPages"]
-
-
-class ExtensionKeyShape(BaseModel):
-    """One key that an extension takes."""
-
-    name: str
-    type: str = Field(description="what it may be, in words")
-    about: str = Field(description="what it means")
-    required: bool
-    default: str = Field(description="what stands where it is not given")
-    secret: bool = Field(description="it is typed like a password")
-
-
-class ExtensionShape(BaseModel):
-    """One extension that can be used."""
-
-    group: str = Field(description="of its entry point: ``talaia.notifiers``")
-    name: str
-    package: str = Field(description="the package that brings it, with its version")
-    summary: str
-    keys: list[ExtensionKeyShape]
-
-
-class BrokenExtensionShape(BaseModel):
-    """One that cannot be used, or that failed while it was used."""
-
-    group: str
-    name: str
-    package: str
-    problem: str
-
-
-class ExtensionList(BaseModel):
-    """All that is installed beside the hub."""
-
-    extensions: list[ExtensionShape]
-    broken: list[BrokenExtensionShape]
+__all__ = ["ExtensionPages"]
 
 
 class ExtensionPages:

@@ -1,4 +1,7 @@
-"""Ways that admins set up, rules that people choose, and a test that shows the real error."""
+"""Ways that admins set up, rules that people choose, and a test that shows the real error.
+
+Long, because the routes of channels, rules and browsers share their checks.
+"""
 
 from __future__ import annotations
 
