@@ -37,6 +37,7 @@ check: setup  ## style, types, import direction, generated files
 	$(VENV)/python tools/generate_reference.py --check
 	$(VENV)/python tools/generate_asyncapi.py --check
 	$(VENV)/python tools/check_tree.py
+	$(VENV)/python tools/check_tests.py
 	$(VENV)/python tools/check_names.py
 	$(VENV)/python tools/node.py run check
 

@@ -381,7 +381,8 @@ def settings_in(folder: Path) -> Settings:
         password_cost=4,
         commit_s=0.0,
         beat_s=0.2,
-        check_s=0.05,
+        # Each time asks the database about each socket: more often is a good part of a busy core.
+        check_s=0.2,
         linger_s=0.05,
     )
 

@@ -6,11 +6,13 @@ import ssl
 import sys
 import threading
 from dataclasses import replace
+from pathlib import Path
 
 import pyotp
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from sqlalchemy import event, inspect, text
 
 from talaia.clock import SystemClock
@@ -20,12 +22,13 @@ from talaia.hub.auth.secret_box import Seal
 from talaia.hub.errors import NameTaken, StoreDown, StoreError, UnknownPerson
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.store import HistoryStore
+from talaia.hub.store import migrations
 from talaia.hub.store.accounts.mfa import Factors
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit, Filter
-from talaia.hub.store.database import Database
+from talaia.hub.store.database import Database, _last_migration
 from talaia.hub.store.database_url import reach
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import metadata
@@ -49,6 +52,12 @@ async def test_migrating_again_changes_nothing(database) -> None:
     async with database.read() as connection:
         names = (await connection.execute(text("SELECT name FROM roles ORDER BY id"))).scalars()
         assert list(names) == ["guest", "operator", "admin"]
+
+
+def test_the_migration_with_the_highest_number_is_the_last() -> None:
+    # A start that finds its number in the database asks Alembic no more.
+    last = ScriptDirectory(str(Path(migrations.__file__).parent)).get_current_head()
+    assert last == _last_migration()
 
 
 class Interrupted(Exception):
@@ -114,7 +123,8 @@ async def test_migration_that_is_interrupted_goes_on_at_the_next_start(database_
 KILLED = """
 import asyncio, os, signal, sys
 from sqlalchemy import event
-from talaia.hub.store.database import Database
+from talaia.hub.store import migrations
+from talaia.hub.store.database import Database, _last_migration
 
 left = int(sys.argv[2])
 database = Database(sys.argv[1])

@@ -134,9 +134,15 @@ def stop_demo(demo: Demo) -> int:
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
+def demo_words() -> tuple[str, ...]:
+    """What the demo is started with."""
     # The observatory has tests of its own; these look at the vehicle.
-    running = start_demo(tmp_path_factory.mktemp("demo"), "--no-observatory")
+    return ("--no-observatory",)
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory, demo_words: tuple[str, ...]) -> Iterator[Demo]:
+    running = start_demo(tmp_path_factory.mktemp("demo"), *demo_words)
     try:
         yield running
     finally:

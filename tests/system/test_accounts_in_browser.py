@@ -23,6 +23,12 @@ DEMOTED_S = 1.0
 NAV = "navigation"
 
 
+@pytest.fixture(scope="module")
+def demo_words() -> tuple[str, ...]:
+    """Without a camera: nobody looks here, and to draw and detect keeps a core busy."""
+    return ("--no-observatory", "--no-camera")
+
+
 @pytest.fixture
 def contexts(browser: Browser) -> Iterator[list[BrowserContext]]:
     """Two people's browsers."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from alembic import command
-from alembic.config import Config
-from sqlalchemy import Connection, event, func, select, text
+from sqlalchemy import Connection, event, func, inspect, select, text
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
 from sqlalchemy.ext.asyncio import create_async_engine
 
@@ -181,12 +180,9 @@ def _take_turn(connection: Connection) -> None:
 
 
 def _upgrade(connection: Connection) -> None:
-    config = Config()
-    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
-    config.attributes["connection"] = connection
     if connection.dialect.name != "mysql":
         _take_turn(connection)
-        command.upgrade(config, "head")
+        _run_migrations(connection)
         return
     # Its row locks end with the first change of a table; this one lasts.
     name = {"name": _LOCK_NAME + (connection.engine.url.database or "")}
@@ -194,6 +190,35 @@ def _upgrade(connection: Connection) -> None:
     if got.scalar() != 1:
         raise StoreDown("another program is changing the tables", "try again soon")
     try:
-        command.upgrade(config, "head")
+        _run_migrations(connection)
     finally:
         connection.execute(text("SELECT RELEASE_LOCK(:name)"), name)
+
+
+def _run_migrations(connection: Connection) -> None:
+    """Run what has not run yet; the caller has the turn to change tables."""
+    if _is_current(connection):
+        return
+    # At most starts there is nothing to do, and to import Alembic takes longer than all the rest.
+    from alembic import command
+    from alembic.config import Config
+
+    config = Config()
+    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    command.upgrade(config, "head")
+
+
+def _is_current(connection: Connection) -> bool:
+    """Tell whether the last migration has run."""
+    if not inspect(connection).has_table("alembic_version"):
+        return False
+    versions = connection.execute(text("SELECT version_num FROM alembic_version")).scalars()
+    return list(versions) == [_last_migration()]
+
+
+@functools.cache
+def _last_migration() -> str:
+    """Give the last migration's number: its file's name begins with it, and is the highest."""
+    files = (_MIGRATIONS / "versions").glob("[0-9]*_*.py")
+    return max(file.name.partition("_")[0] for file in files)

@@ -58,7 +58,6 @@ def main() -> int:
     options = parser.parse_args()
     # Whoever started this ends it by the input; Ctrl-C in a terminal reaches both.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _give_way()
     try:
         camera = Camera(World(options.seed, looks=True))
     except NoRenderer as error:
@@ -70,6 +69,8 @@ def main() -> int:
     poses = _Poses(sys.stdin.buffer)
     images = Images(node, poses, rate=options.rate)
     _say({"way": camera.way})
+    # Not before: beside other work it might never come so far, and everything waits for it.
+    _give_way()
     try:
         images.publish_until_ended(camera)
     finally:
@@ -83,7 +84,9 @@ def _give_way() -> None:
     """Draw with the time nobody else wants: any other thread that wakes goes first (sched(7))."""
     if sys.platform == "linux":
         with contextlib.suppress(OSError):
-            os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+            # Also the threads that draw, and ROS's.
+            for thread in os.listdir("/proc/self/task"):
+                os.sched_setscheduler(int(thread), os.SCHED_IDLE, os.sched_param(0))
     else:
         os.nice(10)
 
