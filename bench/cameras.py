@@ -55,11 +55,11 @@ async def looking(here: Stack, session: str, port: int = 0) -> AsyncIterator[lis
         ) as connection:  # type: ignore[arg-type]  # fmt: skip
             async for data in connection:
                 shot = browser.MEDIA_TO_BROWSER.decode(data)
-                if isinstance(shot, browser.Shot):
+                if isinstance(shot, browser.CameraPicture):
                     # One machine has one monotonic clock.
                     age_ms = time.monotonic_ns() / 1e6 - shot.hub_us / 1e3
                     got.append(Got(age_ms, len(data), shot.small))
-                    shown = browser.Shown(seq=shot.seq)
+                    shown = browser.PictureShown(seq=shot.seq)
                     await connection.send(browser.MEDIA_FROM_BROWSER.encode(shown))
 
     task = asyncio.create_task(look())

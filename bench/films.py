@@ -21,7 +21,7 @@ from talaia.gateway.ports import Filming
 from talaia.gateway.recording.film_file import FilmFile
 from talaia.gateway.video.camera import PictureStream
 from talaia.model.site import Source, Stream
-from talaia.wire.frames import Form, Picture
+from talaia.wire.frames import PictureForm, PictureFrame
 
 WIDTH, HEIGHT, STEP_US = 640, 480, 33_333
 SECONDS = 600
@@ -31,13 +31,13 @@ RUNS = 5
 class Sink:
     """A `PictureSink`: viewers or none, a film or none, a line that is good or bad."""
 
-    def __init__(self, *forms: Form, film: bool, share: float = 1.0) -> None:
+    def __init__(self, *forms: PictureForm, film: bool, share: float = 1.0) -> None:
         """Want these."""
         self.forms, self.share = forms, share
         self.wish = Filming.ON if film else Filming.NO
-        self.filmed: list[Picture] = []
+        self.filmed: list[PictureFrame] = []
 
-    def asked(self, _stream: str) -> tuple[Form, ...]:
+    def asked(self, _stream: str) -> tuple[PictureForm, ...]:
         """See `PictureSink.asked`."""
         return self.forms
 
@@ -56,11 +56,11 @@ class Sink:
         """See `PictureSink.filming`."""
         return self.wish
 
-    def film(self, picture: Picture) -> None:
+    def film(self, picture: PictureFrame) -> None:
         """See `PictureSink.film`."""
         self.filmed.append(picture)
 
-    def offer(self, picture: Picture) -> None:
+    def offer(self, picture: PictureFrame) -> None:
         """See `PictureSink.offer`."""
 
     def trouble(self, _stream: str, why: str) -> None:
@@ -112,10 +112,10 @@ def main() -> None:
     alone = Sink(film=True)
     rows = [
         ("nobody looks, nothing is filmed", Sink(film=False)),
-        ("a viewer", Sink(Form.H264, film=False)),
-        ("a viewer and a film (one encoding)", Sink(Form.H264, film=True)),
+        ("a viewer", Sink(PictureForm.H264, film=False)),
+        ("a viewer and a film (one encoding)", Sink(PictureForm.H264, film=True)),
         ("a film alone", alone),
-        ("a viewer on a bad line and a film (two)", Sink(Form.H264, film=True, share=0.4)),
+        ("a viewer on a bad line and a film (two)", Sink(PictureForm.H264, film=True, share=0.4)),
     ]
     for what, sink in rows:
         print(f"{what:42s} {run(sink, count):6.2f} ms a picture")
@@ -128,7 +128,7 @@ def main() -> None:
         file: FilmFile | None = None
         for at in range(SECONDS * 30):
             one = film[at % len(film)]
-            told = Picture(
+            told = PictureFrame(
                 stream="c/f", seq=at, time_us=1_700_000_000_000_000 + at * STEP_US, mono_us=at,
                 width=WIDTH, height=HEIGHT, format="h264", key=one.key, data=one.data,
             )  # fmt: skip

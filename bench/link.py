@@ -42,8 +42,8 @@ async def watching(here: Stack, session: str, *cameras: str) -> AsyncIterator[No
         async with _dial(here, session, path) as socket:
             async for data in socket:
                 shot = browser.MEDIA_TO_BROWSER.decode(data)
-                if isinstance(shot, browser.Shot):
-                    shown = browser.Shown(seq=shot.seq)
+                if isinstance(shot, browser.CameraPicture):
+                    shown = browser.PictureShown(seq=shot.seq)
                     await socket.send(browser.MEDIA_FROM_BROWSER.encode(shown))
 
     tasks = [asyncio.create_task(look(each)) for each in cameras]
@@ -65,13 +65,13 @@ async def driven(here: Stack, session: str, target: Path, presses: int) -> np.nd
             nonlocal tick, epoch
             async for data in socket:
                 message = browser.TO_BROWSER.decode(data)
-                if isinstance(message, browser.TickNews):
+                if isinstance(message, browser.TickUpdate):
                     tick = message.tick
-                elif isinstance(message, browser.LeaseNews) and message.yours:
+                elif isinstance(message, browser.LeaseUpdate) and message.yours:
                     epoch = message.epoch
 
         async def lease(op: frames.LeaseOp) -> None:
-            asked = browser.Lease(site="bench", device="base", op=op)
+            asked = browser.PageLease(site="bench", device="base", op=op)
             await socket.send(browser.FROM_BROWSER.encode(asked))
 
         reading = asyncio.create_task(read())
@@ -81,7 +81,7 @@ async def driven(here: Stack, session: str, target: Path, presses: int) -> np.nd
         chance = random.Random(1)  # noqa: S311 - of a benchmark
         for number in range(presses):
             speed = 0.05 + number * 0.0005
-            frame = browser.Drive(
+            frame = browser.PageDrive(
                 site="bench", device="base", epoch=epoch, seq=number + 1, tick=tick,
                 linear=speed, angular=0.0,
             )  # fmt: skip

@@ -60,7 +60,7 @@ class Door:
 
     def __init__(self) -> None:
         """Begin with none."""
-        self.boxes: list[tuple[float, frames.Boxes]] = []
+        self.boxes: list[tuple[float, frames.DetectedBoxes]] = []
         self._link: ServerConnection | None = None
 
     async def take(self, socket: ServerConnection) -> None:
@@ -70,7 +70,7 @@ class Door:
             if path.endswith("media"):
                 async for data in socket:
                     message = frames.MEDIA_FROM_GATEWAY.decode(data)
-                    if isinstance(message, frames.Boxes):
+                    if isinstance(message, frames.DetectedBoxes):
                         self.boxes.append((time.time() * 1e6, message))
                     elif isinstance(message, frames.Beat):
                         await socket.send(frames.MEDIA_FROM_HUB.encode(_reply(message)))
@@ -78,7 +78,7 @@ class Door:
             await socket.recv()
             welcome = frames.Welcome(takes=["seen"])
             await socket.send(frames.LINK_FROM_HUB.encode(welcome))
-            watch = frames.Watch(streams=[], boxes=["base/front"])
+            watch = frames.StreamSubscription(streams=[], boxes=["base/front"])
             await socket.send(frames.LINK_FROM_HUB.encode(watch))
             async for data in socket:
                 said = frames.LINK_FROM_GATEWAY.decode(data)

@@ -35,7 +35,7 @@ from talaia.hub.api.schemas import (
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
 from talaia.model.units.unit import UNITS
-from talaia.wire import browser, shape
+from talaia.wire import browser, message
 
 if TYPE_CHECKING:
     import enum
@@ -212,7 +212,7 @@ def wire_text() -> str:
         for constant, name in (("TO_BROWSER", "ToBrowser"), ("MEDIA_TO_BROWSER", "MediaToBrowser"))
     ]
     parts = [
-        f"export const PROTOCOL = {shape.PROTOCOL};",
+        f"export const PROTOCOL = {message.PROTOCOL};",
         *lists,
         *interfaces,
         *unions,

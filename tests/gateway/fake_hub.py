@@ -28,18 +28,18 @@ from talaia.wire.frames import (
     ArchiveOffer,
     Beat,
     BeatReply,
-    Boxes,
-    Described,
+    ControlTick,
+    DescriptionUpdate,
+    DetectedBoxes,
     DeviceState,
-    FileHave,
     FileOffer,
     FilePiece,
+    FileProgress,
     FilmOffer,
-    Gap,
     Hello,
-    Picture,
-    Samples,
-    Tick,
+    PictureFrame,
+    SampleBatch,
+    SampleGap,
     Welcome,
 )
 
@@ -63,8 +63,8 @@ class FakeHub:
         self.hellos: list[Hello] = []
         self.messages: list[FromGateway] = []
         self.away: dict[str, str] = {}
-        self.pictures: list[Picture] = []
-        self.boxes: list[Boxes] = []
+        self.pictures: list[PictureFrame] = []
+        self.boxes: list[DetectedBoxes] = []
         self.takes: list[str] = []
         self.samples: dict[str, dict[int, tuple[str, int, float | str]]] = defaultdict(dict)
         self.doubles = 0
@@ -142,7 +142,7 @@ class FakeHub:
         """One past the last sequence up to which nothing is missing."""
         count = 0
         have = self.samples[boot]
-        lost = [each for each in self.of(Gap) if each.boot == boot]
+        lost = [each for each in self.of(SampleGap) if each.boot == boot]
         while count in have or any(gap.first <= count <= gap.last for gap in lost):
             count += 1
         return count
@@ -174,9 +174,9 @@ class FakeHub:
             if isinstance(message, Beat):
                 reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=0)
                 await socket.send(MEDIA_FROM_HUB.encode(reply))
-            elif isinstance(message, Picture):
+            elif isinstance(message, PictureFrame):
                 self.pictures.append(message)
-            elif isinstance(message, Boxes):
+            elif isinstance(message, DetectedBoxes):
                 self.boxes.append(message)
             self._changed.set()
 
@@ -201,7 +201,7 @@ class FakeHub:
             if self.finds_damage:
                 self.files[message.id] = b""
             have, size = len(self.files[message.id]), self.offers[-1].size
-            answer = FileHave(id=message.id, have=have, done=have == size)
+            answer = FileProgress(id=message.id, have=have, done=have == size)
             await socket.send(FILES_FROM_HUB.encode(answer))
             self._changed.set()
 
@@ -226,12 +226,12 @@ class FakeHub:
             if self.answering:
                 reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=0)
                 await socket.send(LINK_FROM_HUB.encode(reply))
-        elif isinstance(message, Samples):
+        elif isinstance(message, SampleBatch):
             self._store(message)
             if self.acking:
                 ack = Ack(boot=message.boot, below=self.below(message.boot))
                 await socket.send(LINK_FROM_HUB.encode(ack))
-        elif isinstance(message, Described):
+        elif isinstance(message, DescriptionUpdate):
             self._lists[message.catalogue] = message.addresses
             self.messages.append(message)
         elif isinstance(message, DeviceState):
@@ -239,12 +239,12 @@ class FakeHub:
             if not message.reached:
                 self.away[message.device] = message.why
             self.messages.append(message)
-        elif isinstance(message, Tick):
+        elif isinstance(message, ControlTick):
             self.tick = message.tick
         else:
             self.messages.append(message)
 
-    def _store(self, frame: Samples) -> None:
+    def _store(self, frame: SampleBatch) -> None:
         self.old_batches += not frame.live
         addresses = frame.addresses or self._lists[frame.catalogue]
         columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)

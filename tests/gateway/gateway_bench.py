@@ -20,12 +20,12 @@ from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
-    CommandAsk,
     CommandPhase,
+    CommandRequest,
     CommandState,
-    Drive,
-    LeaseAsk,
+    DriveFrame,
     LeaseOp,
+    LeaseRequest,
     LeaseState,
 )
 
@@ -191,7 +191,9 @@ async def running(
 
 async def command(hub: FakeHub, name: str, command_id: str, **args: object) -> CommandState:
     """Ask the device ``base`` for something, and wait for how it ends."""
-    ask = CommandAsk(id=command_id, device="base", command=name, args=args, ttl_ms=5000, who="Ada")
+    ask = CommandRequest(
+        id=command_id, device="base", command=name, args=args, ttl_ms=5000, who="Ada"
+    )
     await hub.send(ask)
     final = set(CommandPhase) - {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
     return await hub.next(CommandState, lambda each: each.id == command_id and each.phase in final)
@@ -199,7 +201,7 @@ async def command(hub: FakeHub, name: str, command_id: str, **args: object) -> C
 
 async def take_lease(hub: FakeHub, device: str = "base") -> int:
     """Take a device to drive it, and give the lease's epoch."""
-    await hub.send(LeaseAsk(device=device, session="tab", who="Ada", op=LeaseOp.TAKE))
+    await hub.send(LeaseRequest(device=device, session="tab", who="Ada", op=LeaseOp.TAKE))
     state = await hub.next(LeaseState, lambda each: each.asked == "tab" and each.device == device)
     await hub.until(lambda: hub.tick >= 0, "a tick")
     return state.epoch
@@ -209,7 +211,7 @@ async def drive(hub: FakeHub, epoch: int, linear: float = 0.2, device: str = "ba
     """Send one frame, and give when (monotonic, ns)."""
     sent = time.monotonic_ns()
     await hub.send(
-        Drive(
+        DriveFrame(
             device=device, session="tab", epoch=epoch, seq=next(SEQ), tick=hub.tick,
             linear=linear, angular=0.0,
         )

@@ -15,7 +15,7 @@ from talaia.gateway.uplink import catchup
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.lanes import SendLanes
 from talaia.wire.columns import Columns
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples, StopState
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch, StopState
 
 BATCHES, SIZE = 40, 10
 
@@ -42,7 +42,7 @@ async def sent(lanes: SendLanes, count: int) -> list[int]:
                 await asyncio.sleep(0.005)
                 continue
             frame = LINK_FROM_GATEWAY.decode(data)
-            assert isinstance(frame, Samples)
+            assert isinstance(frame, SampleBatch)
             assert not frame.live
             found.append(frame.first)
     return found

@@ -14,13 +14,13 @@ from gateway_bench import SITE, Peer, addresses_of, running
 
 from talaia.gateway.change_policy import AcceptedChanges
 from talaia.wire.frames import (
-    ChangeAsk,
     ChangePhase,
+    ChangeRequest,
     ChangeState,
-    Described,
-    Drive,
-    LeaseAsk,
+    DescriptionUpdate,
+    DriveFrame,
     LeaseOp,
+    LeaseRequest,
     LeaseState,
 )
 from talaia.wire.sealing import deflated, digest_of, inflated, seal_of
@@ -86,9 +86,11 @@ async def test_twenty_changes_lose_and_double_no_sample_of_a_kept_sensor(
         last = 2_600
         await peer.do("count", **{"from": 0, "to": last, "hz": 100})
         for number in range(1, 21):
-            told = len(hub.of(Described))
+            told = len(hub.of(DescriptionUpdate))
             file.write_text(step(number))
-            await hub.until(lambda told=told: len(hub.of(Described)) > told, "the new description")
+            await hub.until(
+                lambda told=told: len(hub.of(DescriptionUpdate)) > told, "the new description"
+            )
         assert len(hub.values("base/number")) < last, "the robot was done before the last change"
         await peer.until(lambda: peer.heard("counted"))
         await hub.until(lambda: len(hub.values("base/number")) >= last, "the rest")
@@ -108,7 +110,7 @@ async def test_renamed_sensor_goes_on_under_its_new_name_without_a_hole(
         await hub.until(lambda: len(hub.values("base/number")) > 20, "samples")
         renamed = SITE.replace("number: {name: N,", "amount: {name: N, was: number,")
         file.write_text(renamed)
-        told = await hub.next(Described)
+        told = await hub.next(DescriptionUpdate)
         assert told.renamed == {"base/number": "base/amount"}
         assert inflated(told.source) == renamed
         await peer.until(lambda: peer.heard("counted"))
@@ -125,13 +127,13 @@ async def test_added_sensor_is_live_and_a_removed_one_is_silent(peer: Peer, tmp_
     async with following(tmp_path) as (hub, file):
         await peer.until_heard_by(1)
         file.write_text(with_signal(SITE, "wind", SPEED))
-        await hub.next(Described)
+        await hub.next(DescriptionUpdate)
         while not hub.values("base/wind"):
             await peer.do("odom", speed=0.5)
             await asyncio.sleep(0.1)
         assert hub.values("base/wind")[0] == 0.5
         file.write_text(SITE)
-        await hub.next(Described)
+        await hub.next(DescriptionUpdate)
         before = len(hub.values("base/wind"))
         await peer.do("odom", speed=0.75)
         await hub.until(lambda: 0.75 in hub.values("base/speed"), "the speed")
@@ -152,15 +154,15 @@ async def test_bad_file_is_refused_with_path_and_remedy_and_the_last_good_one_ru
         await hub.until(lambda: len(hub.values("base/number")) == 5, "numbers")
         file.write_text(SITE)
         assert (await hub.next(ChangeState)).phase is ChangePhase.APPLIED
-        assert not hub.of(Described)
+        assert not hub.of(DescriptionUpdate)
 
 
 async def drive(hub: FakeHub, session: str = "tab") -> None:
-    await hub.send(LeaseAsk(device="base", session=session, who="Ada", op=LeaseOp.TAKE))
+    await hub.send(LeaseRequest(device="base", session=session, who="Ada", op=LeaseOp.TAKE))
     state = await hub.next(LeaseState, lambda each: each.asked == session)
     await hub.until(lambda: hub.tick >= 0, "a tick")
     for seq in range(3):
-        frame = Drive(
+        frame = DriveFrame(
             device="base", session=session, epoch=state.epoch, seq=seq, tick=hub.tick,
             linear=0.2, angular=0.0,
         )  # fmt: skip
@@ -178,8 +180,8 @@ async def test_change_ends_the_driving_of_a_device_that_it_touches_with_zeros_fi
         file.write_text(SITE.replace("max_speed: 0.2", "max_speed: 0.1"))
         ended = await hub.next(LeaseState, lambda each: not each.session)
         assert ended.device == "base"
-        assert not hub.of(Described), "the change waits for the zeros"
-        await hub.next(Described)
+        assert not hub.of(DescriptionUpdate), "the change waits for the zeros"
+        await hub.next(DescriptionUpdate)
         # A second of explicit zeros at the control rate came before the change.
         zeros = [each for each in peer.heard("cmd") if each == [0.0, 0.0]]
         assert len(zeros) >= 15
@@ -190,8 +192,8 @@ async def test_change_of_another_device_leaves_the_driver_alone(peer: Peer, tmp_
         await peer.until_heard_by(1)
         await drive(hub)
         file.write_text(SITE + WEATHER)
-        await hub.next(Described)
-        await hub.send(LeaseAsk(device="base", session="tab", who="Ada", op=LeaseOp.RENEW))
+        await hub.next(DescriptionUpdate)
+        await hub.send(LeaseRequest(device="base", session="tab", who="Ada", op=LeaseOp.RENEW))
         state = await hub.next(LeaseState, lambda each: each.asked == "tab")
         assert state.session == "tab"
         assert not state.refused
@@ -201,7 +203,7 @@ async def asked(hub: FakeHub, base: str, text: str, key: str = KEY) -> ChangeSta
     name = f"change{next(IDS)}"
     digest = digest_of(base)
     seal = seal_of(hashlib.sha256(key.encode()).hexdigest(), name, "Ada", digest, text)
-    await hub.send(ChangeAsk(id=name, source=deflated(text), base=digest, who="Ada", seal=seal))
+    await hub.send(ChangeRequest(id=name, source=deflated(text), base=digest, who="Ada", seal=seal))
     final = {ChangePhase.APPLIED, ChangePhase.REFUSED}
     return await hub.next(ChangeState, lambda each: each.id == name and each.phase in final)
 

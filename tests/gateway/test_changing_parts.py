@@ -18,7 +18,7 @@ from talaia.model.renames import renames
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.columns import Columns, renumbered
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 from talaia.wire.sealing import MAX_TEXT, deflated, inflated, seal_of
 
 pytestmark = pytest.mark.pure
@@ -198,7 +198,7 @@ def test_spool_keeps_each_batch_by_the_list_of_its_time(tmp_path) -> None:
     found, place = spool.read(SpoolPosition(), 10**6)
     found += spool.read(place, 10**6)[0]
     frames = [LINK_FROM_GATEWAY.decode(as_old(each, "new")) for each in found]
-    assert all(isinstance(each, Samples) for each in frames)
+    assert all(isinstance(each, SampleBatch) for each in frames)
     assert [(each.first, each.addresses) for each in frames] == [(0, ["a/x"]), (1, [])]
     spool.close()
 

@@ -22,7 +22,7 @@ from talaia.model.interlocks.enclosure import Enclosure
 from talaia.model.interlocks.interlock import Step
 from talaia.model.site import Argument, ArgumentType, Command
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.frames import CommandAsk, CommandCancel, CommandPhase, CommandState
+from talaia.wire.frames import CommandCancel, CommandPhase, CommandRequest, CommandState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -175,7 +175,7 @@ class Bench:
 
     async def ask(self, command_id: str = "i", ttl_ms: float = 5000) -> None:
         await self.commanding.ask(
-            CommandAsk(id=command_id, device="dome", command="open", ttl_ms=ttl_ms, who="Ada")
+            CommandRequest(id=command_id, device="dome", command="open", ttl_ms=ttl_ms, who="Ada")
         )
 
     async def says(self, words: str) -> CommandState:
@@ -291,7 +291,7 @@ async def test_the_gateways_own_closing_and_a_persons_do_not_wait_for_a_disk_tha
 
     bench.commanding._on_disk = hangs
     bench.commanding.redescribe(UNDER_A_ROOF)
-    own = CommandAsk(id="own", device="dome", command="open", ttl_ms=5000, who="interlock")
+    own = CommandRequest(id="own", device="dome", command="open", ttl_ms=5000, who="interlock")
     await bench.commanding.ask(own, guarded=False)
     assert bench.dome.asked == ["dome/open"]
     async with asyncio.timeout(PATIENCE_S):

@@ -21,7 +21,7 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.reload.discovered_devices import joined, keep_found, with_kept
 from talaia.model.site import Device, Signal, Source
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
+from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, DeviceState
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -67,7 +67,7 @@ async def test_two_robots_of_one_site_are_heard_and_told_each_for_itself(
         assert hub.values("a/number") == [100.0, 101.0, 102.0]
         assert hub.values("b/number") == [200.0, 201.0, 202.0]
         assert hub.values("a/pose.x") == []
-        ask = CommandAsk(
+        ask = CommandRequest(
             id="1", device="b", command="wander", args={"active": True}, ttl_ms=5000, who="Ada"
         )
         await hub.send(ask)

@@ -17,7 +17,7 @@ from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.safety.enclosure_guard import Hold
 from talaia.model.yaml_text.load import read_site
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
+from talaia.wire.frames import CommandPhase, CommandRequest, CommandState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,7 +53,7 @@ class Robot:
         self, who: str, what: str, *, over: str = "", guarded: bool = True, **args: object
     ) -> CommandState:
         device, _, command = what.partition("/")
-        ask = CommandAsk(
+        ask = CommandRequest(
             id=f"id-{next(self.numbers)}", device=device, command=command, args=args, ttl_ms=5e3,
             who=who, over=over,
         )  # fmt: skip

@@ -15,7 +15,7 @@ from talaia.gateway.driving.velocity_limits import (
     cap_of_picture,
 )
 from talaia.model.site import Drive as Rule
-from talaia.wire.frames import Drive as Frame
+from talaia.wire.frames import DriveFrame as Frame
 
 pytestmark = pytest.mark.pure
 

@@ -21,7 +21,7 @@ from talaia.gateway.commands.command_service import CommandJournal
 from talaia.gateway.driving import persistent_state
 from talaia.gateway.driving.stop_latch import LatchedStop
 from talaia.gateway.errors import SpoolError
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, Event
+from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, Event
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
@@ -145,7 +145,7 @@ class Hill:
 
     async def ask(self, what: str, command_id: str) -> CommandState:
         await self.hub.send(
-            CommandAsk(id=command_id, device="roof", command=what, ttl_ms=5000, who="Ada")
+            CommandRequest(id=command_id, device="roof", command=what, ttl_ms=5000, who="Ada")
         )
         return await self.hub.next(
             CommandState,

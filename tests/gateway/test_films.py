@@ -31,7 +31,15 @@ from talaia.gateway.recording.recording_store import FILM, RecordingStore
 from talaia.model.checks.site_checks import check
 from talaia.model.recording import Recording, Trigger
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.frames import FileOffer, FilmOffer, Form, Picture, RecordAsk, RecordState, StopAsk
+from talaia.wire.frames import (
+    FileOffer,
+    FilmOffer,
+    PictureForm,
+    PictureFrame,
+    RecorderState,
+    RecordingRequest,
+    StopRequest,
+)
 
 from .pictures.scenes import number_in, numbered, packed, psnr, scene
 from .pictures.test_camera import Hall, stream
@@ -112,7 +120,7 @@ def test_what_is_held_begins_with_a_picture_that_needs_none_and_reaches_back_far
     ring, now, sent = FilmRing(keep_s * 1_000_000, most), 0, []
     for at, (step, size, key) in enumerate(steps):
         now += step
-        picture = Picture(
+        picture = PictureFrame(
             stream=CAMERA, seq=at, time_us=now, mono_us=now, width=2, height=2, key=key,
             data=bytes(size),
         )  # fmt: skip
@@ -242,7 +250,7 @@ def test_a_large_film_goes_on_in_another_file(tmp_path) -> None:
 
 
 def test_viewers_and_film_share_one_encoding_while_the_line_is_good() -> None:
-    hall, (taker, _) = Hall(Form.H264), stream()
+    hall, (taker, _) = Hall(PictureForm.H264), stream()
     hall.wish = Filming.ANEW
 
     def take(first: int, count: int) -> None:
@@ -262,7 +270,7 @@ def test_viewers_and_film_share_one_encoding_while_the_line_is_good() -> None:
     assert hall.filmed[30].key
     # Good again: with the viewers' next picture that needs none before it, it is one again.
     hall.share = 1.0
-    hall.keys.add(Form.H264)
+    hall.keys.add(PictureForm.H264)
     take(90, 30)
     assert hall.filmed[-1] is hall.got[-1]
     # Nobody looks on any more.
@@ -281,13 +289,13 @@ def test_viewers_and_film_share_one_encoding_while_the_line_is_good() -> None:
 
 def test_a_film_with_two_encoders_in_it_plays_from_any_of_its_pictures(tmp_path) -> None:
     bench = Bench(tmp_path)
-    bench.hall.forms = (Form.H264,)
+    bench.hall.forms = (PictureForm.H264,)
     bench.films.begin("ada", "", 600.0, CAMERA)
     bench.send(30)
     bench.hall.share = 0.2
     bench.send(30)
     bench.hall.share = 1.0
-    bench.hall.keys.add(Form.H264)
+    bench.hall.keys.add(PictureForm.H264)
     bench.send(30)
     bench.films.close()
     (path,) = bench.paths()
@@ -420,7 +428,7 @@ async def test_a_robot_s_camera_is_filmed_around_stop_and_alone_when_a_person_as
         running(hub.url, tmp_path / "gateway", FILMED % "[base/front]") as gateway,
     ):
         await hub.until(lambda: hub.hellos, "a hello")
-        assert (await hub.next(RecordState)).can_film
+        assert (await hub.next(RecorderState)).can_film
         films = gateway.taping.films
         # Nobody looks, and the last seconds are held all the same.
         async with asyncio.timeout(PATIENCE_S):
@@ -428,8 +436,8 @@ async def test_a_robot_s_camera_is_filmed_around_stop_and_alone_when_a_person_as
                 await peer.do("image", encoding="rgb8")
                 await asyncio.sleep(0.05)
         before = time.time_ns() // 1000
-        await hub.send(StopAsk(device="base", id="s1", who="ada"))
-        await hub.next(RecordState, lambda state: state.films == ["base/front"])
+        await hub.send(StopRequest(device="base", id="s1", who="ada"))
+        await hub.next(RecorderState, lambda state: state.films == ["base/front"])
         await peer.do("image", encoding="rgb8")
 
         def whole(kind: type) -> list:
@@ -448,12 +456,12 @@ async def test_a_robot_s_camera_is_filmed_around_stop_and_alone_when_a_person_as
         path.write_bytes(hub.files[film.id])
         assert len(shown(path)) == film.pictures > 5
         # Alone, by a person: nothing else is recorded.
-        await hub.send(RecordAsk(on=True, who="ben", stream="base/front"))
-        await hub.next(RecordState, lambda state: state.films and not state.on)
+        await hub.send(RecordingRequest(on=True, who="ben", stream="base/front"))
+        await hub.next(RecorderState, lambda state: state.films and not state.on)
         async with asyncio.timeout(PATIENCE_S):
             while films._reels["base/front"].file is None:
                 await peer.do("image", encoding="rgb8")
-        await hub.send(RecordAsk(on=False, who="ben", stream="base/front"))
+        await hub.send(RecordingRequest(on=False, who="ben", stream="base/front"))
         await hub.until(lambda: whole(FilmOffer)[-1].who == "ben", "ben's film")
         assert len(whole(FileOffer)) == 1
 

@@ -25,7 +25,7 @@ from talaia.model.interlocks.interlock import Condition, Interlock, Overriding
 from talaia.model.interlocks.override_rules import longest_override, never_overridden
 from talaia.model.site import Signal, SignalType, Source
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.frames import DriveState, InterlockState, LeaseOp, OverrideAsk
+from talaia.wire.frames import DriveState, InterlockState, LeaseOp, OverrideRequest
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -133,7 +133,7 @@ class Bench(ControlBench):
         return self.interlocks.refusal(device, what, self.clock.monotonic_ns())
 
     def override(self, seconds: float, reason: str = "testing the shutter") -> None:
-        ask = OverrideAsk(interlock="weather", who="Ada", reason=reason, seconds=seconds)
+        ask = OverrideRequest(interlock="weather", who="Ada", reason=reason, seconds=seconds)
         self.control.override(ask)
 
 
@@ -297,7 +297,7 @@ def test_what_is_unknown_slows_down_too_and_what_is_overridden_does_not(slowed: 
     assert slowed.robot.driven[-1][1] == pytest.approx(0.05)
     slowed.world.values["weather/wind"] = 2.0
     hold(slowed, 200 * MS)
-    ask = OverrideAsk(interlock="people", who="Ada", reason="the camera is dirty", seconds=60)
+    ask = OverrideRequest(interlock="people", who="Ada", reason="the camera is dirty", seconds=60)
     slowed.control.override(ask)
     hold(slowed, 500 * MS)
     assert slowed.robot.driven[-1][1] == pytest.approx(0.2)
@@ -415,7 +415,7 @@ def test_an_override_is_over_when_there_is_nothing_left_to_override(safe: Bench)
 def test_the_condition_that_is_named_must_be_the_one_that_locks(safe: Bench) -> None:
     safe.world.values["weather/wind"] = 13.0
     safe.pass_time(200 * MS)
-    ask = OverrideAsk(interlock="weather", who="Ada", reason="x", seconds=60)
+    ask = OverrideRequest(interlock="weather", who="Ada", reason="x", seconds=60)
     safe.control.override(structs.replace(ask, condition="weather/rain"))
     assert safe.refusal()
     safe.control.override(structs.replace(ask, condition="weather/wind"))

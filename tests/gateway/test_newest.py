@@ -17,7 +17,7 @@ from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.lanes import SendLanes
 from talaia.gateway.uplink.newest_samples import NewestSamplesSender
 from talaia.wire.columns import Columns
-from talaia.wire.frames import LINK_FROM_GATEWAY, Newest, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, NewestBatch, SampleBatch
 from talaia.wire.newest import newest_of
 
 pytestmark = pytest.mark.pure
@@ -38,7 +38,7 @@ def read(data: bytes | None) -> dict[int, tuple[int, float]]:
     """Give what is told, by channel: number and value."""
     assert data is not None
     message = LINK_FROM_GATEWAY.decode(data)
-    assert isinstance(message, Newest)
+    assert isinstance(message, NewestBatch)
     told = newest_of(message)
     rows = zip(
         told.columns.channel.tolist(), told.sequence.tolist(), told.columns.value.tolist(),
@@ -102,7 +102,7 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
         found = {
             message.addresses[channel]: (message.boot, number, value)
             for message in told
-            if isinstance(message, Newest)
+            if isinstance(message, NewestBatch)
             for channel, number, value in zip(
                 newest_of(message).columns.channel.tolist(),
                 newest_of(message).sequence.tolist(),
@@ -116,7 +116,7 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
     batcher.flush()
     await teller.tell_former(lambda: ADDRESSES)
     (message,) = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
-    assert isinstance(message, Newest)
+    assert isinstance(message, NewestBatch)
     assert [message.addresses[at] for at in newest_of(message).columns.channel] == ["a/x"]
     await keeper.close()
 
@@ -141,7 +141,7 @@ async def test_newest_goes_before_what_is_heard_after_it_and_is_told_again_when_
     assert read(lanes.next()) == {2: (0, 11.0)}
     data = lanes.next()
     assert data is not None
-    assert isinstance(LINK_FROM_GATEWAY.decode(data), Samples)
+    assert isinstance(LINK_FROM_GATEWAY.decode(data), SampleBatch)
     # Said once, and then so much of others that the lane is emptied.
     batcher.put(columns((1, 3, 5.0)))
     batcher.flush()
@@ -155,7 +155,7 @@ async def test_newest_goes_before_what_is_heard_after_it_and_is_told_again_when_
         while lanes.overflowed is not None:  # noqa: ASYNC110 - looked at once a second
             await asyncio.sleep(0.01)
     told = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
-    (message,) = [each for each in told if isinstance(each, Newest)]
+    (message,) = [each for each in told if isinstance(each, NewestBatch)]
     assert newest_of(message).columns.value.tolist() == [11.0, 5.0, 19.0]
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)

@@ -33,12 +33,12 @@ from talaia.model.site import Argument, ArgumentType, Command, CommandKind
 from talaia.model.yaml_text.load import dump_site, read_site
 from talaia.sim import domain
 from talaia.wire.frames import (
-    CommandAsk,
     CommandPhase,
+    CommandRequest,
     CommandState,
     DeviceState,
     Event,
-    Reconnect,
+    ReconnectRequest,
 )  # fmt: skip
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def asked(ledger: Path) -> list[tuple[str, str, str]]:
 
 
 async def do(hub: FakeHub, device: str, what: str, **args: Scalar) -> CommandState:
-    ask = CommandAsk(
+    ask = CommandRequest(
         id=f"{what}-{time.monotonic_ns()}", device=device, command=what, args=args,
         ttl_ms=5000, who="Ada",
     )  # fmt: skip
@@ -321,7 +321,7 @@ async def test_where_files_come_from_may_be_described_while_the_gateway_runs(
         file.write_text(dump_site(site))
         await seen(hub, lambda: len(whole(hub)) == 1, "the file that is latched")
         # Connected anew it comes again, before the next one.
-        await hub.send(Reconnect(device="camera", who="Ada"))
+        await hub.send(ReconnectRequest(device="camera", who="Ada"))
         await hub.next(Event, lambda each: each.kind == "device reconnected")
         assert (await do(hub, "camera", "dark", seconds=0.1)).phase == "succeeded"
         await seen(hub, lambda: len(whole(hub)) >= 2, "the second file")
@@ -372,7 +372,7 @@ async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_bac
             await seen(hub, lambda: hub.values("dome/shutter"), "the dome")
             assert (await do(hub, "telescope", "unpark")).phase == "succeeded"
             await hub.send(
-                CommandAsk(
+                CommandRequest(
                     id="slew", device="telescope", command="goto_altaz",
                     args={"alt": 80.0, "az": 0.0}, ttl_ms=5000, who="Ada",
                 )

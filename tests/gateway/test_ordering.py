@@ -13,7 +13,7 @@ from talaia.gateway.samples.batching import OVERRUN, Batcher
 from talaia.gateway.samples.rising_times import STEP_BACK_US, RisingTimes
 from talaia.gateway.spool.segment import SampleRecord
 from talaia.wire.columns import Columns, part, unpack
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 pytestmark = pytest.mark.pure
 
@@ -97,7 +97,7 @@ async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
     times = []
     for record in kept:
         frame = LINK_FROM_GATEWAY.decode(record.body)
-        assert isinstance(frame, Samples)
+        assert isinstance(frame, SampleBatch)
         times += unpack(
             frame.base_us, frame.channel, frame.offset, frame.value, frame.texts
         ).time_us.tolist()

@@ -17,7 +17,7 @@ from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.checks.site_checks import check
 from talaia.model.interlocks.outlet import Outlet, OutletCommand
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState
+from talaia.wire.frames import CommandPhase, CommandRequest, CommandState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,7 +77,7 @@ class Robot:
 
     async def does(self, command: str, *, guarded: bool = True, **args: object) -> CommandState:
         count = str(len(self.said))
-        ask = CommandAsk(
+        ask = CommandRequest(
             id=count, device="power", command=command, args=args, ttl_ms=5e3, who="Ada"
         )
         await self.commanding.ask(ask, guarded=guarded)

@@ -24,7 +24,7 @@ from talaia.gateway.samples.batching import Batcher, records_of
 from talaia.gateway.spool.segment import SampleRecord
 from talaia.model.site import Drive, DriveMessage
 from talaia.wire.columns import Columns, unpack
-from talaia.wire.frames import LINK_FROM_GATEWAY, CommandPhase, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, CommandPhase, SampleBatch
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -49,7 +49,7 @@ def test_columns_come_back_from_their_batches_however_far_apart(
     back, words, sequence = [], {}, 100
     for record in made:
         frame = LINK_FROM_GATEWAY.decode(record.body)
-        assert isinstance(frame, Samples)
+        assert isinstance(frame, SampleBatch)
         assert (frame.first, record.first) == (sequence, sequence)
         part = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
         words |= {sequence - 100 + at: text for at, text in part.texts.items()}
@@ -66,7 +66,7 @@ async def test_batches_are_numbered_and_made_once_per_flush() -> None:
     batcher.put(columns([3], {0: "three"}))
     batcher.flush()
     frame = LINK_FROM_GATEWAY.decode(kept[0].body)
-    assert isinstance(frame, Samples)
+    assert isinstance(frame, SampleBatch)
     assert frame.texts == {2: "three"}
     batcher.put(columns([4]))
     batcher.flush()

@@ -13,7 +13,14 @@ from fake_hub import KEY, fake_hub
 from gateway_bench import SITE, Peer, addresses_of
 from patience import PATIENCE_S, Stopwatch
 
-from talaia.wire.frames import CommandAsk, CommandState, Drive, LeaseAsk, LeaseOp, LeaseState
+from talaia.wire.frames import (
+    CommandRequest,
+    CommandState,
+    DriveFrame,
+    LeaseOp,
+    LeaseRequest,
+    LeaseState,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -91,11 +98,11 @@ async def test_end_while_driving_leaves_a_zero_behind(peer: Peer, tmp_path: Path
         process = await started(tmp_path, hub.url, SITE)
         await hub.until(lambda: hub.hellos, "a hello")
         await peer.until_heard_by(1)
-        await hub.send(LeaseAsk(device="base", session="tab", who="Ada", op=LeaseOp.TAKE))
+        await hub.send(LeaseRequest(device="base", session="tab", who="Ada", op=LeaseOp.TAKE))
         epoch = (await hub.next(LeaseState, lambda each: each.asked == "tab")).epoch
         await hub.until(lambda: hub.tick >= 0, "a tick")
         frame = {"device": "base", "session": "tab", "epoch": epoch, "linear": 0.2, "angular": 0.0}
-        await hub.send(Drive(**frame, seq=1, tick=hub.tick))
+        await hub.send(DriveFrame(**frame, seq=1, tick=hub.tick))
         await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
         with Stopwatch() as watch:
             process.terminate()
@@ -144,11 +151,11 @@ async def test_frozen_process_does_not_act_on_what_came_meanwhile(tmp_path: Path
         await hub.until(lambda: hub.hellos, "a hello")
         process.send_signal(signal.SIGSTOP)
         # An answer is given to every ask that is acted on, be it a refusal.
-        await hub.send(CommandAsk(id="old", device="d", command="c", ttl_ms=9000, who="Ada"))
+        await hub.send(CommandRequest(id="old", device="d", command="c", ttl_ms=9000, who="Ada"))
         await asyncio.sleep(3.5)
         process.send_signal(signal.SIGCONT)
         await hub.until(lambda: len(hub.hellos) == 2, "a clean link")
-        await hub.send(CommandAsk(id="new", device="d", command="c", ttl_ms=9000, who="Ada"))
+        await hub.send(CommandRequest(id="new", device="d", command="c", ttl_ms=9000, who="Ada"))
         first = await hub.next(CommandState)
         assert first.id == "new"
         process.terminate()

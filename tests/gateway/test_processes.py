@@ -32,7 +32,7 @@ from talaia.model.site import (
     Source,
 )
 from talaia.model.yaml_text.load import dump_site
-from talaia.wire.frames import CommandAsk, CommandPhase, CommandState, DeviceState
+from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, DeviceState
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -177,7 +177,7 @@ class Bench:
 
     async def ask(self, device: str, what: str, **args: float | str) -> CommandState:
         self.count += 1
-        ask = CommandAsk(
+        ask = CommandRequest(
             id=f"c{self.count}", device=device, command=what, args=args, ttl_ms=5000, who="Ada"
         )
         await self.hub.send(ask)

@@ -29,7 +29,7 @@ from talaia.gateway.recording.recording_store import NoRoom, RecordingStore, Sto
 from talaia.model.checks.site_checks import check
 from talaia.model.recording import Recording, Trigger
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.frames import FileOffer, RecordAsk, RecordState, StopAsk
+from talaia.wire.frames import FileOffer, RecorderState, RecordingRequest, StopRequest
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -52,7 +52,7 @@ class Bench:
         self.clock = HandClock()
         self.shelf = RecordingStore(folder, 10**9, 0)
         self.shelf.open(recover)
-        self.states: list[RecordState] = []
+        self.states: list[RecorderState] = []
         self.events: list[tuple[str, str]] = []
         self.finished = threading.Semaphore(0)
         self.recorder = Recorder(
@@ -296,7 +296,7 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
                 await peer.do("image", encoding="rgb8")
                 await asyncio.sleep(0.05)
         await hub.until(lambda: len(hub.values("base/number")) == 200, "all numbers")
-        await hub.send(StopAsk(device="base", id="s1", who="ada"))
+        await hub.send(StopRequest(device="base", id="s1", who="ada"))
         await peer.do("count", **{"from": 200, "to": 210, "hz": 100})
 
         def offers() -> list[FileOffer]:
@@ -306,7 +306,7 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
         offer = offers()[-1]
         await hub.until(lambda: len(hub.files[offer.id]) == offer.size, "the whole file")
         await hub.until(lambda: len(hub.offers) > 1, "another offer, after the cut")
-        states = hub.of(RecordState)
+        states = hub.of(RecorderState)
         assert [on for on, _ in itertools.groupby(each.on for each in states)][-2:] == [True, False]
         body = hub.files[offer.id]
         assert hashlib.sha256(body).hexdigest() == offer.digest
@@ -316,13 +316,13 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
         shelf = recorder._shelf
         await hub.until(lambda: not shelf.waiting(), "an empty shelf")
         # Asked for by a person.
-        await hub.send(RecordAsk(on=True, who="ben", why="to look at"))
-        await hub.next(RecordState, lambda state: state.on and state.who == "ben")
-        await hub.send(RecordAsk(on=False, who="ben"))
+        await hub.send(RecordingRequest(on=True, who="ben", why="to look at"))
+        await hub.next(RecorderState, lambda state: state.on and state.who == "ben")
+        await hub.send(RecordingRequest(on=False, who="ben"))
         await hub.until(lambda: offers()[-1].who == "ben", "another offer")
         # Asked for by an alarm at the hub: it ends by itself.
-        await hub.send(RecordAsk(on=True, who="alarm", why="alarm Low: 10 V", alarm=True))
-        await hub.next(RecordState, lambda state: state.on and state.who == "alarm")
+        await hub.send(RecordingRequest(on=True, who="alarm", why="alarm Low: 10 V", alarm=True))
+        await hub.next(RecorderState, lambda state: state.on and state.who == "alarm")
         await hub.until(lambda: offers()[-1].who == "alarm", "the alarm's offer")
     path = tmp_path / "robot.mcap"
     path.write_bytes(body)

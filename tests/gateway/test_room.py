@@ -12,9 +12,9 @@ from talaia.wire.frames import (
     MEDIA_FROM_GATEWAY,
     Beat,
     BeatReply,
-    Form,
-    Picture,
-    Trouble,
+    PictureForm,
+    PictureFrame,
+    StreamError,
 )
 
 
@@ -64,8 +64,8 @@ def test_a_receipt_for_nothing_changes_nothing() -> None:
     assert room.share(600_001) == 1.0
 
 
-def picture(seq: int, *, key: bool = False, form: str = "h264") -> Picture:
-    return Picture(
+def picture(seq: int, *, key: bool = False, form: str = "h264") -> PictureFrame:
+    return PictureFrame(
         stream="cam/front", seq=seq, time_us=0, mono_us=0, width=2, height=2, format="h264",
         forms=[form], key=key, data=b"x",
     )  # fmt: skip
@@ -93,7 +93,7 @@ async def test_a_film_waits_in_order_and_each_picture_has_its_receipt() -> None:
     for seq in (1, 2, 3):
         pictures.offer(picture(seq, key=seq == 1))
     out = await sent(pictures)
-    assert [each.seq for each in out if isinstance(each, Picture)] == [1, 2, 3]
+    assert [each.seq for each in out if isinstance(each, PictureFrame)] == [1, 2, 3]
     beats = [each for each in out if isinstance(each, Beat)]
     assert len(beats) == 3
     assert pictures.room() == 1.0
@@ -107,7 +107,7 @@ async def test_too_much_of_a_film_goes_all_at_once_and_a_fresh_beginning_is_aske
     for seq in range(1, 12):
         pictures.offer(picture(seq, key=seq == 1))
     pictures.offer(picture(12, key=True))
-    out = [each.seq for each in await sent(pictures) if isinstance(each, Picture)]
+    out = [each.seq for each in await sent(pictures) if isinstance(each, PictureFrame)]
     assert out == [12]
     assert pictures.key_due("cam/front", "h264")
     assert not pictures.key_due("cam/front", "h264")
@@ -116,13 +116,13 @@ async def test_too_much_of_a_film_goes_all_at_once_and_a_fresh_beginning_is_aske
 async def test_an_old_hub_gets_jpeg_and_no_messages_it_does_not_know() -> None:
     pictures = linked()
     pictures.watch(["cam/front"], {})
-    assert pictures.asked("cam/front") == {Form.JPEG}
+    assert pictures.asked("cam/front") == {PictureForm.JPEG}
     pictures.trouble("cam/front", "cut off")
     assert await sent(pictures) == []
     pictures.watch(["cam/front"], {"cam/front": ["h264", "hologram"]})
     assert pictures.asked("cam/front") == {"h264", "hologram"}
     pictures.trouble("cam/front", "cut off")
-    assert await sent(pictures) == [Trouble(stream="cam/front", why="cut off")]
+    assert await sent(pictures) == [StreamError(stream="cam/front", why="cut off")]
     pictures.link_lost()
     assert pictures.asked("cam/front") == frozenset()
 

@@ -34,20 +34,20 @@ from talaia.gateway.adapters.ros1.frames import FrameSplitter, ReceivedMessage, 
 from talaia.gateway.adapters.ros1.node import environment_of
 from talaia.gateway.errors import AdapterLost
 from talaia.wire.frames import (
-    CommandAsk,
     CommandCancel,
     CommandPhase,
+    CommandRequest,
     CommandState,
     DeviceState,
     Event,
     FileOffer,
     LeaseState,
-    Reconnect,
-    RecordAsk,
-    RecordState,
-    StopAsk,
+    ReconnectRequest,
+    RecorderState,
+    RecordingRequest,
+    StopRequest,
     StopState,
-    Watch,
+    StreamSubscription,
 )
 
 if TYPE_CHECKING:
@@ -191,9 +191,9 @@ async def test_raw_messages_are_recorded_with_the_definitions_that_came_with_the
                 await peer.do("image", encoding="rgb8")
                 await asyncio.sleep(0.05)
         await hub.until(lambda: len(hub.values("base/number")) == 20, "numbers")
-        await hub.send(RecordAsk(on=True, who="Ada"))
-        await hub.next(RecordState, lambda state: state.on)
-        await hub.send(RecordAsk(on=False, who="Ada"))
+        await hub.send(RecordingRequest(on=True, who="Ada"))
+        await hub.next(RecorderState, lambda state: state.on)
+        await hub.send(RecordingRequest(on=False, who="Ada"))
 
         def offers() -> list[FileOffer]:
             # Of the camera there is a film beside it.
@@ -274,7 +274,7 @@ async def test_driving_reaches_each_kind_of_listener_and_ends_in_zeros(robot: Ro
 
 async def test_stop_reaches_the_robot_and_is_confirmed_by_it(robot: Robot) -> None:
     hub, peer = robot.hub, robot.peer
-    await hub.send(StopAsk(device="base", id="s1", who="Ada"))
+    await hub.send(StopRequest(device="base", id="s1", who="Ada"))
     assert (await hub.next(StopState, lambda each: each.id == "s1")).latched
     await peer.until(lambda: True in peer.heard("stop") and [0.0, 0.0] in peer.heard("cmd"))
     assert set(peer.heard("stop")) == {True}
@@ -304,7 +304,9 @@ async def test_commands_end_as_the_robot_says(robot: Robot) -> None:
 
 async def test_an_action_tells_its_progress_its_end_and_is_cancelled(robot: Robot) -> None:
     hub, peer = robot.hub, robot.peer
-    ask = CommandAsk(id="c1", device="base", command="count", args={"to": 10}, ttl_ms=5000, who="A")
+    ask = CommandRequest(
+        id="c1", device="base", command="count", args={"to": 10}, ttl_ms=5000, who="A"
+    )
     await hub.send(ask)
     done = await seen(hub, CommandState, lambda x: x.id == "c1" and x.phase == "succeeded")
     assert (done.phase, done.message) == (CommandPhase.SUCCEEDED, "counted")
@@ -317,7 +319,9 @@ async def test_an_action_tells_its_progress_its_end_and_is_cancelled(robot: Robo
     assert any(0.0 < share < 1.0 for share in shares)
     bad = await command(hub, "count", "c2", to=13)
     assert (bad.phase, bad.message) == (CommandPhase.FAILED, "thirteen brings bad luck")
-    ask = CommandAsk(id="c3", device="base", command="count", args={"to": 90}, ttl_ms=5000, who="A")
+    ask = CommandRequest(
+        id="c3", device="base", command="count", args={"to": 90}, ttl_ms=5000, who="A"
+    )
     await hub.send(ask)
     await peer.until(lambda: 90 in peer.heard("goal"))
     await hub.send(CommandCancel(id="c3", device="base", who="Ben"))
@@ -340,7 +344,7 @@ async def test_pictures_come_only_while_somebody_looks(robot: Robot) -> None:
     await peer.do("count", **{"from": 0, "to": 3, "hz": 10})
     await hub.until(lambda: len(hub.values("base/number")) == 3, "samples behind the picture")
     assert hub.pictures == []
-    await hub.send(Watch(streams=["cart/images", "base/small"]))
+    await hub.send(StreamSubscription(streams=["cart/images", "base/small"]))
     await show("cart/images", what="image", encoding="rgb8")
     red, green, blue = simplejpeg.decode_jpeg(hub.pictures[-1].data)[24, 32]
     assert red > 200
@@ -351,7 +355,7 @@ async def test_pictures_come_only_while_somebody_looks(robot: Robot) -> None:
 
 async def test_a_topic_of_another_type_is_told_once_with_both_names(robot: Robot) -> None:
     hub = robot.hub
-    await hub.send(StopAsk(device="base", id="s1", who="Ada"))
+    await hub.send(StopRequest(device="base", id="s1", who="Ada"))
     told = await hub.next(Event, lambda each: each.kind == "unreadable")
     assert "/stop" in told.message
     assert "std_msgs/msg/Bool" in told.message
@@ -360,7 +364,7 @@ async def test_a_topic_of_another_type_is_told_once_with_both_names(robot: Robot
 
 async def test_a_device_connected_anew_says_what_is_not_there(robot: Robot) -> None:
     hub, peer = robot.hub, robot.peer
-    await hub.send(Reconnect(device="base", who="Ada"))
+    await hub.send(ReconnectRequest(device="base", who="Ada"))
     told = await hub.next(Event, lambda each: each.kind.startswith("device "))
     assert told.kind == "device not reconnected"
     assert "/absent (no such service now)" in told.message
@@ -383,7 +387,7 @@ async def test_a_restart_of_the_master_shows_unknown_at_once_and_all_is_back_by_
                 await peer.until_heard_by(1)
                 await drive(hub, await take_lease(hub))
                 await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
-                ask = CommandAsk(id="s", device="base", command="slow", ttl_ms=5000, who="Ada")
+                ask = CommandRequest(id="s", device="base", command="slow", ttl_ms=5000, who="Ada")
                 await hub.send(ask)
                 await peer.until(lambda: peer.heard("slow"))
                 with Stopwatch() as watch:

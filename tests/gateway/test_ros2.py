@@ -14,19 +14,19 @@ from gateway_bench import SITE, Peer, addresses_of, command, drive, filled, runn
 from patience import PATIENCE_S
 
 from talaia.wire.frames import (
-    CommandAsk,
     CommandCancel,
     CommandPhase,
+    CommandRequest,
     CommandState,
     DriveState,
     Event,
     InterlockState,
-    Reconnect,
-    ResetAsk,
+    ReconnectRequest,
+    ResetRequest,
     ResetToken,
-    StopAsk,
+    StopRequest,
     StopState,
-    Watch,
+    StreamSubscription,
 )
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ async def test_stop_latches_over_a_restart_and_is_reset_in_two_steps(
 ) -> None:
     async with linked(tmp_path) as hub:
         await peer.until_heard_by(1)
-        await hub.send(StopAsk(device="base", id="s1", who="Ada"))
+        await hub.send(StopRequest(device="base", id="s1", who="Ada"))
         assert (await hub.next(StopState, lambda each: each.id == "s1")).latched
         await peer.until(lambda: True in peer.heard("stop"))
         # Another topic: it may come a little later, and the first zero before its discovery.
@@ -181,9 +181,9 @@ async def test_stop_latches_over_a_restart_and_is_reset_in_two_steps(
         await drive(hub, epoch)
         assert (await hub.next(DriveState, lambda each: bool(each.why))).why == "STOP is on"
         ask = {"device": "base", "session": "tab", "epoch": epoch, "who": "Ada"}
-        await hub.send(ResetAsk(**ask))
+        await hub.send(ResetRequest(**ask))
         token = (await hub.next(ResetToken)).token
-        await hub.send(ResetAsk(**ask, token=token))
+        await hub.send(ResetRequest(**ask, token=token))
         assert not (await hub.next(StopState, lambda each: not each.latched)).latched
         await peer.until(lambda: peer.heard("stop")[-1] is False)
         assert all(row == [0.0, 0.0] for row in peer.heard("cmd"))
@@ -219,7 +219,7 @@ async def until_ended(hub: FakeHub, command_id: str) -> list[CommandState]:
 async def test_an_action_tells_its_progress_and_its_end(hub: FakeHub, peer: Peer) -> None:
     args = {"order": 10}
     await hub.send(
-        CommandAsk(id="c1", device="base", command="count", args=args, ttl_ms=5000, who="Ada")
+        CommandRequest(id="c1", device="base", command="count", args=args, ttl_ms=5000, who="Ada")
     )
     said = await until_ended(hub, "c1")
     assert (said[-1].phase, said[-1].progress) == (CommandPhase.SUCCEEDED, 1.0)
@@ -245,7 +245,7 @@ async def test_an_action_ends_as_the_robot_says(hub: FakeHub, peer: Peer) -> Non
 
 
 async def test_an_action_is_cancelled_by_the_robot_and_told_so(hub: FakeHub, peer: Peer) -> None:
-    ask = CommandAsk(
+    ask = CommandRequest(
         id="c5", device="base", command="count", args={"order": 50}, ttl_ms=5000, who="Ada"
     )
     await hub.send(ask)
@@ -258,7 +258,7 @@ async def test_an_action_is_cancelled_by_the_robot_and_told_so(hub: FakeHub, pee
 
 
 async def test_a_command_asked_in_another_unit_is_refused(hub: FakeHub, peer: Peer) -> None:
-    ask = CommandAsk(
+    ask = CommandRequest(
         id="c6", device="base", command="count", args={"order": 1}, units={"order": "min"},
         ttl_ms=5000, who="Ada",
     )  # fmt: skip
@@ -290,7 +290,7 @@ async def test_pictures_come_only_while_somebody_looks(hub: FakeHub, peer: Peer)
         await peer.do("image", encoding="rgb8")
     await asyncio.sleep(0.3)
     assert hub.pictures == []
-    await hub.send(Watch(streams=["base/front"]))
+    await hub.send(StreamSubscription(streams=["base/front"]))
     await show("rgb8")
     picture = hub.pictures[-1]
     assert (picture.stream, picture.width, picture.height) == ("base/front", 64, 48)
@@ -306,7 +306,7 @@ async def test_pictures_come_only_while_somebody_looks(hub: FakeHub, peer: Peer)
 async def test_device_that_is_connected_anew_says_what_is_not_there_and_works_on(
     hub: FakeHub, peer: Peer
 ) -> None:
-    await hub.send(Reconnect(device="base", who="Ada"))
+    await hub.send(ReconnectRequest(device="base", who="Ada"))
     told = await hub.next(Event, lambda each: each.kind.startswith("device "))
     assert (told.kind, told.device, told.who, told.good) == (
         "device not reconnected", "base", "Ada", False
@@ -325,7 +325,7 @@ async def test_reconnecting_a_device_leaves_driving_alone(hub: FakeHub, peer: Pe
     epoch = await take_lease(hub)
     await drive(hub, epoch)
     await peer.until(lambda: any(row[0] > 0 for row in peer.heard("cmd")))
-    await hub.send(Reconnect(device="base", who="Ada"))
+    await hub.send(ReconnectRequest(device="base", who="Ada"))
     heard = len(peer.heard("cmd"))
     await drive(hub, epoch, 0.1)
     await peer.until(lambda: any(row[0] == 0.1 for row in peer.heard("cmd")[heard:]))
@@ -355,10 +355,10 @@ devices:
             ("base", "2 of 2 topics and services are there"),
             ("spare", "it has nothing on the robot to connect to"),
         ):
-            await hub.send(Reconnect(device=device, who="Ada"))
+            await hub.send(ReconnectRequest(device=device, who="Ada"))
             told = await hub.next(Event, lambda each: each.kind.startswith("device "))
             assert (told.kind, told.message, told.good) == ("device reconnected", said, True)
-        await hub.send(Reconnect(device="cellar", who="Ada"))
+        await hub.send(ReconnectRequest(device="cellar", who="Ada"))
         told = await hub.next(Event, lambda each: each.kind.startswith("device "))
         assert (told.good, told.message) == (False, "there is no such device at the robot now")
 
@@ -367,7 +367,7 @@ async def test_site_without_a_robot_says_so_when_asked_to_reconnect(tmp_path: Pa
     text = "talaia: 1\nsite: q\nname: Q\ndevices: {d: {name: D}}"
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, text):
         await hub.until(lambda: hub.hellos, "a hello")
-        await hub.send(Reconnect(device="d", who="Ada"))
+        await hub.send(ReconnectRequest(device="d", who="Ada"))
         told = await hub.next(Event)
         assert (told.good, told.message) == (False, "this site has no robot connection")
 

@@ -42,11 +42,11 @@ from talaia.gateway.adapters.rosbridge.protocol import (
 from talaia.gateway.errors import FieldError, SettingsError
 from talaia.model.site import Command, CommandKind
 from talaia.wire.frames import (
-    CommandAsk,
     CommandPhase,
+    CommandRequest,
     CommandState,
     DeviceState,
-    Watch,
+    StreamSubscription,
 )
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ async def test_the_story_of_a_robot_behind_a_real_server(
             assert (await command(hub, "horn", "horn", tune="la")).phase is CommandPhase.SUCCEEDED
             counted = await command(hub, "count", "count", order=3)
             assert counted.phase is CommandPhase.SUCCEEDED
-            await hub.send(Watch(streams=["base/front"]))
+            await hub.send(StreamSubscription(streams=["base/front"]))
             async with asyncio.timeout(PATIENCE_S):
                 while not hub.pictures:
                     await robot.do("image", encoding="rgb8")
@@ -194,7 +194,7 @@ async def test_a_server_that_goes_away_shows_unknown_within_two_seconds_and_is_f
         text = SITE % (f"ws://127.0.0.1:{port}", "false")
         async with running(hub.url, tmp_path, text):
             await hub.until(lambda: hub.values("base/number") == [4.0], "a sample")
-            ask = CommandAsk(id="f", device="base", command="fail", ttl_ms=5000, who="Ada")
+            ask = CommandRequest(id="f", device="base", command="fail", ttl_ms=5000, who="Ada")
             await hub.send(ask)
             await hub.until(lambda: heard[-1]["op"] == "call_service", "the call")
             with Stopwatch() as watch:

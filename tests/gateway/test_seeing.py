@@ -15,12 +15,12 @@ from gateway_bench import Peer, addresses_of, drive, filled, running, take_lease
 
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
-    Described,
+    DescriptionUpdate,
     DriveState,
     Event,
     InterlockState,
-    Seen,
-    Watch,
+    SightingReport,
+    StreamSubscription,
 )
 
 if TYPE_CHECKING:
@@ -128,10 +128,10 @@ async def test_what_is_seen_becomes_samples_boxes_and_sightings(
         signals = load_site(hub.hellos[0].description).devices["base"].signals
         assert signals["front_person"].source.sees == "person"
         await hub.until(lambda: hub.values("base/front_person"), "a count")
-        await hub.send(Watch(streams=["base/front"], boxes=["base/front"]))
+        await hub.send(StreamSubscription(streams=["base/front"], boxes=["base/front"]))
         await hub.until(lambda: hub.boxes and not hub.boxes[-1].things, "boxes of nobody")
         show("person")
-        began = await hub.next(Seen)
+        began = await hub.next(SightingReport)
         assert (began.stream, began.label, began.many) == ("base/front", "person", 1)
         assert began.confidence > 0.8
         assert began.ended_us == 0
@@ -146,7 +146,7 @@ async def test_what_is_seen_becomes_samples_boxes_and_sightings(
         picture = next(each for each in hub.pictures if each.seq == boxes.seq)
         assert picture.time_us == boxes.time_us
         show("nobody")
-        over = await hub.next(Seen, lambda each: each.ended_us > 0)
+        over = await hub.next(SightingReport, lambda each: each.ended_us > 0)
         assert over.began_us == began.began_us < over.ended_us
         assert over.thumbnail == b""
         await hub.until(lambda: hub.values("base/front_person")[-1] == 0, "nobody")
@@ -161,7 +161,7 @@ async def test_cameras_of_one_detector_take_turns(peer: Peer, tmp_path: Path, si
     front = site[site.index("      front:") : site.index("    drive:")]
     both = site.replace(front, front + front.replace("      front:", "      rear:"))
     async with seeing(tmp_path, both) as hub, showing(peer, tmp_path, "person"):
-        await hub.send(Watch(streams=[], boxes=["base/front", "base/rear"]))
+        await hub.send(StreamSubscription(streams=[], boxes=["base/front", "base/rear"]))
         await hub.until(lambda: len(hub.boxes) > 40, "boxes")
         shown = [each.stream for each in hub.boxes]
         assert min(shown.count("base/front"), shown.count("base/rear")) >= 12
@@ -173,7 +173,7 @@ async def test_boxes_that_nobody_wants_stay_at_the_gateway(
     peer: Peer, tmp_path: Path, site: str
 ) -> None:
     async with seeing(tmp_path, site) as hub, showing(peer, tmp_path, "person"):
-        await hub.send(Watch(streams=["base/front"]))
+        await hub.send(StreamSubscription(streams=["base/front"]))
         await hub.until(lambda: len(hub.pictures) > 10, "pictures")
         await hub.until(lambda: hub.values("base/front_person"), "a count")
         assert hub.boxes == []
@@ -266,7 +266,7 @@ async def test_runtime_that_is_missing_is_said_on_the_camera_and_the_rest_runs(
         assert "red.onnx: there is no such file" in lost.message
         await peer.do("odom", speed=1)
         await hub.until(lambda: hub.values("base/speed"), "the speed")
-        await hub.send(Watch(streams=["base/front"]))
+        await hub.send(StreamSubscription(streams=["base/front"]))
         await hub.until(lambda: len(hub.pictures) > 3, "pictures")
         assert hub.values("base/front_person") == []
 
@@ -279,8 +279,8 @@ async def test_change_of_what_is_seen_takes_effect_at_once_and_no_sample_is_lost
         await hub.until(lambda: 1.0 in hub.values("base/front_person"), "a person")
         (process,) = children()
         file.write_text(site.replace("max_rate: 20", "max_rate: 20, confidence: 1.0"))
-        await hub.next(Described)
-        over = await hub.next(Seen, lambda each: each.ended_us > 0)
+        await hub.next(DescriptionUpdate)
+        over = await hub.next(SightingReport, lambda each: each.ended_us > 0)
         assert over.label == "person"
         await hub.until(lambda: hub.values("base/front_person")[-1] == 0.0, "none is so sure")
         # The same detector, and the same link.
@@ -294,7 +294,7 @@ async def test_change_of_what_is_seen_takes_effect_at_once_and_no_sample_is_lost
             at = blind.index(f"      {name}:")
             blind = blind[:at] + blind[blind.index("}\n", at) + 2 :]
         file.write_text(blind)
-        told = await hub.next(Described)
+        told = await hub.next(DescriptionUpdate)
         assert told.addresses == ["base/number", "base/speed"]
         await hub.until(lambda: not children(), "its end")
         assert len(hub.hellos) == 1
@@ -306,15 +306,15 @@ async def test_sighting_without_a_link_is_told_when_there_is_one_and_by_a_later_
     async with seeing(tmp_path, site, takes=False) as old, showing(peer, tmp_path, "person"):
         await old.until(lambda: 1.0 in old.values("base/front_person"), "a person")
         await old.until(lambda: list((tmp_path / "data/sightings").glob("*.seen")), "a file")
-        assert old.of(Seen) == []
+        assert old.of(SightingReport) == []
     # That gateway has ended, and its hub takes no sightings.
     async with seeing(tmp_path, site) as hub:
-        told = await hub.next(Seen)
+        told = await hub.next(SightingReport)
         assert (told.label, told.many) == ("person", 1)
         assert told.ended_us > told.began_us
         assert told.thumbnail
         hub.cut()
-        again = await hub.next(Seen)
+        again = await hub.next(SightingReport)
         assert again == told
         await hub.until(
             lambda: not list((tmp_path / "data/sightings").glob("*.seen")), "it has been carried"

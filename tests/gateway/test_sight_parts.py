@@ -24,7 +24,7 @@ from talaia.model.derived_signals import with_counts
 from talaia.model.yaml_text.load import load_site
 from talaia.objects.eyes import Told
 from talaia.objects.sightings import Sighting
-from talaia.wire.frames import LINK_FROM_GATEWAY, InterlockState, Seen
+from talaia.wire.frames import LINK_FROM_GATEWAY, InterlockState, SightingReport
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -56,12 +56,12 @@ class Bench:
         self.lanes.link_lost()
         self.telling.link_lost()
 
-    async def next(self) -> Seen:
+    async def next(self) -> SightingReport:
         async with asyncio.timeout(PATIENCE_S):
             while (data := self.lanes.next()) is None:  # noqa: ASYNC110 - told by nobody
                 await asyncio.sleep(0.01)
         seen = LINK_FROM_GATEWAY.decode(data)
-        assert isinstance(seen, Seen)
+        assert isinstance(seen, SightingReport)
         return seen
 
     def kept(self) -> list[str]:

@@ -22,7 +22,7 @@ from talaia.gateway.spool.packing import FRAME_SAMPLES, packed, unpacked
 from talaia.gateway.spool.segment import SampleRecord, pack_record, records
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 HEAD = SegmentHead("boot-a", "cat", ["base/v"])
 LARGE = 1 << 30
@@ -324,7 +324,7 @@ def samples_of(found: list[SampleRecord]) -> list[tuple]:
     rows = []
     for each in found:
         frame = LINK_FROM_GATEWAY.decode(each.body)
-        assert isinstance(frame, Samples)
+        assert isinstance(frame, SampleBatch)
         columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
         rows += [
             (frame.first + at, *row, frame.texts.get(at, ""))

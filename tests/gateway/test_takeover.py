@@ -11,7 +11,7 @@ from test_control import Bench
 
 from talaia.clock import MS, SECOND
 from talaia.gateway.driving.lease import ANSWER_NS, FORCE_NS, DeviceLease
-from talaia.wire.frames import DriveState, LeaseForce, LeaseOp, LeaseState, StopAsk
+from talaia.wire.frames import DriveState, LeaseForceRequest, LeaseOp, LeaseState, StopRequest
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,7 +25,7 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def force(bench: Bench, session: str) -> LeaseState:
-    bench.control.lease(LeaseForce(device="base", session=session, who=session))
+    bench.control.lease(LeaseForceRequest(device="base", session=session, who=session))
     return bench.robot.last(LeaseState)
 
 
@@ -175,7 +175,7 @@ def test_link_loss_forgets_holder_and_asker(bench: Bench) -> None:
 
 def test_take_over_while_stopped_changes_the_holder_and_nothing_moves(bench: Bench) -> None:
     bench.lease()
-    bench.control.stop(StopAsk(device="base", id="i", who="Ben"))
+    bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
     bench.lease("ben", LeaseOp.ASK)
     bench.lease(op=LeaseOp.ACCEPT)
     for _ in range(30):

@@ -29,7 +29,7 @@ from talaia.gateway.uplink.catchup import as_old
 from talaia.gateway.uplink.dialling import OutageLog
 from talaia.gateway.uplink.heartbeat import HeartbeatMonitor, reply_to
 from talaia.gateway.uplink.lanes import SendLanes
-from talaia.wire.frames import LINK_FROM_GATEWAY, Event, Samples, StopState, Tick
+from talaia.wire.frames import LINK_FROM_GATEWAY, ControlTick, Event, SampleBatch, StopState
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -61,8 +61,8 @@ def test_urgent_frames_go_first() -> None:
     one.backfill(b"!old")
     one.live(b"!live", 0, 1)
     one.send(Event(kind="k"))
-    one.send(Tick(tick=1))
-    assert drained(one) == [Tick(tick=1), Event(kind="k"), b"!live", b"!old"]
+    one.send(ControlTick(tick=1))
+    assert drained(one) == [ControlTick(tick=1), Event(kind="k"), b"!live", b"!old"]
 
 
 def test_results_and_events_outlive_a_lost_link_and_nothing_else_does() -> None:
@@ -71,7 +71,7 @@ def test_results_and_events_outlive_a_lost_link_and_nothing_else_does() -> None:
     one.send(Event(kind="k"))
     one.live(b"!live", 0, 1)
     one.link_lost()
-    one.send(Tick(tick=1))
+    one.send(ControlTick(tick=1))
     one.send(Event(kind="while away"))
     one.link_up()
     assert drained(one) == [Event(kind="k"), Event(kind="while away")]
@@ -90,7 +90,7 @@ def test_lanes_are_bounded() -> None:
     one = lanes()
     for number in range(3 * one.MAX_COMMANDS):
         one.send(Event(kind=f"k{number}"))
-        one.send(Tick(tick=number))
+        one.send(ControlTick(tick=number))
     assert len(drained(one)) == one.MAX_COMMANDS + one.MAX_CONTROL
     assert one.dropped_events == 2 * one.MAX_COMMANDS
 
@@ -220,7 +220,7 @@ def test_process_that_stood_still_knows_it() -> None:
 
 
 def test_old_batch_stands_alone_when_the_channel_list_changed() -> None:
-    frame = Samples(
+    frame = SampleBatch(
         boot="b", first=0, catalogue="old", base_us=0, channel=b"", offset=b"", value=b""
     )
     stored = StoredRecord(

@@ -24,7 +24,7 @@ from talaia.model.checks.site_checks import raise_first
 from talaia.model.connection import VideoConnection
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.frames import Form
+from talaia.wire.frames import PictureForm
 
 from .pictures.scenes import psnr, scene
 from .pictures.test_camera import Hall, played
@@ -73,7 +73,7 @@ async def watched(
     source: str, folder: Path, more: str = ", here: true"
 ) -> AsyncIterator[tuple[Hall, Told, VideoAdapter]]:
     site = raise_first(load_site(SITE % (more, source)))
-    hall, told = Hall(Form.H264), Told()
+    hall, told = Hall(PictureForm.H264), Told()
     outlets = AdapterContext(SystemClock(), None, hall, told, folder)  # type: ignore[arg-type]
     video = VideoAdapter(shares_of(site)[0], outlets, told)  # type: ignore[arg-type]
     running = asyncio.create_task(video.run())

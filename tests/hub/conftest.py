@@ -39,7 +39,7 @@ from talaia.wire.frames import (
     Beat,
     BeatReply,
     Hello,
-    Samples,
+    SampleBatch,
     Welcome,
 )
 
@@ -227,7 +227,7 @@ class Gateway(Peer):
         )
         self.sequence = max(self.sequence, first + len(rows))
         await self.say(
-            Samples(
+            SampleBatch(
                 boot=self.boot,
                 first=first,
                 catalogue="c1",

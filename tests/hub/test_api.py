@@ -69,7 +69,7 @@ async def test_log_out_ends_the_session_and_closes_open_sockets(hub) -> None:
     client = await hub.client("operator")
     page = await hub.page("operator")
     assert (await client.post("/api/logout")).status_code == 204
-    assert "signed out" in (await page.hear(page_wire.Ended)).reason
+    assert "signed out" in (await page.hear(page_wire.SessionEnded)).reason
     assert await page.closed() == 4401
     cookie = await hub.cookie("operator")
     answer = await (await hub.client()).get("/api/me", headers={"Cookie": cookie})
@@ -79,7 +79,7 @@ async def test_log_out_ends_the_session_and_closes_open_sockets(hub) -> None:
 async def test_new_role_closes_open_sockets(hub) -> None:
     page = await hub.page("operator")
     await hub.people.set_role("operator", "guest")
-    assert "rights have changed" in (await page.hear(page_wire.Ended)).reason
+    assert "rights have changed" in (await page.hear(page_wire.SessionEnded)).reason
     assert await page.closed() == 4401
 
 

@@ -24,9 +24,9 @@ from talaia.wire.frames import (
     ArchiveOffer,
     Beat,
     BeatReply,
-    FileHave,
     FileOffer,
     FilePiece,
+    FileProgress,
 )
 
 # A moment in the night of 20 November at the observatory's longitude, after midnight UTC.
@@ -57,15 +57,17 @@ class Files:
     def __init__(self, connection) -> None:  # noqa: D107
         self.connection = connection
 
-    async def ask(self, message) -> FileHave:
+    async def ask(self, message) -> FileProgress:
         await self.connection.send(FILES_FROM_GATEWAY.encode(message))
         return FILES_FROM_HUB.decode(await self.connection.recv())
 
-    async def piece(self, data: bytes, offer: ArchiveOffer, at: int) -> FileHave:
+    async def piece(self, data: bytes, offer: ArchiveOffer, at: int) -> FileProgress:
         part = data[at : at + PIECE]
         return await self.ask(FilePiece(id=offer.id, at=at, check=crc32(part), data=part))
 
-    async def bring(self, data: bytes, offer: ArchiveOffer, until: int | None = None) -> FileHave:
+    async def bring(
+        self, data: bytes, offer: ArchiveOffer, until: int | None = None
+    ) -> FileProgress:
         """Hand over all of a file as a gateway does, or no more than ``until``."""
         has = await self.ask(offer)
         while not has.done and not has.refused and has.have < (until or len(data)):
@@ -85,7 +87,7 @@ async def files(hub, gateway) -> Files:
     return await files_of(hub)
 
 
-async def upload(files: Files, data: bytes, **about) -> FileHave:
+async def upload(files: Files, data: bytes, **about) -> FileProgress:
     return await files.bring(data, offer_of(data, hashlib.sha256(data).hexdigest()[:32], **about))
 
 

@@ -87,20 +87,20 @@ def picture(seq: int) -> bytes:
     return simplejpeg.encode_jpeg(pixels, 95)
 
 
-def boxes(seq: int) -> frames.Boxes:
+def boxes(seq: int) -> frames.DetectedBoxes:
     left = place(seq) / WIDTH
-    bar = frames.Thing(
+    bar = frames.DetectedObject(
         label="person", score=0.9, left=left, top=0.25, right=left + BAR / WIDTH, bottom=0.75
     )
-    faint = frames.Thing(label="dog", score=0.4, left=0, top=0, right=1, bottom=1)
-    return frames.Boxes(stream=FRONT, seq=seq, time_us=seq * 50_000, things=[bar, faint])
+    faint = frames.DetectedObject(label="dog", score=0.4, left=0, top=0, right=1, bottom=1)
+    return frames.DetectedBoxes(stream=FRONT, seq=seq, time_us=seq * 50_000, things=[bar, faint])
 
 
 @asynccontextmanager
 async def filming(hub, gateway):
     """Let the camera film; each second picture is looked at, and that takes its time."""
     camera = await hub.camera()
-    await gateway.hear(frames.Watch, lambda watch: watch.boxes == [FRONT])
+    await gateway.hear(frames.StreamSubscription, lambda watch: watch.boxes == [FRONT])
 
     async def look(seq: int) -> None:
         await asyncio.sleep(LATE_S)
@@ -114,7 +114,7 @@ async def filming(hub, gateway):
                 # The scripted gateway's clock is 5 ms ahead of the hub's.
                 mono_us = time.monotonic_ns() // 1000 + 5_000
                 await camera.say(
-                    frames.Picture(
+                    frames.PictureFrame(
                         stream=FRONT, seq=seq, time_us=seq * 50_000, mono_us=mono_us,
                         width=WIDTH, height=HEIGHT, data=picture(seq),
                     )
@@ -263,7 +263,7 @@ async def test_what_is_framed_is_chosen_for_this_person_and_camera_and_kept(hub,
         await expect(strip).not_to_contain_text("person")
         gateway.heard.clear()
         await page.get_by_role("button", name="Objects", exact=True).click()
-        await gateway.hear(frames.Watch, lambda watch: not watch.boxes)
+        await gateway.hear(frames.StreamSubscription, lambda watch: not watch.boxes)
         await expect(frame).to_have_count(0)
     kept = await page.evaluate(
         "Object.entries(localStorage).find(([key]) => key.includes('objects'))"

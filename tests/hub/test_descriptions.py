@@ -10,17 +10,17 @@ import numpy as np
 from patience import PATIENCE_S
 
 from talaia.model.yaml_text.load import dump_site, load_site
-from talaia.wire.browser import EventNews, SiteNews
+from talaia.wire.browser import EventUpdate, SiteUpdate
 from talaia.wire.columns import Columns, pack
 from talaia.wire.frames import (
     Ack,
-    ChangeAsk,
     ChangePhase,
+    ChangeRequest,
     ChangeState,
-    Described,
+    DescriptionProblem,
+    DescriptionUpdate,
     Hello,
-    Problem,
-    Samples,
+    SampleBatch,
     Welcome,
 )
 from talaia.wire.sealing import deflated, digest_of, inflated, seal_of
@@ -45,9 +45,11 @@ SECOND = FIRST.replace("speed:  #", "velocity:  #").replace(
 AT = "/api/sites/agv/descriptions"
 
 
-def told(text: str, *, renamed: dict[str, str] | None = None, change: str = "") -> Described:
+def told(
+    text: str, *, renamed: dict[str, str] | None = None, change: str = ""
+) -> DescriptionUpdate:
     site = load_site(text)
-    return Described(
+    return DescriptionUpdate(
         description=deflated(dump_site(site)),
         catalogue=digest_of(text)[:8],
         addresses=[each.address for each in site.channels()],
@@ -76,7 +78,7 @@ async def sample(gateway, text: str, sequence: int, value: float) -> None:
         np.array([0], np.uint16), np.array([sequence + 1], np.int64), np.array([value]), {}
     )
     base, channel, offset, values = pack(columns)
-    frame = Samples(
+    frame = SampleBatch(
         boot="boot-1", first=sequence, catalogue=digest_of(text)[:8], base_us=base,
         channel=channel, offset=offset, value=values,
     )  # fmt: skip
@@ -91,11 +93,11 @@ async def test_every_version_is_kept_with_who_when_and_from_which_gateway(hub) -
     gateway, admin = await hub.gateway(), await hub.client("admin")
     page = await hub.page("admin")
     await greet(gateway)
-    before = await page.hear(SiteNews, lambda news: news.online)
+    before = await page.hear(SiteUpdate, lambda news: news.online)
     await gateway.say(told(SECOND, renamed={"base/speed": "base/velocity"}))
     # By this pages know that they have to ask for it anew.
-    await page.hear(SiteNews, lambda news: news.catalogue != before.catalogue)
-    event = await page.hear(EventNews, lambda news: news.kind == "description changed")
+    await page.hear(SiteUpdate, lambda news: news.catalogue != before.catalogue)
+    event = await page.hear(EventUpdate, lambda news: news.kind == "description changed")
     assert event.message == "version 2"
     found = await versions(admin)
     assert [each["number"] for each in found] == [2, 1]
@@ -121,7 +123,7 @@ async def test_difference_names_parts_and_gives_lines(hub) -> None:
     page = await hub.page("admin")
     await greet(gateway)
     await gateway.say(told(SECOND, renamed={"base/speed": "base/velocity"}))
-    await page.hear(EventNews, lambda news: news.kind == "description changed")
+    await page.hear(EventUpdate, lambda news: news.kind == "description changed")
     answer = (await admin.get(f"{AT}/1/difference", params={"to": 2})).json()
     renamed = {
         "kind": "renamed", "path": "$.devices.base.signals.velocity",
@@ -154,11 +156,13 @@ async def test_change_is_sealed_and_the_gateways_own_refusal_is_shown_with_its_p
     await greet(gateway)
     wanted = FIRST.replace("name: Speed", "name: Pace")
     asking = asyncio.create_task(admin.post(AT, json={"text": wanted, "base": digest_of(FIRST)}))
-    asked = await gateway.hear(ChangeAsk)
+    asked = await gateway.hear(ChangeRequest)
     assert inflated(asked.source) == wanted
     key_hash = hashlib.sha256(hub.keys["agv"].encode()).hexdigest()
     assert asked.seal == seal_of(key_hash, asked.id, "admin", digest_of(FIRST), wanted)
-    problem = Problem(where="$.devices.base.signals.speed.name", problem="not that", remedy="no")
+    problem = DescriptionProblem(
+        where="$.devices.base.signals.speed.name", problem="not that", remedy="no"
+    )
     await gateway.say(
         ChangeState(id=asked.id, phase=ChangePhase.REFUSED, message="not now", problems=[problem])
     )
@@ -173,13 +177,13 @@ async def test_going_back_asks_the_gateway_for_the_old_text_and_keeps_who_did_it
     page = await hub.page("admin")
     await greet(gateway)
     await gateway.say(told(SECOND, renamed={"base/speed": "base/velocity"}))
-    await page.hear(EventNews, lambda news: news.kind == "description changed")
+    await page.hear(EventUpdate, lambda news: news.kind == "description changed")
     asking = asyncio.create_task(admin.post(f"{AT}/1/restore", json={"base": digest_of(SECOND)}))
-    asked = await gateway.hear(ChangeAsk)
+    asked = await gateway.hear(ChangeRequest)
     assert inflated(asked.source) == FIRST
     back = told(FIRST, renamed={"base/velocity": "base/speed"}, change=asked.id)
     await gateway.say(back)
-    await page.hear(EventNews, lambda news: news.kind == "description changed")
+    await page.hear(EventUpdate, lambda news: news.kind == "description changed")
     await gateway.say(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
     assert (await asking).json()["phase"] == "applied"
     newest = (await versions(admin))[0]
@@ -203,7 +207,7 @@ async def test_lost_link_leaves_nobody_waiting(hub) -> None:
     await greet(gateway)
     wanted = FIRST.replace("name: Speed", "name: Pace")
     asking = asyncio.create_task(admin.post(AT, json={"text": wanted, "base": digest_of(FIRST)}))
-    await gateway.hear(ChangeAsk)
+    await gateway.hear(ChangeRequest)
     await gateway.close()
     assert (await asking).json()["phase"] == "unknown"
 
@@ -224,7 +228,9 @@ async def test_form_edit_keeps_comments_and_order(hub) -> None:
 async def test_problem_of_the_gateways_own_file_is_shown(hub) -> None:
     gateway, admin = await hub.gateway(), await hub.client("admin")
     await greet(gateway)
-    problem = Problem(where="$.devices", problem="there is no device", remedy="describe one")
+    problem = DescriptionProblem(
+        where="$.devices", problem="there is no device", remedy="describe one"
+    )
     await gateway.say(
         ChangeState(phase=ChangePhase.REFUSED, message="cannot be used", problems=[problem])
     )

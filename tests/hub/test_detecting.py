@@ -17,7 +17,14 @@ from talaia.model.derived_signals import with_counts
 from talaia.model.detection import Detect, DetectAt, ModelKind, ObjectModel
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire import frames
-from talaia.wire.browser import BoxesAsk, EventNews, ShotBoxes, SightingNews, Subscribe, Values
+from talaia.wire.browser import (
+    BoxesRequest,
+    CameraPictureBoxes,
+    EventUpdate,
+    SightingUpdate,
+    Subscribe,
+    Values,
+)
 from talaia.wire.columns import unpack
 
 from .conftest import DESCRIPTION
@@ -69,7 +76,7 @@ class Eye:
     async def show(self, data: bytes) -> int:
         self.seq, self.time_us = self.seq + 1, self.time_us + 100_000
         await self.camera.say(
-            frames.Picture(
+            frames.PictureFrame(
                 stream=FRONT, seq=self.seq, time_us=self.time_us, mono_us=self.seq, width=64,
                 height=48, forms=["jpeg_small"], data=data,
             )
@@ -81,7 +88,7 @@ class Eye:
 async def eye(hub, models):
     gateway = await hub.gateway()
     await gateway.hello(LOOKED_AT)
-    watch = await gateway.hear(frames.Watch, lambda watch: watch.streams)
+    watch = await gateway.hear(frames.StreamSubscription, lambda watch: watch.streams)
     # Nobody else looks, and small pictures do.
     assert watch.forms == {FRONT: ["jpeg_small"]}
     eye = Eye(await hub.camera())
@@ -95,25 +102,25 @@ async def test_the_hub_sees_frames_counts_and_keeps_what_comes_into_sight(
     red_detector(models / "red.onnx")
     page, viewer = await hub.page("operator"), await hub.viewer("operator", FRONT)
     await page.say(Subscribe(sub=1, site="agv", channels=["camera/front_red_thing"], every_ms=0))
-    await viewer.say(BoxesAsk(on=True))
-    await eye.gateway.hear(frames.Watch, lambda watch: watch.boxes)
+    await viewer.say(BoxesRequest(on=True))
+    await eye.gateway.hear(frames.StreamSubscription, lambda watch: watch.boxes)
     began = eye.time_us + 100_000
     for _ in range(4):
         seq = await eye.show(RED)
-        boxes = await viewer.hear(ShotBoxes, lambda boxes, seq=seq: boxes.seq == seq)
+        boxes = await viewer.hear(CameraPictureBoxes, lambda boxes, seq=seq: boxes.seq == seq)
     assert boxes.time_us == eye.time_us
     (thing,) = boxes.things
     assert thing.label == "red thing"
     assert [thing.left, thing.top, thing.right, thing.bottom] == pytest.approx(
         [0.25, 1 / 6, 0.75, 5 / 6], abs=0.01
     )
-    news = await page.hear(SightingNews)
+    news = await page.hear(SightingUpdate)
     assert (news.camera, news.label, news.began_us) == (FRONT, "red thing", began)
     values = await page.hear(Values, lambda values: values.value)
     columns = unpack(values.base_us, values.channel, values.offset, values.value, values.texts)
     assert (columns.value[0], columns.time_us[0]) == (1.0, began)
     seq = await eye.show(GREY)
-    assert not (await viewer.hear(ShotBoxes, lambda boxes: boxes.seq == seq)).things
+    assert not (await viewer.hear(CameraPictureBoxes, lambda boxes: boxes.seq == seq)).things
     client = await hub.client("operator")
     found = (await client.get("/api/sites/agv/sightings")).json()["sightings"]
     assert (found[0]["id"], found[0]["picture"]) == (str(news.id), True)
@@ -126,8 +133,8 @@ async def test_the_hub_sees_frames_counts_and_keeps_what_comes_into_sight(
     await eye.gateway.close()
     other = await hub.gateway()
     await other.hello(DESCRIPTION)
-    assert (await page.hear(SightingNews, lambda news: news.ended_us)).id == news.id
-    await other.hear(frames.Watch, lambda watch: watch.forms == {FRONT: ["jpeg"]})
+    assert (await page.hear(SightingUpdate, lambda news: news.ended_us)).id == news.id
+    await other.hear(frames.StreamSubscription, lambda watch: watch.forms == {FRONT: ["jpeg"]})
 
 
 def kept_by_the_hub(history) -> list[tuple]:
@@ -144,7 +151,7 @@ async def test_a_file_that_is_missing_at_the_hub_is_said_once_and_names_no_other
 ):
     page = await hub.page("operator")
     await eye.show(RED)
-    said = await page.hear(EventNews, lambda news: news.kind == "detection lost")
+    said = await page.hear(EventUpdate, lambda news: news.kind == "detection lost")
     assert said.device == "camera"
     assert f"{models}/red.onnx: there is no such file" in said.message
     assert "/etc/secrets" not in said.message
@@ -157,10 +164,10 @@ async def test_a_picture_that_cannot_be_read_is_said_once_and_so_is_the_recovery
     red_detector(models / "red.onnx")
     page = await hub.page("operator")
     await eye.show(data)
-    said = await page.hear(EventNews, lambda news: news.kind == "detection lost")
+    said = await page.hear(EventUpdate, lambda news: news.kind == "detection lost")
     assert "a picture cannot be read" in said.message
     # It asks for pictures again after a while.
-    await eye.gateway.hear(frames.Watch, lambda watch: not watch.streams)
-    await eye.gateway.hear(frames.Watch, lambda watch: watch.streams)
+    await eye.gateway.hear(frames.StreamSubscription, lambda watch: not watch.streams)
+    await eye.gateway.hear(frames.StreamSubscription, lambda watch: watch.streams)
     await eye.show(RED)
-    await page.hear(EventNews, lambda news: news.kind == "detection back")
+    await page.hear(EventUpdate, lambda news: news.kind == "detection back")

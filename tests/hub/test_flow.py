@@ -8,16 +8,16 @@ from typing import NamedTuple
 from hypothesis import given, settings, strategies as st
 
 from talaia.hub.live.pictures.picture_pacing import Flow, Ready
-from talaia.wire.frames import Form
+from talaia.wire.frames import PictureForm
 
 PERIOD_US = 33_333
 # Bytes of a key picture and of another, and the period, by form; as measured at 640x480.
 WEIGHTS = {
-    Form.H264: (30_000, 6_400, PERIOD_US),
-    Form.H264_SMALL: (7_000, 1_500, 2 * PERIOD_US),
-    Form.JPEG: (61_000, 61_000, PERIOD_US),
-    Form.JPEG_SMALL: (8_000, 8_000, 2 * PERIOD_US),
-    Form.STILL: (61_000, 61_000, 1_000_000),
+    PictureForm.H264: (30_000, 6_400, PERIOD_US),
+    PictureForm.H264_SMALL: (7_000, 1_500, 2 * PERIOD_US),
+    PictureForm.JPEG: (61_000, 61_000, PERIOD_US),
+    PictureForm.JPEG_SMALL: (8_000, 8_000, 2 * PERIOD_US),
+    PictureForm.STILL: (61_000, 61_000, 1_000_000),
 }
 
 
@@ -26,7 +26,7 @@ class Age(NamedTuple):
 
     at_us: int
     age_us: int
-    form: Form
+    form: PictureForm
     seq: int
 
 
@@ -40,16 +40,16 @@ class Line:
         self.drawn: list[Age] = []
         self.keys: list[int] = []
         self.spoilt = 0
-        self._due: dict[Form, int] = {}
-        self._key_at: dict[Form, int] = {}
-        self._key_next: set[Form] = set(Form)
+        self._due: dict[PictureForm, int] = {}
+        self._key_at: dict[PictureForm, int] = {}
+        self._key_next: set[PictureForm] = set(PictureForm)
         self._free_us = 0
-        self._line: deque[tuple[int, int, int, Form, bool]] = deque()
+        self._line: deque[tuple[int, int, int, PictureForm, bool]] = deque()
         self._back: deque[tuple[int, int]] = deque()
         self._seq = 0
-        self._chain: tuple[Form, int] | None = None
-        self._of: dict[int, tuple[int, Form, bool, int]] = {}
-        self._count: dict[Form, int] = {}
+        self._chain: tuple[PictureForm, int] | None = None
+        self._of: dict[int, tuple[int, PictureForm, bool, int]] = {}
+        self._count: dict[PictureForm, int] = {}
 
     def run(self, seconds: float) -> None:
         """Go on in steps of a millisecond."""
@@ -71,10 +71,10 @@ class Line:
         if self.flow.wants_key(self.now_us):
             self._key_next.add(form)
             self.keys.append(self.now_us)
-        film = form in (Form.H264, Form.H264_SMALL)
+        film = form in (PictureForm.H264, PictureForm.H264_SMALL)
         key = not film or form in self._key_next
         self._key_next.discard(form)
-        every = {Form.H264: 10_000_000, Form.H264_SMALL: 3_000_000}.get(form)
+        every = {PictureForm.H264: 10_000_000, PictureForm.H264_SMALL: 3_000_000}.get(form)
         if every and self.now_us - self._key_at.get(form, 0) >= every:
             key = True
         if key:
@@ -96,9 +96,13 @@ class Line:
             self._free_us = max(self._free_us, self.now_us) + round(weight / self.speed * 1e6)
             self._line.append((self._free_us + self.way_us, taken_us, int(frame), form, key))
 
-    def _draw(self, at_us: int, taken_us: int, seq: int, form: Form, key: bool) -> None:  # noqa: FBT001
+    def _draw(self, at_us: int, taken_us: int, seq: int, form: PictureForm, key: bool) -> None:  # noqa: FBT001
         count = self._of[seq][3]
-        if form in (Form.H264, Form.H264_SMALL) and not key and self._chain != (form, count - 1):
+        if (
+            form in (PictureForm.H264, PictureForm.H264_SMALL)
+            and not key
+            and self._chain != (form, count - 1)
+        ):
             self.spoilt += 1
         self._chain = (form, count)
         self.drawn.append(Age(at_us, at_us - taken_us, form, seq))
@@ -112,7 +116,7 @@ def settled(line: Line, after_s: float) -> list[Age]:
 def test_a_good_connection_has_every_picture_of_the_camera_s_size_at_once() -> None:
     line = Line(Flow(["h264", "jpeg"]), 10_000_000, 2_000)
     line.run(10)
-    assert {each.form for each in line.drawn} == {Form.H264}
+    assert {each.form for each in line.drawn} == {PictureForm.H264}
     assert len(line.drawn) >= 285
     assert max(each.age_us for each in line.drawn) < 10_000
 
@@ -120,7 +124,7 @@ def test_a_good_connection_has_every_picture_of_the_camera_s_size_at_once() -> N
 def test_a_far_page_on_a_wide_line_keeps_the_large_film() -> None:
     line = Line(Flow(["h264"]), 10_000_000, 150_000)
     line.run(10)
-    assert {each.form for each in line.drawn} == {Form.H264}
+    assert {each.form for each in line.drawn} == {PictureForm.H264}
     assert len(line.drawn) >= 250
 
 
@@ -131,7 +135,7 @@ def test_on_one_megabit_pictures_stay_fresher_than_300_ms() -> None:
         late = settled(line, 3)
         assert max(each.age_us for each in late) < 300_000
         assert {each.form for each in late} == {
-            Form.H264_SMALL if "h264" in able else Form.JPEG_SMALL
+            PictureForm.H264_SMALL if "h264" in able else PictureForm.JPEG_SMALL
         }
         assert len(late) / 57 > 8
         assert line.spoilt == 0
@@ -142,7 +146,7 @@ def test_one_hiccup_of_a_machine_costs_a_moment_and_not_the_large_film() -> None
     line.run(5)
     line._free_us = line.now_us + 250_000
     line.run(5)
-    assert {each.form for each in line.drawn} == {Form.H264}
+    assert {each.form for each in line.drawn} == {PictureForm.H264}
     assert line.spoilt == 0
     assert len(settled(line, 5.5)) > 130
 
@@ -159,10 +163,10 @@ def test_a_line_that_carries_next_to_nothing_still_brings_single_fresh_pictures(
 def test_a_line_that_gets_better_brings_the_large_film_back() -> None:
     line = Line(Flow(["h264"]), 60_000, 5_000)
     line.run(20)
-    assert line.flow.form is Form.H264_SMALL
+    assert line.flow.form is PictureForm.H264_SMALL
     line.speed = 10_000_000
     line.run(30)
-    assert line.flow.form is Form.H264
+    assert line.flow.form is PictureForm.H264
 
 
 def test_a_page_that_is_hidden_has_a_picture_a_second_and_then_all_again() -> None:
@@ -170,11 +174,11 @@ def test_a_page_that_is_hidden_has_a_picture_a_second_and_then_all_again() -> No
     line.run(2)
     line.flow.glance(still=True)
     line.run(5)
-    stills = [each for each in line.drawn if each.form is Form.STILL]
+    stills = [each for each in line.drawn if each.form is PictureForm.STILL]
     assert 4 <= len(stills) <= 6
     line.flow.glance(still=False)
     line.run(1)
-    assert sum(each.at_us > 7e6 and each.form is Form.H264 for each in line.drawn) > 25
+    assert sum(each.at_us > 7e6 and each.form is PictureForm.H264 for each in line.drawn) > 25
     assert line.spoilt == 0
 
 

@@ -33,21 +33,21 @@ def state(**more) -> frames.InterlockState:
     return frames.InterlockState(interlock="slope", locked=True, unsafe=True, **more)
 
 
-def override(seconds: float, reason: str = "ramp test") -> page_wire.Override:
-    return page_wire.Override(site="agv", interlock="slope", reason=reason, seconds=seconds)
+def override(seconds: float, reason: str = "ramp test") -> page_wire.PageOverride:
+    return page_wire.PageOverride(site="agv", interlock="slope", reason=reason, seconds=seconds)
 
 
 async def test_every_change_reaches_every_page_and_one_that_comes_later(hub, guarded) -> None:
     page = await hub.page("operator")
     await guarded.say(state(why="Speed: no value yet"))
-    await page.hear(page_wire.InterlockNews, lambda news: "no value" in news.why)
+    await page.hear(page_wire.InterlockUpdate, lambda news: "no value" in news.why)
     await guarded.say(state(why="Speed is above 1 m/s", for_ms=60_000))
-    news = await page.hear(page_wire.InterlockNews, lambda news: "above" in news.why)
+    news = await page.hear(page_wire.InterlockUpdate, lambda news: "above" in news.why)
     assert (news.name, news.locked, news.unsafe) == ("Too steep", True, True)
     assert (news.refuses, news.targets) == (["Vehicle base: Wander about"], ["base/wander"])
     assert (news.slows, news.slowed) == (["Vehicle base: driving to 40\u202f%"], ["base/drive"])
     assert news.longest_s == 0
-    later = await (await hub.page("admin")).hear(page_wire.InterlockNews)
+    later = await (await hub.page("admin")).hear(page_wire.InterlockUpdate)
     assert later.why == news.why
     assert abs(later.since_us - news.since_us) < 2_000_000
     assert later.longest_s == 600
@@ -56,12 +56,12 @@ async def test_every_change_reaches_every_page_and_one_that_comes_later(hub, gua
 async def test_only_an_admin_overrides_with_a_reason_and_within_the_bound(hub, guarded) -> None:
     operator, admin = await hub.page("operator"), await hub.page("admin")
     await operator.say(override(60))
-    assert (await operator.hear(page_wire.Problem)).code == "forbidden"
+    assert (await operator.hear(page_wire.RequestError)).code == "forbidden"
     for bad in (override(601), override(60, " ")):
         await admin.say(bad)
-        assert (await admin.hear(page_wire.Problem)).code == "invalid"
+        assert (await admin.hear(page_wire.RequestError)).code == "invalid"
     await admin.say(override(60))
-    asked = await guarded.hear(frames.OverrideAsk)
+    asked = await guarded.hear(frames.OverrideRequest)
     assert (asked.interlock, asked.who, asked.reason) == ("slope", "admin", "ramp test")
     assert asked.seconds == 60
 
@@ -69,7 +69,7 @@ async def test_only_an_admin_overrides_with_a_reason_and_within_the_bound(hub, g
 async def test_an_override_is_shown_with_who_why_and_for_how_long(hub, guarded) -> None:
     page = await hub.page("operator")
     await guarded.say(state(overridden_by="admin", reason="ramp test", override_ms=60_000))
-    news = await page.hear(page_wire.InterlockNews)
+    news = await page.hear(page_wire.InterlockUpdate)
     assert (news.overridden_by, news.reason) == ("admin", "ramp test")
     assert 50_000 <= news.override_ms <= 60_000
 
@@ -77,6 +77,6 @@ async def test_an_override_is_shown_with_who_why_and_for_how_long(hub, guarded) 
 async def test_nothing_is_queued_for_a_gateway_that_is_away(hub, guarded) -> None:
     admin = await hub.page("admin")
     await guarded.close()
-    await admin.hear(page_wire.SiteNews, lambda news: not news.online)
+    await admin.hear(page_wire.SiteUpdate, lambda news: not news.online)
     await admin.say(override(60))
-    assert (await admin.hear(page_wire.Problem)).code == "offline"
+    assert (await admin.hear(page_wire.RequestError)).code == "offline"

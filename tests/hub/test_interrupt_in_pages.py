@@ -45,7 +45,7 @@ async def test_the_page_says_who_acts_and_asks_before_it_interrupts(
     assert viewer.errors == []
     await page.get_by_role("button", name="Open…").click()
     await page.get_by_role("button", name="Open", exact=True).click()
-    ask = await gateway.hear(frames.CommandAsk)
+    ask = await gateway.hear(frames.CommandRequest)
     refused = frames.CommandState(
         id=ask.id, device="dome", command="open", phase=CommandPhase.REFUSED, message=WHY,
         blocked_by="hers",
@@ -58,7 +58,7 @@ async def test_the_page_says_who_acts_and_asks_before_it_interrupts(
         await page.set_viewport_size({"width": size[0], "height": size[1]})
         await page.screenshot(path=tmp_path / f"interrupt-{name}.png")
     await page.get_by_role("button", name="Interrupt").click()
-    again = await gateway.hear(frames.CommandAsk)
+    again = await gateway.hear(frames.CommandRequest)
     assert (again.command, again.over) == ("open", "hers")
     await expect(dialog).to_have_count(0)
     await gateway.say(replace(hers, acting="", message="interrupted by admin (Dome: Open)"))

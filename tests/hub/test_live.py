@@ -9,20 +9,20 @@ import pytest
 
 from talaia.hub.live.gateways import ingest
 from talaia.wire.browser import (
-    EventNews,
+    EventUpdate,
     Greeting,
-    Ping,
-    Pong,
-    Problem,
-    SiteNews,
+    PagePing,
+    PagePong,
+    RequestError,
+    SiteUpdate,
     Subscribe,
     Subscribed,
     Unsubscribe,
     Values,
 )  # fmt: skip
 from talaia.wire.columns import unpack
-from talaia.wire.frames import Ack, Again, Beat, BeatReply, Bye, Gap, Hello, Welcome
-from talaia.wire.shape import PROTOCOL, speaks
+from talaia.wire.frames import Ack, Beat, BeatReply, Bye, Hello, ResendRequest, SampleGap, Welcome
+from talaia.wire.message import PROTOCOL, speaks
 
 RECORDED = Path(__file__).parents[1] / "wire" / "recorded" / "first.json"
 NOW = 1_700_000_000_000_000
@@ -41,7 +41,7 @@ async def test_page_is_greeted_with_who_it_is_and_which_sites_there_are(hub, gat
     page = await hub.page("operator")
     greeting = await page.hear(Greeting)
     assert (greeting.who, greeting.role) == ("operator", "operator")
-    assert (await page.hear(SiteNews)).online
+    assert (await page.hear(SiteUpdate)).online
 
 
 @pytest.mark.parametrize("text", [False, True])
@@ -105,7 +105,9 @@ async def test_acknowledgement_stays_below_the_first_hole(hub, gateway) -> None:
     assert (await gateway.hear(Ack)).below == 0
     await gateway.samples(("base/speed", NOW, 0.0), ("base/speed", NOW, 1.0), first=0, live=False)
     assert (await gateway.hear(Ack)).below == 2
-    await gateway.say(Gap(boot="boot-1", first=2, last=2, from_us=1, to_us=2, reason="disk full"))
+    await gateway.say(
+        SampleGap(boot="boot-1", first=2, last=2, from_us=1, to_us=2, reason="disk full")
+    )
     assert (await gateway.hear(Ack)).below == 4
 
 
@@ -128,12 +130,12 @@ async def test_gateway_that_comes_back_is_told_what_is_stored(hub, gateway) -> N
 
 async def test_page_sees_its_site_go_and_come(hub, gateway) -> None:
     page = await hub.page("operator")
-    await page.hear(SiteNews, lambda news: news.online)
+    await page.hear(SiteUpdate, lambda news: news.online)
     await gateway.close()
-    gone = await page.hear(SiteNews, lambda news: not news.online)
+    gone = await page.hear(SiteUpdate, lambda news: not news.online)
     assert gone.why
     await (await hub.gateway()).hello()
-    await page.hear(SiteNews, lambda news: news.online)
+    await page.hear(SiteUpdate, lambda news: news.online)
 
 
 async def test_of_two_gateways_with_one_key_the_newest_wins(hub, gateway) -> None:
@@ -142,7 +144,7 @@ async def test_of_two_gateways_with_one_key_the_newest_wins(hub, gateway) -> Non
     await second.hello(boot="boot-2")
     assert "another gateway" in (await gateway.hear(Bye)).reason
     assert await gateway.closed() == 4409
-    assert not (await page.hear(EventNews, lambda news: news.kind == "second gateway")).good
+    assert not (await page.hear(EventUpdate, lambda news: news.kind == "second gateway")).good
     await subscribed(page, "base/speed")
     await second.samples(("base/speed", NOW, 0.5))
     await page.hear(Values)
@@ -155,7 +157,7 @@ async def test_of_two_gateways_the_one_whose_run_began_later_stays_in_whatever_o
     second = await hub.gateway()
     await second.hello(boot="boot-2")
     assert await gateway.closed() == 4409
-    await page.hear(EventNews, lambda news: news.kind == "second gateway")
+    await page.hear(EventUpdate, lambda news: news.kind == "second gateway")
     for _ in range(3):
         first = await hub.gateway()
         await first.say(
@@ -166,11 +168,11 @@ async def test_of_two_gateways_the_one_whose_run_began_later_stays_in_whatever_o
     await second.samples(("base/speed", NOW, 0.5))
     await second.hear(Ack)
     # The alarm is raised once for each rival, not each time it dials.
-    await page.say(Ping(n=1, at_ms=0.0))
-    await page.hear(Pong)
-    assert not [x for x in page.heard if isinstance(x, EventNews) and x.kind == "second gateway"]
+    await page.say(PagePing(n=1, at_ms=0.0))
+    await page.hear(PagePong)
+    assert not [x for x in page.heard if isinstance(x, EventUpdate) and x.kind == "second gateway"]
     await second.close()
-    await page.hear(SiteNews, lambda news: not news.online)
+    await page.hear(SiteUpdate, lambda news: not news.online)
     await (await hub.gateway()).hello(boot="boot-1")
 
 
@@ -187,7 +189,7 @@ async def test_gateway_and_page_of_a_later_version_are_understood(hub) -> None:
     await gateway.hear(Ack)
     page = await hub.page("operator")
     await page.connection.send(msgspec.msgpack.encode({"t": "from_the_future", "x": 1}))
-    problem = await page.hear(Problem)
+    problem = await page.hear(RequestError)
     assert (problem.code, problem.about) == ("unknown", "from_the_future")
     assert (await subscribed(page, "base/speed")).refused == []
 
@@ -223,7 +225,7 @@ async def test_what_the_hub_has_no_room_for_is_asked_for_again_and_nothing_else_
     await gateway.say(Beat(n=1, mono_us=1))
     await gateway.hear(BeatReply)
     history.gate.set()
-    again = await gateway.hear(Again)
+    again = await gateway.hear(ResendRequest)
     assert again.boot == "boot-1"
     assert again.below == 10
     assert 3 <= again.first <= 5
@@ -246,7 +248,7 @@ async def test_garbage_from_a_gateway_closes_its_link_and_nothing_else(hub, gate
     page = await hub.page("operator")
     await gateway.connection.send(b"\xc1garbage")
     assert await gateway.closed() == 1002
-    await page.hear(SiteNews, lambda news: not news.online)
+    await page.hear(SiteUpdate, lambda news: not news.online)
 
 
 async def test_gateway_that_falls_silent_is_gone_after_three_beats(hub) -> None:
@@ -254,7 +256,7 @@ async def test_gateway_that_falls_silent_is_gone_after_three_beats(hub) -> None:
     gateway = await hub.gateway()
     await gateway.hello()
     gateway.take = lambda message: super(type(gateway), gateway).take(message)
-    await page.hear(SiteNews, lambda news: not news.online)
+    await page.hear(SiteUpdate, lambda news: not news.online)
 
 
 async def test_changed_description_renews_subscriptions(hub, gateway) -> None:
@@ -277,17 +279,17 @@ async def test_subscription_asked_for_while_the_database_was_away_is_granted_by_
     hub, gateway, monkeypatch
 ) -> None:
     page = await hub.page("operator")
-    await page.hear(SiteNews)
+    await page.hear(SiteUpdate)
     seats = type(hub.hub.people.seats)
     monkeypatch.setattr(seats, "sure", property(lambda _: False))
     await page.say(Subscribe(sub=1, site="agv", channels=["base/speed"], every_ms=0))
     await page.say(Subscribe(sub=2, site="agv", channels=["base/speed"], every_ms=0))
     for _ in range(2):
-        assert (await page.hear(Problem)).code == "store"
+        assert (await page.hear(RequestError)).code == "store"
     # One it does not want any more.
     await page.say(Unsubscribe(sub=2))
-    await page.say(Ping(n=1, at_ms=0.0))
-    await page.hear(Pong)
+    await page.say(PagePing(n=1, at_ms=0.0))
+    await page.hear(PagePong)
     await gateway.samples(("base/speed", NOW, 0.5))
     await gateway.hear(Ack)
     monkeypatch.setattr(seats, "sure", property(lambda _: True))

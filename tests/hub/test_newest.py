@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, strategies as st
 
 from talaia.hub.live.last_values import Latest
-from talaia.wire.browser import AlarmNews, Subscribe, Subscribed, Values
+from talaia.wire.browser import AlarmUpdate, Subscribe, Subscribed, Values
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.frames import Ack
 from talaia.wire.newest import NewestSamples, newest_frame, newest_of, runs_of
@@ -80,10 +80,10 @@ async def test_alarm_goes_by_what_was_said_in_the_outage(hub) -> None:
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION + LOW)
     page = await hub.page("operator")
-    await page.hear(AlarmNews, lambda news: news.alarm == "low")
+    await page.hear(AlarmUpdate, lambda news: news.alarm == "low")
     await gateway.samples(("power/voltage", now_us(), 12.0))
     await gateway.say(newest(gateway, ("power/voltage", 4, now_us(), 10.0, 60_000.0)))
-    raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
+    raised = await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     assert raised.why == "Voltage is 10 V, below 11 V"
 
 
@@ -91,9 +91,9 @@ async def test_alarm_does_not_take_what_is_too_old_for_what_is_so_now(hub) -> No
     gateway = await hub.gateway()
     await gateway.hello(DESCRIPTION + LOW)
     page = await hub.page("operator")
-    await page.hear(AlarmNews, lambda news: news.alarm == "low")
+    await page.hear(AlarmUpdate, lambda news: news.alarm == "low")
     await gateway.say(newest(gateway, ("power/voltage", 4, now_us(), 10.0, 7_200_000.0)))
-    unknown = await page.hear(AlarmNews, lambda news: not news.known)
+    unknown = await page.hear(AlarmUpdate, lambda news: not news.known)
     assert unknown.phase == "normal"
 
 

@@ -26,8 +26,8 @@ def test_acknowledged_is_what_lies_below_the_first_hole(below, batches) -> None:
         assert run.below == hole
 
 
-def drive(session: str, seq: int) -> frames.Drive:
-    return frames.Drive(
+def drive(session: str, seq: int) -> frames.DriveFrame:
+    return frames.DriveFrame(
         device="base", session=session, epoch=1, seq=seq, tick=1, linear=0.0, angular=0.0
     )
 
@@ -35,15 +35,15 @@ def drive(session: str, seq: int) -> frames.Drive:
 def test_stop_overtakes_everything_and_driving_overtakes_the_rest() -> None:
     lanes = Lanes()
     ack = frames.Ack(boot="b", below=1)
-    command = frames.CommandAsk(id="1", device="base", command="go", ttl_ms=1.0, who="ada")
-    stop = frames.StopAsk(device="base", id="1", who="ada")
+    command = frames.CommandRequest(id="1", device="base", command="go", ttl_ms=1.0, who="ada")
+    stop = frames.StopRequest(device="base", id="1", who="ada")
     for message in (ack, command, drive("a", 1), stop):
         lanes.put(message)
     taken = [lanes.take() for _ in range(4)]
     assert [type(each) for each in taken] == [
-        frames.StopAsk,
-        frames.Drive,
-        frames.CommandAsk,
+        frames.StopRequest,
+        frames.DriveFrame,
+        frames.CommandRequest,
         frames.Ack,
     ]
     assert not lanes
@@ -68,7 +68,9 @@ def test_letting_go_is_not_passed_over_for_the_press_that_follows() -> None:
 
 def test_gateway_that_takes_nothing_is_found_out() -> None:
     lanes = Lanes()
-    asked = [lanes.put(frames.StopAsk(device="base", id=str(at), who="ada")) for at in range(5000)]
+    asked = [
+        lanes.put(frames.StopRequest(device="base", id=str(at), who="ada")) for at in range(5000)
+    ]
     assert asked[0]
     assert not asked[-1]
 

@@ -18,12 +18,12 @@ from talaia.wire.frames import (
     FILES_FROM_HUB,
     PIECE,
     Bye,
-    FileHave,
     FileOffer,
     FilePiece,
+    FileProgress,
     FilmOffer,
-    RecordAsk,
-    RecordState,
+    RecorderState,
+    RecordingRequest,
 )
 
 from .conftest import DESCRIPTION, RunningHub
@@ -161,7 +161,7 @@ async def test_bytes_that_are_not_what_was_offered_are_asked_for_again(recorded_
     told = offer()
     await bringing.ask(told)
     wrong = bytes(len(BODY))
-    has = FileHave(id=told.id)
+    has = FileProgress(id=told.id)
     for at in range(0, len(BODY), PIECE):
         has = await bringing.ask(piece(at, wrong))
     assert (has.done, has.have) == (False, 0)
@@ -229,13 +229,15 @@ async def test_a_person_begins_and_ends_one_and_sees_how_it_stands(recorded_hub)
     assert not before["may_delete"]
     assert before["topics"][0] == "/odom"
     assert (await operator.post(AT, json={"on": True, "why": " wheels "})).status_code == 202
-    assert await hub.linked.hear(RecordAsk) == RecordAsk(on=True, who="operator", why="wheels")
-    await hub.linked.say(RecordState(on=True, id="r1", why="wheels", who="operator", since_us=5))
+    assert await hub.linked.hear(RecordingRequest) == RecordingRequest(
+        on=True, who="operator", why="wheels"
+    )
+    await hub.linked.say(RecorderState(on=True, id="r1", why="wheels", who="operator", since_us=5))
     while not (now := (await listed(hub))["recorder"])["on"]:
         continue
     assert (now["why"], now["who"], now["since_us"]) == ("wheels", "operator", 5)
     assert (await operator.post(AT, json={"on": False})).status_code == 202
-    assert await hub.linked.hear(RecordAsk) == RecordAsk(on=False, who="operator")
+    assert await hub.linked.hear(RecordingRequest) == RecordingRequest(on=False, who="operator")
     guest = await hub.client("guest")
     assert (await guest.post(AT, json={"on": True})).status_code == 403
     assert (await guest.get(AT)).status_code == 403
@@ -355,12 +357,12 @@ async def test_a_person_films_one_camera_if_its_gateway_can(recorded_hub) -> Non
     said = await operator.post(AT, json=ask)
     assert (said.status_code, said.json()["code"]) == (409, "unable")
     assert (await operator.get(FILMS)).json()["may_film"] is False
-    await hub.linked.say(RecordState(on=False, can_film=True, films=[CAMERA]))
+    await hub.linked.say(RecorderState(on=False, can_film=True, films=[CAMERA]))
     while not (found := (await operator.get(FILMS)).json())["may_film"]:
         continue
     assert (found["may_film"], found["filming"]) == (True, [CAMERA])
     assert (await operator.post(AT, json=ask)).status_code == 202
-    asked = await hub.linked.hear(RecordAsk)
+    asked = await hub.linked.hear(RecordingRequest)
     assert (asked.on, asked.stream, asked.why) == (True, CAMERA, "a bird")
     assert (await operator.post(AT, json={**ask, "stream": "camera/none"})).status_code == 404
     guest = await hub.client("guest")

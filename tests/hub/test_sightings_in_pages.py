@@ -13,7 +13,7 @@ from playwright.async_api import expect
 
 from talaia.model.detection import Detect
 from talaia.wire import frames
-from talaia.wire.browser import SightingNews
+from talaia.wire.browser import SightingUpdate
 
 from .chromium import sign_in
 from .seeing import seeing
@@ -27,9 +27,9 @@ MINUTE = 60_000_000
 LOADED = "img => img.complete && img.naturalWidth"
 
 
-def seen(label: str, began_us: int, **more) -> frames.Seen:
+def seen(label: str, began_us: int, **more) -> frames.SightingReport:
     told = {"stream": FRONT, "label": label, "many": 1, "confidence": 0.8, "began_us": began_us}
-    return frames.Seen(**{**told, **more})
+    return frames.SightingReport(**{**told, **more})
 
 
 async def keep(page, name: str) -> None:
@@ -65,7 +65,7 @@ async def test_a_sighting_is_on_the_page_while_it_lasts_and_is_found_later(hub, 
     await expect(row).not_to_contain_text("in sight")
 
     await gateway.say(seen("dog", BEGAN + 60 * MINUTE, ended_us=BEGAN + 61 * MINUTE))
-    await told.hear(SightingNews, lambda news: news.label == "dog")
+    await told.hear(SightingUpdate, lambda news: news.label == "dog")
     await expect(row).to_have_count(2)
     await expect(row.first).to_contain_text("no picture")
     await keep(page, "sightings")
@@ -95,7 +95,7 @@ async def test_who_may_not_see_the_camera_sees_nothing_of_it(hub, chromium):
     await gateway.hello(SEEING)
     told = await hub.page("operator")
     await gateway.say(seen("person", BEGAN, ended_us=BEGAN + MINUTE))
-    await told.hear(SightingNews)
+    await told.hear(SightingUpdate)
     page = await sign_in(chromium, hub, "guest")
     await page.goto(f"{hub.origin}/sites/agv/sightings")
     await expect(page.get_by_text("No camera looks for anything")).to_be_visible()

@@ -22,7 +22,7 @@ from talaia.hub.settings import Settings
 from talaia.hub.store.sites.gateway_presence import Attendance
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import gateways, sites
-from talaia.wire.browser import LeaseNews, SiteNews
+from talaia.wire.browser import LeaseUpdate, SiteUpdate
 from talaia.wire.frames import Bye, Hello, LeaseState, Welcome
 
 from .conftest import DESCRIPTION
@@ -41,7 +41,7 @@ async def test_description_known_word_for_word_is_not_read_again(hub, gateway, m
     other = await hub.gateway()
     await other.hello(DESCRIPTION.replace("name: AGV", "name: AGV 2", 1))
     page = await hub.page("operator")
-    assert (await page.hear(SiteNews)).online
+    assert (await page.hear(SiteUpdate)).online
 
 
 async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
@@ -235,10 +235,10 @@ async def test_somebody_has_control_from_the_grant_to_its_end(hub, gateway) -> N
     assert not hub.hub.driven()
     held = LeaseState(device="base", session="s", who="operator", epoch=1, remains_ms=3000)
     await gateway.say(held)
-    await page.hear(LeaseNews, lambda news: news.holder == "operator")
+    await page.hear(LeaseUpdate, lambda news: news.holder == "operator")
     assert hub.hub.driven()
     await gateway.say(LeaseState(device="base"))
-    await page.hear(LeaseNews, lambda news: not news.holder)
+    await page.hear(LeaseUpdate, lambda news: not news.holder)
     assert not hub.hub.driven()
 
 

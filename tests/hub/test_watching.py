@@ -10,7 +10,7 @@ from patience import PATIENCE_S
 from talaia.clock import SystemClock
 from talaia.hub.api.schemas.anomaly_schemas import AnomalyList
 from talaia.hub.live.detection.anomaly_service import Watching
-from talaia.wire.browser import AnomalyNews, EventNews, Subscribe, Subscribed, Values
+from talaia.wire.browser import AnomalyUpdate, EventUpdate, Subscribe, Subscribed, Values
 from talaia.wire.columns import unpack
 
 from .conftest import DESCRIPTION
@@ -43,14 +43,14 @@ async def until(is_so) -> None:
 async def test_an_anomaly_is_told_when_it_begins_and_when_it_ends(hub, watched) -> None:
     page = await hub.page("operator")
     await watched.samples(("base/speed", NOW, 0.5), ("base/speed", NOW + SECOND, 2.5))
-    began = await page.hear(EventNews, lambda news: news.kind == "anomaly began")
+    began = await page.hear(EventUpdate, lambda news: news.kind == "anomaly began")
     assert began.device == "base"
     assert began.message.endswith("2.5 m/s is above the most of 2 m/s")
     assert began.time_us == NOW + SECOND
     assert not began.good
     rows = [("base/speed", NOW + (2 + at) * SECOND, 0.5) for at in range(12)]
     await watched.samples(*rows)
-    ended = await page.hear(EventNews, lambda news: news.kind == "anomaly ended")
+    ended = await page.hear(EventUpdate, lambda news: news.kind == "anomaly ended")
     assert ended.time_us == NOW + SECOND
     assert ended.good
 
@@ -89,7 +89,7 @@ async def test_a_person_says_not_an_anomaly_and_the_detector_learns(hub, watched
     overview = AnomalyList.model_validate((await client.get("/api/sites/agv/anomalies")).json())
     assert [each.detector for each in overview.detectors] == ["limits", "iqr"]
     assert overview.detectors[1].began_us == -1
-    await page.hear(EventNews, lambda news: news.kind == "anomaly ended")
+    await page.hear(EventUpdate, lambda news: news.kind == "anomaly ended")
     assert of("agv")[1].detector.k > 1.5
 
 
@@ -188,7 +188,7 @@ async def test_service_tells_what_it_finds(hub, served) -> None:
     await served.samples(
         *[("power/voltage", NOW + (400 + at) * SECOND, 9.0 + 0.01 * (at % 7)) for at in range(30)]
     )
-    began = await page.hear(EventNews, lambda news: news.kind == "anomaly began")
+    began = await page.hear(EventUpdate, lambda news: news.kind == "anomaly began")
     assert began.device == "power"
     assert began.time_us >= NOW + 400 * SECOND
 
@@ -237,13 +237,13 @@ async def test_a_page_is_told_how_a_detector_stands_when_that_changes(hub, watch
     await watched.samples(("base/speed", NOW, 0.5), ("base/speed", NOW + SECOND, 2.5))
     # Its signal is public, so a guest is told as well.
     for each in (page, guest):
-        began = await each.hear(AnomalyNews, lambda news: news.on)
+        began = await each.hear(AnomalyUpdate, lambda news: news.on)
         assert (began.address, began.detector) == ("base/speed", "limits")
         assert (began.from_us, began.to_us) == (NOW + SECOND, 0)
         assert began.why == "2.5 m/s is above the most of 2 m/s"
     rows = [("base/speed", NOW + (2 + at) * SECOND, 0.5) for at in range(12)]
     await watched.samples(*rows)
-    ended = await page.hear(AnomalyNews, lambda news: not news.on)
+    ended = await page.hear(AnomalyUpdate, lambda news: not news.on)
     assert (ended.from_us, ended.to_us) == (NOW + SECOND, NOW + SECOND)
 
 
@@ -252,12 +252,12 @@ async def test_not_an_anomaly_is_told_to_every_page_also_when_it_is_over(hub, wa
     after = [("base/speed", NOW + (61 + at) * SECOND, 0.5 + 0.01 * (at % 5)) for at in range(20)]
     page = await hub.page("guest")
     await watched.samples(*usual, ("base/speed", NOW + 60 * SECOND, 0.9), *after)
-    ended = await page.hear(AnomalyNews, lambda news: news.detector == "iqr" and not news.on)
+    ended = await page.hear(AnomalyUpdate, lambda news: news.detector == "iqr" and not news.on)
     assert not ended.forgiven
     client = await hub.client("operator")
     asked = {"address": "base/speed", "detector": "iqr"}
     await client.post("/api/sites/agv/anomalies/forgiven", json=asked)
-    marked = await page.hear(AnomalyNews, lambda news: news.forgiven)
+    marked = await page.hear(AnomalyUpdate, lambda news: news.forgiven)
     assert (marked.from_us, marked.why) == (ended.from_us, ended.why)
     overview = AnomalyList.model_validate((await client.get("/api/sites/agv/anomalies")).json())
     limits, iqr = overview.detectors
@@ -271,9 +271,9 @@ async def test_what_a_guest_may_not_see_is_not_told(hub, served) -> None:
     rows = [("power/voltage", NOW + at * SECOND, 12.0 + 0.01 * (at % 7)) for at in range(1_000)]
     await served.samples(*rows)
     # It has learned, which pages are told once.
-    told = await page.hear(AnomalyNews, lambda news: news.address == "power/voltage")
+    told = await page.hear(AnomalyUpdate, lambda news: news.address == "power/voltage")
     assert (told.learning, told.on) == (0, False)
-    assert not [each for each in guest.heard if isinstance(each, AnomalyNews)]
+    assert not [each for each in guest.heard if isinstance(each, AnomalyUpdate)]
 
 
 async def test_scores_of_before_can_be_asked_for_before_there_are_any(hub, watched) -> None:

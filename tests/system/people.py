@@ -58,7 +58,7 @@ class Page:
         self.device = device
         self.got: list[browser.ToBrowser] = []
         self.tick, self.seq, self.epoch = 0, 0, 0
-        self.sent: list[browser.Drive] = []
+        self.sent: list[browser.PageDrive] = []
         self.last_frame_ns = 0
         self._hold: asyncio.Task[None] | None = None
         self._reader = asyncio.create_task(self._read())
@@ -68,7 +68,7 @@ class Page:
             async for data in self._socket:
                 message = browser.TO_BROWSER.decode(data)
                 self.got.append(message)
-                if isinstance(message, browser.TickNews):
+                if isinstance(message, browser.TickUpdate):
                     self.tick = message.tick
 
     def all(self, kind: type[M]) -> list[M]:
@@ -91,28 +91,28 @@ class Page:
 
     async def online(self) -> None:
         await until(
-            lambda: self.all(browser.SiteNews) and self.all(browser.SiteNews)[-1].online,
+            lambda: self.all(browser.SiteUpdate) and self.all(browser.SiteUpdate)[-1].online,
             PATIENCE_S,
             "the site online",
         )
 
-    async def take(self) -> browser.LeaseNews:
+    async def take(self) -> browser.LeaseUpdate:
         """Take the lease; the epoch is kept for the frames to come."""
         since = len(self.got)
-        await self.say(browser.Lease(site=SITE, device=self.device, op=LeaseOp.TAKE))
+        await self.say(browser.PageLease(site=SITE, device=self.device, op=LeaseOp.TAKE))
         news = await self.sees(
-            browser.LeaseNews, lambda x: x.device == self.device and (x.yours or x.refused),
+            browser.LeaseUpdate, lambda x: x.device == self.device and (x.yours or x.refused),
             since=since,
         )  # fmt: skip
         if news.yours:
             self.epoch, self.seq = news.epoch, 0
-            await self.sees(browser.TickNews, since=since)
+            await self.sees(browser.TickUpdate, since=since)
         return news
 
     async def frame(self, linear: float, angular: float = 0.0) -> None:
         """Send one driving frame."""
         self.seq += 1
-        frame = browser.Drive(
+        frame = browser.PageDrive(
             site=SITE, device=self.device, epoch=self.epoch, seq=self.seq, tick=self.tick,
             linear=linear, angular=angular,
         )  # fmt: skip
@@ -130,7 +130,7 @@ class Page:
                     await self.frame(linear, angular)
                     turn += 1
                     if turn % 20 == 0:
-                        renew = browser.Lease(site=SITE, device=self.device, op=LeaseOp.RENEW)
+                        renew = browser.PageLease(site=SITE, device=self.device, op=LeaseOp.RENEW)
                         await self.say(renew)
                     await asyncio.sleep(PERIOD_S)
 
@@ -152,8 +152,8 @@ class Page:
     async def free(self) -> None:
         """Give the lease back and wait until that is so."""
         since = len(self.got)
-        await self.say(browser.Lease(site=SITE, device=self.device, op=LeaseOp.FREE))
-        await self.sees(browser.LeaseNews, lambda x: not x.holder, since=since)
+        await self.say(browser.PageLease(site=SITE, device=self.device, op=LeaseOp.FREE))
+        await self.sees(browser.LeaseUpdate, lambda x: not x.holder, since=since)
 
     async def subscribe(self, *channels: str) -> browser.Subscribed:
         since = len(self.got)
@@ -225,7 +225,7 @@ class Guest:
             async for data in socket:
                 message = browser.TO_BROWSER.decode(data)
                 self.got.append(message)
-                if isinstance(message, browser.SiteNews) and message.online and not asked:
+                if isinstance(message, browser.SiteUpdate) and message.online and not asked:
                     asked = True
                     for each in self._asks():
                         await socket.send(browser.FROM_BROWSER.encode(each))
@@ -235,13 +235,13 @@ class Guest:
         name = f"guest-{self.pages}"
         return [
             browser.Subscribe(sub=1, site=SITE, channels=["base/open", "base/count"]),
-            browser.Lease(site=SITE, device="base", op=LeaseOp.TAKE),
-            browser.Drive(
+            browser.PageLease(site=SITE, device="base", op=LeaseOp.TAKE),
+            browser.PageDrive(
                 site=SITE, device="base", epoch=1, seq=1, tick=1, linear=1.0, angular=0.0
             ),
-            browser.Stop(site=SITE, device="base", id=name),
-            browser.Reset(site=SITE, device="base", epoch=1),
-            browser.Command(site=SITE, device="base", command="none", id=name),
+            browser.PageStop(site=SITE, device="base", id=name),
+            browser.PageReset(site=SITE, device="base", epoch=1),
+            browser.PageCommand(site=SITE, device="base", command="none", id=name),
         ]
 
     def close(self) -> None:

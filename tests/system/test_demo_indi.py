@@ -25,7 +25,7 @@ from .people import Page
 pytestmark = pytest.mark.robot
 
 
-async def turn(demo: Demo, degrees: float) -> browser.CommandNews:
+async def turn(demo: Demo, degrees: float) -> browser.CommandUpdate:
     """Let the operator turn the dome, as the page does, and wait for the end."""
     async with httpx.AsyncClient(base_url=demo.address, timeout=PATIENCE_S) as client:
         page = await client.get("/")
@@ -43,12 +43,12 @@ async def turn(demo: Demo, degrees: float) -> browser.CommandNews:
         person = Page(socket_)
         await person.online()
         await person.say(
-            browser.Command(
+            browser.PageCommand(
                 site="indi", device="dome", command="goto", id="turn", args={"azimuth": degrees}
             )
         )
         return await person.sees(
-            browser.CommandNews, lambda x: x.phase not in ("accepted", "running"), within=40
+            browser.CommandUpdate, lambda x: x.phase not in ("accepted", "running"), within=40
         )
 
 

@@ -134,16 +134,16 @@ async def test_when_the_hub_is_killed_the_robot_is_told_zero_and_needs_a_new_pre
     stack.start_hub()
     await stack.gateway.says("linked to", times=links + 1)
     async with page(stack, "driver") as again:
-        assert (await again.sees(browser.LeaseNews, lambda x: x.device == "base")).holder == ""
-        await again.sees(browser.StopNews, lambda x: x.device == "base" and not x.latched)
+        assert (await again.sees(browser.LeaseUpdate, lambda x: x.device == "base")).holder == ""
+        await again.sees(browser.StopUpdate, lambda x: x.device == "base" and not x.latched)
         for frame in driver.sent[-5:]:
             await again.say(frame)
-        await again.sees(browser.DriveNews, lambda x: "nobody holds" in x.why)
+        await again.sees(browser.DriveUpdate, lambda x: "nobody holds" in x.why)
         await again.take()
         since = len(again.got)
         for frame in driver.sent[-5:]:
             await again.say(frame)
-        await again.sees(browser.DriveNews, lambda x: "earlier lease" in x.why, since=since)
+        await again.sees(browser.DriveUpdate, lambda x: "earlier lease" in x.why, since=since)
         assert moving(stack.heard("/cmd_vel", at + round(BOUND_MS * 1e6))) == []
         await drive(stack, again)
         await again.let_go()
@@ -151,9 +151,9 @@ async def test_when_the_hub_is_killed_the_robot_is_told_zero_and_needs_a_new_pre
 
 
 def _is_refusal(message: browser.ToBrowser, *, by_hub: bool) -> bool:
-    if by_hub and isinstance(message, browser.Problem):
+    if by_hub and isinstance(message, browser.RequestError):
         return message.about == "drive"
-    return isinstance(message, browser.DriveNews) and "too old" in message.why
+    return isinstance(message, browser.DriveUpdate) and "too old" in message.why
 
 
 @timed
@@ -175,8 +175,8 @@ async def test_frames_that_waited_in_a_frozen_hub_never_move_the_robot(
         froze_ns = now() - at
         times.add("hub frozen while driving", await standstill(stack, at))
         # The answer to a ping comes behind all that waited in the socket.
-        await driver.say(browser.Ping(n=1, at_ms=0.0))
-        await driver.sees(browser.Pong)
+        await driver.say(browser.PagePing(n=1, at_ms=0.0))
+        await driver.sees(browser.PagePong)
         # A hub that slept for longer is no longer sure of anybody's rights, and refuses by itself.
         await until(
             lambda: any(
@@ -205,7 +205,7 @@ async def test_frames_that_waited_in_a_frozen_gateway_never_move_the_robot(
         finally:
             stack.gateway.popen.send_signal(signal.SIGCONT)
         since = len(driver.got)
-        await driver.sees(browser.DriveNews, lambda x: "too old" in x.why, since=since)
+        await driver.sees(browser.DriveUpdate, lambda x: "too old" in x.why, since=since)
         await standstill(stack, at)
         assert moving(stack.heard("/cmd_vel", at + SILENCE_NS)) == []
         await driver.free()
@@ -239,8 +239,8 @@ async def test_when_the_gateway_is_killed_the_robots_own_time_out_stops_it(
             stack.start_gateway()
             await stack.ready()
             # The page still holds the key down, and nobody has the lease.
-            await driver.sees(browser.DriveNews, lambda x: "nobody holds" in x.why, since=since)
-            lease = await driver.sees(browser.LeaseNews, since=since)
+            await driver.sees(browser.DriveUpdate, lambda x: "nobody holds" in x.why, since=since)
+            lease = await driver.sees(browser.LeaseUpdate, since=since)
             assert (lease.holder, lease.yours) == ("", False)
             assert moving(stack.heard("/cmd_vel", at + UNDER_WAY_NS)) == []
             assert len(acted(at)) == 1
@@ -265,24 +265,24 @@ async def test_a_page_that_falls_silent_stops_the_robot_and_its_old_frames_are_r
             ({"seq": old.seq + 102, "epoch": old.epoch - 1, "tick": driver.tick}, "earlier"),
         ):
             since = len(driver.got)
-            await driver.say(browser.Drive(**{**_fields(old), **changed}))
-            await driver.sees(browser.DriveNews, lambda x, w=why: w in x.why, since=since)
+            await driver.say(browser.PageDrive(**{**_fields(old), **changed}))
+            await driver.sees(browser.DriveUpdate, lambda x, w=why: w in x.why, since=since)
         assert moving(stack.heard("/cmd_vel", at)) == []
         await driver.free()
 
 
-def _fields(frame: browser.Drive) -> dict[str, object]:
+def _fields(frame: browser.PageDrive) -> dict[str, object]:
     return {name: getattr(frame, name) for name in frame.__struct_fields__}
 
 
 async def press_stop(stack: Stack, by: Page, name: str) -> float:
     """Press STOP; give when the robot was told zero and nothing else since (ms)."""
     at = now()
-    await by.say(browser.Stop(site=SITE, device="base", id=name))
-    await by.sees(browser.StopNews, lambda x: x.id == name and x.latched)
+    await by.say(browser.PageStop(site=SITE, device="base", id=name))
+    await by.sees(browser.StopUpdate, lambda x: x.id == name and x.latched)
     await until(lambda: any(x.v is True for x in stack.heard("/stop", at)), what="the stop topic")
     # The robot itself stands still, which the site's own reading proves.
-    await by.sees(browser.StopNews, lambda x: x.latched and x.confirmed)
+    await by.sees(browser.StopUpdate, lambda x: x.latched and x.confirmed)
     heard = stack.heard("/cmd_vel", at)
     last = moving(heard)[-1].t if moving(heard) else at
     return (next(each.t for each in heard if each.t > last) - at) / 1e6
@@ -292,11 +292,11 @@ async def reset_stop(driver: Page) -> None:
     """Release STOP in its two steps."""
     about = {"site": SITE, "device": "base", "epoch": driver.epoch}
     since = len(driver.got)
-    await driver.say(browser.Reset(**about))
-    key = await driver.sees(browser.ResetKey, since=since)
+    await driver.say(browser.PageReset(**about))
+    key = await driver.sees(browser.ResetTokenUpdate, since=since)
     assert key.token
-    await driver.say(browser.Reset(**about, token=key.token))
-    await driver.sees(browser.StopNews, lambda x: not x.latched, since=since)
+    await driver.say(browser.PageReset(**about, token=key.token))
+    await driver.sees(browser.StopUpdate, lambda x: not x.latched, since=since)
 
 
 @timed
@@ -310,27 +310,27 @@ async def test_anybody_may_stop_it_and_it_stays_so_over_a_crash_until_the_driver
         times.add("STOP by another person", ms)
         at = now()
         if turn == 0:
-            await second.say(browser.Reset(site=SITE, device="base", epoch=driver.epoch))
-            assert "holds the lease" in (await second.sees(browser.ResetKey)).refused
+            await second.say(browser.PageReset(site=SITE, device="base", epoch=driver.epoch))
+            assert "holds the lease" in (await second.sees(browser.ResetTokenUpdate)).refused
         killed = stack.gateway.kill()
         since, since_second = len(driver.got), len(second.got)
         stack.start_gateway()
         await stack.ready()
-        await second.sees(browser.StopNews, lambda x: x.latched, since=since_second)
+        await second.sees(browser.StopUpdate, lambda x: x.latched, since=since_second)
         await until(
             lambda: any(x.v is True for x in stack.heard("/stop", killed)),
             10, "STOP told to the robot again",
         )  # fmt: skip
         assert (await driver.take()).yours
-        await driver.sees(browser.DriveNews, lambda x: "STOP is on" in x.why, since=since)
+        await driver.sees(browser.DriveUpdate, lambda x: "STOP is on" in x.why, since=since)
         about = {"site": SITE, "device": "base", "epoch": driver.epoch}
-        await driver.say(browser.Reset(**about, token="guessed"))  # noqa: S106
-        refusal = await driver.sees(browser.ResetKey, lambda x: x.refused, since=since)
+        await driver.say(browser.PageReset(**about, token="guessed"))  # noqa: S106
+        refusal = await driver.sees(browser.ResetTokenUpdate, lambda x: x.refused, since=since)
         assert "begin again" in refusal.refused
         since = len(driver.got)
         await reset_stop(driver)
         # Still held down, as it was all the time.
-        await driver.sees(browser.DriveNews, lambda x: "let go first" in x.why, since=since)
+        await driver.sees(browser.DriveUpdate, lambda x: "let go first" in x.why, since=since)
         assert moving(stack.heard("/cmd_vel", at)) == []
         await driver.let_go()
         driver.press(0.3)
@@ -349,7 +349,7 @@ async def test_numbers_that_are_none_and_numbers_beyond_the_limits_never_reach_t
         for wish in (math.nan, math.inf, -math.inf):
             since = len(driver.got)
             await driver.frame(wish)
-            await driver.sees(browser.Problem, lambda x: x.code == "invalid", since=since)
+            await driver.sees(browser.RequestError, lambda x: x.code == "invalid", since=since)
             await driver.frame(0.0, wish)
         await driver.let_go()
         driver.press(1e300, -1e9)
@@ -367,7 +367,7 @@ async def test_a_stamped_robot_hears_its_message_without_anybodys_clock(stack: S
         await drive(stack, driver, "/cmd_stamped")
         await until(lambda: any(x.v[0] == 0.3 for x in stack.heard("/cmd_stamped", at)))  # type: ignore[index]
         await driver.let_go()
-        await driver.sees(browser.DriveNews, lambda x: x.device == "stamped" and x.linear == 0)
+        await driver.sees(browser.DriveUpdate, lambda x: x.device == "stamped" and x.linear == 0)
         await until(lambda: stack.heard("/cmd_stamped")[-1].v == [0.0, 0.0, 0.0])
         await driver.free()
     assert {each.v[2] for each in stack.heard("/cmd_stamped", at)} == {0.0}  # type: ignore[index]
@@ -425,12 +425,16 @@ async def test_a_guest_who_looked_on_all_the_time_was_told_what_is_public_and_no
     got = list(guest.got)
     kinds = {type(each) for each in got}
     assert kinds <= {
-        browser.Greeting, browser.SiteNews, browser.Subscribed, browser.Values, browser.Problem,
-    }  # fmt: skip
+        browser.Greeting,
+        browser.SiteUpdate,
+        browser.Subscribed,
+        browser.Values,
+        browser.RequestError,
+    }
     subscribed = [each for each in got if isinstance(each, browser.Subscribed)]
     assert subscribed
     assert all(each.refused == ["base/count"] for each in subscribed)
-    problems = [each for each in got if isinstance(each, browser.Problem)]
+    problems = [each for each in got if isinstance(each, browser.RequestError)]
     assert {each.code for each in problems} == {"forbidden"}
     assert {each.about for each in problems} == {"lease", "drive", "stop", "reset", "command"}
     assert {each.role for each in got if isinstance(each, browser.Greeting)} == {"guest"}

@@ -102,14 +102,16 @@ async def does(page: ClientConnection, device: str, command: str, **args: object
     command_id = f"{device}-{command}-{len(args)}"
     await page.send(
         FROM_BROWSER.encode(
-            browser.Command(site="sky", device=device, command=command, id=command_id, args=args)
+            browser.PageCommand(
+                site="sky", device=device, command=command, id=command_id, args=args
+            )
         )
     )
     async with asyncio.timeout(PATIENCE_S):
         while True:
             news = TO_BROWSER.decode(await page.recv())
             if (
-                isinstance(news, browser.CommandNews)
+                isinstance(news, browser.CommandUpdate)
                 and news.id == command_id
                 and news.phase not in ("accepted", "running")
             ):

@@ -78,16 +78,16 @@ async def released(stack: Stack, driver: Page) -> None:
 
     def free() -> bool:
         tilt(stack, 0)
-        news = driver.all(browser.InterlockNews)
+        news = driver.all(browser.InterlockUpdate)
         return bool(news) and not news[-1].locked
 
     await until(free, what="the interlock released")
 
 
-async def command(driver: Page, name: str, command_id: str) -> browser.CommandNews:
-    await driver.say(browser.Command(site=SITE, device="base", command=name, id=command_id))
+async def command(driver: Page, name: str, command_id: str) -> browser.CommandUpdate:
+    await driver.say(browser.PageCommand(site=SITE, device="base", command=name, id=command_id))
     return await driver.sees(
-        browser.CommandNews,
+        browser.CommandUpdate,
         lambda x: x.id == command_id and x.phase not in {CommandPhase.ACCEPTED, "running"},
     )
 
@@ -106,17 +106,17 @@ async def test_unsafe_stops_the_driver_acts_and_refuses_until_it_was_safe_for_th
         await until(
             lambda: [x for x in slope.heard("/control", at) if x.v == "h"], what="the brake"
         )
-        news = await driver.sees(browser.InterlockNews, lambda x: x.locked, since=since)
+        news = await driver.sees(browser.InterlockUpdate, lambda x: x.locked, since=since)
         assert (news.name, news.why) == ("Too steep", "Tilt is above 20 °")
         assert news.refuses == ["Base: driving", "Base: Beep"]
         assert news.longest_s == 0
         refused = await command(driver, "beep", "beep-1")
         assert (refused.phase, refused.message) == ("refused", "Too steep: Tilt is above 20 °")
-        await driver.sees(browser.DriveNews, lambda x: "Too steep" in x.why)
+        await driver.sees(browser.DriveUpdate, lambda x: "Too steep" in x.why)
         # Still pressed when it is level again: nothing moves before the driver has let go.
         level = tilt(slope, 0)
         await driver.sees(
-            browser.InterlockNews, lambda x: not x.locked, since=len(driver.got), within=10
+            browser.InterlockUpdate, lambda x: not x.locked, since=len(driver.got), within=10
         )
         assert time.monotonic_ns() - level >= 1_900_000_000
         await until(lambda: time.monotonic_ns() - level > 3_000_000_000, 5)

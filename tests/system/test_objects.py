@@ -226,7 +226,7 @@ async def drive_until(
         since = len(driver.got)
 
         def lost(since: int = since) -> bool:
-            news = [each for each in driver.got[since:] if isinstance(each, wire.LeaseNews)]
+            news = [each for each in driver.got[since:] if isinstance(each, wire.LeaseUpdate)]
             return bool(news) and not news[-1].yours
 
         driver.press(linear, angular)
@@ -238,15 +238,15 @@ async def meet_and_turn_away(driver: Page) -> None:
     """Drive towards the person until that slows the vehicle down; then look elsewhere."""
 
     def told() -> bool:
-        news = [each for each in driver.all(wire.AlarmNews) if each.alarm == "person_in_the_way"]
+        news = [each for each in driver.all(wire.AlarmUpdate) if each.alarm == "person_in_the_way"]
         return bool(news) and news[-1].phase == "active"
 
     def slowed() -> bool:
-        news = [each for each in driver.got[since:] if isinstance(each, wire.DriveNews)]
+        news = [each for each in driver.got[since:] if isinstance(each, wire.DriveUpdate)]
         return any(each.cap <= 0.4 and 0 < each.linear <= 0.4 * 0.22 + 1e-9 for each in news)
 
     def gone() -> bool:
-        ended = {each.label for each in driver.all(wire.SightingNews) if each.ended_us}
+        ended = {each.label for each in driver.all(wire.SightingUpdate) if each.ended_us}
         return ended >= {"person", "dog"}
 
     # Creeping on, until it is in the way for long enough and not only at the edge of it.

@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from talaia.wire import browser, frames
-from talaia.wire.shape import Codec
+from talaia.wire.message import Codec
 
 from .test_codec import full, shapes
 

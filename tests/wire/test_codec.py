@@ -14,7 +14,7 @@ from hypothesis import given, strategies as st
 
 from talaia.wire import browser, frames
 from talaia.wire.errors import PeerError, UnknownKind
-from talaia.wire.shape import PROTOCOL, Codec, speaks
+from talaia.wire.message import PROTOCOL, Codec, speaks
 
 CODECS: list[Codec] = [
     frames.LINK_FROM_GATEWAY,
@@ -28,7 +28,7 @@ CODECS: list[Codec] = [
     frames.FILES_FROM_GATEWAY,
     frames.FILES_FROM_HUB,
 ]
-DRIVE = frames.Drive(
+DRIVE = frames.DriveFrame(
     device="base", session="s", epoch=3, seq=9, tick=77, held_ms=4.5, linear=0.1, angular=-1.0
 )
 
@@ -38,7 +38,7 @@ def test_a_frame_survives_both_forms() -> None:
         (frames.LINK_FROM_HUB, DRIVE),
         (
             frames.LINK_FROM_GATEWAY,
-            frames.Samples(
+            frames.SampleBatch(
                 boot="b", first=7, catalogue="c", base_us=1, channel=b"\0\1", offset=b"\0" * 4,
                 value=b"\0" * 8, texts={0: "on"},
             ),

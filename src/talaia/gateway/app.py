@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     from talaia.gateway.spool.segment import SampleRecord as SpoolRecord
     from talaia.gateway.watchdog.closing import Record
     from talaia.model.site import Site
-    from talaia.wire.frames import RecordState
+    from talaia.wire.frames import RecorderState
 
 __all__ = ["Gateway"]
 
@@ -311,7 +311,7 @@ class Gateway:
         """Tell that a file waits; from any thread."""
         self._loop.call_soon_threadsafe(self._to_send.set)
 
-    def _on_recording(self, state: RecordState) -> None:
+    def _on_recording(self, state: RecorderState) -> None:
         """Tell the hub how recording stands; from any thread."""
         self._loop.call_soon_threadsafe(self._lanes.send, state)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.model.site import Device
     from talaia.wire.columns import Columns
-    from talaia.wire.frames import CommandPhase, FromGateway, Picture
+    from talaia.wire.frames import CommandPhase, FromGateway, PictureFrame
 
 __all__ = [
     "Adapter",
@@ -102,7 +102,7 @@ class PictureSink(Protocol):
     """
 
     def asked(self, stream: str) -> Collection[str]:
-        """Name the forms (`talaia.wire.frames.Form`) that a stream is wanted in now."""
+        """Name the forms (`talaia.wire.frames.PictureForm`) that a stream is wanted in now."""
         ...
 
     def key_due(self, stream: str, form: str) -> bool:
@@ -122,7 +122,7 @@ class PictureSink(Protocol):
         """Take a picture for those at the gateway: number, wall and monotonic time (µs), RGB."""
         ...
 
-    def offer(self, picture: Picture) -> None:
+    def offer(self, picture: PictureFrame) -> None:
         """Take one encoded picture for the hub."""
         ...
 
@@ -130,7 +130,7 @@ class PictureSink(Protocol):
         """Tell whether a picture that came then (wall) is filmed here, whoever else looks at it."""
         ...
 
-    def film(self, picture: Picture) -> None:
+    def film(self, picture: PictureFrame) -> None:
         """Take the next encoded picture of a stream's film; none may be left out."""
         ...
 

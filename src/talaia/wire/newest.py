@@ -1,4 +1,4 @@
-"""The newest sample of many channels, as the bytes of one message; see `frames.Newest`.
+"""The newest sample of many channels, as the bytes of one message; see `frames.NewestBatch`.
 
 Columns side by side, little-endian, as in `wire.columns`; but these samples are of any age and
 from anywhere in their run, so that each has its own sequence number, time and age.
@@ -14,7 +14,7 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 
 from talaia.wire.columns import MAX_SAMPLES, Columns, part
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import Newest
+from talaia.wire.frames import NewestBatch
 
 __all__ = ["NewestSamples", "chosen_newest", "newest_frame", "newest_of", "runs_of"]
 
@@ -38,10 +38,10 @@ class NewestSamples(NamedTuple):
 
 def newest_frame(
     known: NewestSamples, boot: str, catalogue: str, addresses: list[str] | None = None
-) -> Newest:
+) -> NewestBatch:
     """Make the message; ``addresses`` is what the channels index, where the catalogue is not."""
     columns = known.columns
-    return Newest(
+    return NewestBatch(
         boot=boot,
         catalogue=catalogue,
         channel=columns.channel.astype("<u2").tobytes(),
@@ -54,7 +54,7 @@ def newest_frame(
     )
 
 
-def newest_of(message: Newest) -> NewestSamples:
+def newest_of(message: NewestBatch) -> NewestSamples:
     """Read the message back.
 
     Raises:

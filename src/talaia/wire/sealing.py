@@ -48,9 +48,9 @@ def seal_of(key_hash: str, change_id: str, who: str, base: str, text: str) -> st
 
     Args:
         key_hash: SHA-256 of the gateway's key, hex.
-        change_id: see `ChangeAsk`.
-        who: see `ChangeAsk`.
-        base: see `ChangeAsk`.
+        change_id: see `ChangeRequest`.
+        who: see `ChangeRequest`.
+        base: see `ChangeRequest`.
         text: the description.
 
     """

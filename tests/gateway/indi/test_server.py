@@ -21,7 +21,13 @@ from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import load_site
 from talaia.sim.observatory.night import at_night
-from talaia.wire.frames import CommandAsk, CommandCancel, CommandPhase, CommandState, DeviceState
+from talaia.wire.frames import (
+    CommandCancel,
+    CommandPhase,
+    CommandRequest,
+    CommandState,
+    DeviceState,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -59,7 +65,9 @@ class Bench:
         self._count += 1
         ask_id = f"ask-{self._count}"
         await self.hub.send(
-            CommandAsk(id=ask_id, device=device, command=command, args=args, ttl_ms=5000, who="Ada")
+            CommandRequest(
+                id=ask_id, device=device, command=command, args=args, ttl_ms=5000, who="Ada"
+            )
         )
         return ask_id
 

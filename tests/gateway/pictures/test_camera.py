@@ -19,7 +19,7 @@ from talaia.gateway.video.h264 import Encoder, bits_for
 from talaia.gateway.video.jpeg import jpeg_of
 from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of
 from talaia.model.site import Source, Stream
-from talaia.wire.frames import Form, Picture
+from talaia.wire.frames import PictureForm, PictureFrame
 
 from .scenes import packed, psnr, scene
 
@@ -29,15 +29,15 @@ STEP_US = 33_333
 class Hall:
     """A `PictureSink` that keeps what it gets."""
 
-    def __init__(self, *forms: Form) -> None:
+    def __init__(self, *forms: PictureForm) -> None:
         """Want these forms."""
         self.forms = forms
         self.share = 1.0
         self.keys: set[str] = set()
-        self.got: list[Picture] = []
+        self.got: list[PictureFrame] = []
         self.troubles: list[str] = []
         self.looks: list[tuple] = []
-        self.filmed: list[Picture] = []
+        self.filmed: list[PictureFrame] = []
         self.wish = Filming.NO
 
     def filming(self, _stream: str, _time_us: int) -> Filming:
@@ -46,10 +46,10 @@ class Hall:
             self.wish = Filming.ON
         return wish
 
-    def film(self, picture: Picture) -> None:
+    def film(self, picture: PictureFrame) -> None:
         self.filmed.append(picture)
 
-    def asked(self, _stream: str) -> tuple[Form, ...]:
+    def asked(self, _stream: str) -> tuple[PictureForm, ...]:
         return self.forms
 
     def key_due(self, _stream: str, form: str) -> bool:
@@ -63,7 +63,7 @@ class Hall:
     def look(self, *look: object) -> None:
         self.looks.append(look)
 
-    def offer(self, picture: Picture) -> None:
+    def offer(self, picture: PictureFrame) -> None:
         self.got.append(picture)
 
     def trouble(self, _stream: str, why: str) -> None:
@@ -88,7 +88,7 @@ def film(
     return sent
 
 
-def played(pictures: list[Picture]) -> list[np.ndarray]:
+def played(pictures: list[PictureFrame]) -> list[np.ndarray]:
     decoder = av.CodecContext.create("h264", "r")
     decoder.flags |= av.codec.context.Flags.low_delay
     frames = [frame for each in pictures for frame in decoder.decode(av.Packet(each.data))]
@@ -96,7 +96,7 @@ def played(pictures: list[Picture]) -> list[np.ndarray]:
 
 
 def test_a_film_is_what_was_sent_and_one_of_many_forms_costs_one_encoding() -> None:
-    hall = Hall(Form.H264)
+    hall = Hall(PictureForm.H264)
     sent = film(stream()[0], hall)
     assert [each.key for each in hall.got] == [True] + [False] * 29
     assert [each.seq for each in hall.got] == list(range(1, 31))
@@ -111,17 +111,17 @@ def test_a_film_is_what_was_sent_and_one_of_many_forms_costs_one_encoding() -> N
     "encoding", ["yuyv", "nv12", "i420", "uyvy", "mono8", "bgra8", "bayer_rggb8"]
 )
 def test_encodings_keep_their_colours_through_the_film(encoding: str) -> None:
-    hall = Hall(Form.H264)
+    hall = Hall(PictureForm.H264)
     sent = film(stream()[0], hall, 3, encoding)
     expected = rgb_of(pixels_of(packed(sent[-1], encoding)))
     assert psnr(played(hall.got)[-1], expected) > 30
 
 
 def test_whoever_comes_gets_a_picture_to_begin_with_and_no_one_can_ask_for_only_those() -> None:
-    hall, (taker, _) = Hall(Form.H264), stream()
+    hall, (taker, _) = Hall(PictureForm.H264), stream()
     sent = [packed(scene(64, 48, turn), "rgb8") for turn in range(60)]
     for at, each in enumerate(sent):
-        hall.keys.add(Form.H264)
+        hall.keys.add(PictureForm.H264)
         taker.take(each, at, at * STEP_US, hall)
     keys = [each.seq for each in hall.got if each.key]
     assert 6 <= len(keys) <= 8
@@ -129,13 +129,13 @@ def test_whoever_comes_gets_a_picture_to_begin_with_and_no_one_can_ask_for_only_
 
 
 def test_each_form_has_its_size_and_pace() -> None:
-    hall, (taker, _) = Hall(*Form), stream()
+    hall, (taker, _) = Hall(*PictureForm), stream()
     film(taker, hall, 60)
-    by_form = {form: [each for each in hall.got if form in each.forms] for form in Form}
-    assert [len(by_form[each]) for each in (Form.H264, Form.JPEG)] == [60, 60]
-    assert {len(by_form[each]) for each in (Form.H264_SMALL, Form.JPEG_SMALL)} == {30}
-    assert 2 <= len(by_form[Form.STILL]) <= 3
-    assert {(each.width, each.height) for each in by_form[Form.H264]} == {(320, 240)}
+    by_form = {form: [each for each in hall.got if form in each.forms] for form in PictureForm}
+    assert [len(by_form[each]) for each in (PictureForm.H264, PictureForm.JPEG)] == [60, 60]
+    assert {len(by_form[each]) for each in (PictureForm.H264_SMALL, PictureForm.JPEG_SMALL)} == {30}
+    assert 2 <= len(by_form[PictureForm.STILL]) <= 3
+    assert {(each.width, each.height) for each in by_form[PictureForm.H264]} == {(320, 240)}
     wide = packed(scene(640, 480), "rgb8")
     taker.take(wide, 99, 99 * STEP_US, hall)
     small = [each for each in hall.got[-4:] if each.forms[0].endswith("small")]
@@ -153,7 +153,7 @@ def test_what_nobody_wants_is_neither_read_nor_encoded() -> None:
 
 
 def test_a_full_link_gets_nothing_and_a_narrow_one_gets_less() -> None:
-    hall, (taker, _) = Hall(Form.H264), stream(kbits=4000)
+    hall, (taker, _) = Hall(PictureForm.H264), stream(kbits=4000)
     noise = [
         np.random.default_rng(each).integers(0, 255, (240, 320, 3), np.uint8) for each in range(90)
     ]
@@ -172,14 +172,14 @@ def test_a_full_link_gets_nothing_and_a_narrow_one_gets_less() -> None:
 
 def test_without_an_encoder_all_is_jpeg_and_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "ABLE", False)
-    hall, (taker, _) = Hall(Form.H264, Form.JPEG), stream(quality=90)
+    hall, (taker, _) = Hall(PictureForm.H264, PictureForm.JPEG), stream(quality=90)
     sent = film(taker, hall, 2)
     assert [(each.format, each.forms) for each in hall.got] == [("jpeg", ["h264", "jpeg"])] * 2
     assert psnr(simplejpeg.decode_jpeg(hall.got[1].data), sent[1]) > 30
 
 
 def test_a_camera_s_own_jpeg_passes_as_it_is_and_becomes_a_film_for_others() -> None:
-    hall, (taker, _) = Hall(Form.H264, Form.JPEG), stream("CompressedImage")
+    hall, (taker, _) = Hall(PictureForm.H264, PictureForm.JPEG), stream("CompressedImage")
     own = jpeg_of(packed(scene(320, 240), "rgb8"), 90, 0)[0]
     taker.take(Message(format="jpeg", data=np.frombuffer(own, np.uint8)), 0, 0, hall)
     film_one, same = hall.got
@@ -193,14 +193,14 @@ def test_a_png_is_read() -> None:
     encoder.time_base = Fraction(1, 30)
     frame = av.VideoFrame.from_ndarray(scene(320, 240), format="rgb24")
     data = b"".join(bytes(each) for each in [*encoder.encode(frame), *encoder.encode(None)])
-    hall, (taker, _) = Hall(Form.JPEG), stream("CompressedImage", quality=95)
+    hall, (taker, _) = Hall(PictureForm.JPEG), stream("CompressedImage", quality=95)
     taker.take(Message(format="png", data=data), 0, 0, hall)
     assert psnr(simplejpeg.decode_jpeg(hall.got[0].data), scene(320, 240)) > 32
     taker.take(Message(format="png", data=data[:200]), 1, STEP_US, hall)
     assert "PNG cannot be decoded" in hall.troubles[0]
 
 
-@pytest.mark.parametrize("form", [Form.H264, Form.JPEG])
+@pytest.mark.parametrize("form", [PictureForm.H264, PictureForm.JPEG])
 @pytest.mark.parametrize(
     ("change", "word"),
     [
@@ -211,7 +211,7 @@ def test_a_png_is_read() -> None:
     ],
 )
 def test_a_bad_picture_is_told_and_the_next_good_one_comes(
-    form: Form, change: dict, word: str
+    form: PictureForm, change: dict, word: str
 ) -> None:
     hall, (taker, told) = Hall(form), stream()
     bad = Message(**(vars(packed(scene(), "rgb8")) | change))
@@ -246,7 +246,7 @@ def cdr(form: str) -> bytes:
 def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
     form: str, cut: int, at: int, noise: bytes
 ) -> None:
-    hall = Hall(Form.H264, Form.JPEG)
+    hall = Hall(PictureForm.H264, PictureForm.JPEG)
     decode = decoder_for(f"sensor_msgs/msg/{form}", unread)
     described = Stream(name="F", source=Source(topic="/i", type=f"sensor_msgs/msg/{form}"))
     taker = PictureStream("cam/front", described, decode, lambda *_: None)
@@ -257,7 +257,7 @@ def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
 
 
 def test_a_camera_that_changes_its_size_goes_on() -> None:
-    hall, (taker, _) = Hall(Form.H264), stream()
+    hall, (taker, _) = Hall(PictureForm.H264), stream()
     for at, (width, height) in enumerate([(64, 48), (64, 48), (128, 96), (33, 17), (1, 1)]):
         taker.take(packed(scene(width, height), "rgb8"), at, at * 10 * STEP_US, hall)
     assert [(each.width, each.height, each.key) for each in hall.got] == [
@@ -295,9 +295,9 @@ def photograph(width: int, height: int, turn: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("share", [0.1, 0.2, 0.5])
-@pytest.mark.parametrize("form", [Form.H264, Form.H264_SMALL])
+@pytest.mark.parametrize("form", [PictureForm.H264, PictureForm.H264_SMALL])
 def test_on_a_narrow_line_pictures_are_fewer_but_none_is_a_grey_area(
-    form: Form, share: float
+    form: PictureForm, share: float
 ) -> None:
     """A key picture of 277 bytes was decoded to even grey, and was called live."""
     hall, (taker, _) = Hall(form), stream()
@@ -314,7 +314,7 @@ def test_on_a_narrow_line_pictures_are_fewer_but_none_is_a_grey_area(
 
 
 def test_an_encoder_goes_on_while_the_share_of_the_line_wavers() -> None:
-    hall, (taker, _) = Hall(Form.H264), stream()
+    hall, (taker, _) = Hall(PictureForm.H264), stream()
     for at in range(60):
         hall.share = (0.7, 0.6, 0.8)[at // 10 % 3]
         taker.take(packed(scene(320, 240, at), "rgb8"), at, at * STEP_US, hall)

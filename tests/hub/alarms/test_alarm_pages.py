@@ -8,7 +8,7 @@ import pytest
 from playwright.async_api import expect
 
 from talaia.hub.ports import AnomalyNews, Sighting
-from talaia.wire.browser import AlarmNews
+from talaia.wire.browser import AlarmUpdate
 
 from ..chromium import sign_in  # noqa: TID252 - of the same tests
 from ..conftest import DESCRIPTION, PASSWORD  # noqa: TID252
@@ -38,7 +38,7 @@ async def test_bar_shows_an_alarm_on_every_page_until_it_is_acknowledged(hub, ch
     await expect(bar).to_contain_text("Battery low")
     await bar.get_by_role("button", name="Acknowledge Battery low").click()
     await expect(bar).to_have_count(0)
-    await listening.hear(AlarmNews, lambda news: news.acked_by == "operator")
+    await listening.hear(AlarmUpdate, lambda news: news.acked_by == "operator")
     await page.get_by_role("link", name="Alarms").click()
     row = page.locator("li[data-alarm=low]")
     await expect(row).to_contain_text("active, acknowledged")

@@ -19,7 +19,7 @@ from aiosmtpd.smtp import SMTP
 from patience import PATIENCE_S
 from ports import free_port
 
-from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, AlarmNews
+from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, AlarmUpdate
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB
 
 from ..conftest import (  # noqa: TID252 - of the same tests
@@ -141,20 +141,20 @@ async def hub(settings, history, mailbox):
 async def test_alarm_whose_message_waits_survives_the_kill_and_is_told_once(hub, mailbox):
     gateway, page = await hub.gateway("one"), await hub.page()
     await gateway.samples(("power/voltage", time.time_ns() // 1000, 10.0))
-    await page.hear(AlarmNews, lambda news: news.phase == "active")
+    await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     await hub.end(signal.SIGKILL)
     assert mailbox.mails == []
     await hub.start()
     async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
     page = await hub.page()
-    told = await page.hear(AlarmNews, lambda news: news.alarm == "low")
+    told = await page.hear(AlarmUpdate, lambda news: news.alarm == "low")
     assert (told.phase, told.undelivered) == ("active", "")
     # Still low: the same alarm, and no other message.
     again = await hub.gateway("two")
     await again.samples(("power/voltage", time.time_ns() // 1000, 9.0))
     await again.samples(("power/voltage", time.time_ns() // 1000, 12.0))
-    await page.hear(AlarmNews, lambda news: news.phase == "cleared")
+    await page.hear(AlarmUpdate, lambda news: news.phase == "cleared")
     mailbox.news.clear()
     async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
@@ -171,7 +171,7 @@ async def test_message_under_way_at_the_kill_is_not_repeated_and_the_page_says_s
     mailbox.may_answer.set()
     await hub.start()
     page = await hub.page()
-    told = await page.hear(AlarmNews, lambda news: news.alarm == "low")
+    told = await page.hear(AlarmUpdate, lambda news: news.alarm == "low")
     assert told.phase == "active"
     assert "it may have been delivered" in told.undelivered
     assert len(mailbox.mails) == 1

@@ -16,8 +16,8 @@ from aiosmtpd.smtp import SMTP
 from patience import PATIENCE_S
 
 from talaia.hub.ports import AnomalyNews, AnomalySink, Sighting, SightingSink
-from talaia.wire.browser import AlarmNews, EventNews, SightingNews
-from talaia.wire.frames import RecordAsk, Seen
+from talaia.wire.browser import AlarmUpdate, EventUpdate, SightingUpdate
+from talaia.wire.frames import RecordingRequest, SightingReport
 
 from ..conftest import DESCRIPTION, RunningHub  # noqa: TID252 - of the same tests
 
@@ -49,24 +49,24 @@ async def watched(hub):
 
 async def test_an_alarm_is_raised_told_acknowledged_and_cleared(hub, watched):
     page = await hub.page("operator")
-    await page.hear(AlarmNews, lambda news: news.alarm == "low")
+    await page.hear(AlarmUpdate, lambda news: news.alarm == "low")
     await watched.samples(("power/voltage", now_us(), 10.0))
-    raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
+    raised = await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     assert (raised.severity, raised.device, raised.why) == (
         "critical",
         "power",
         "Voltage is 10 V, below 11 V",
     )
-    assert (await watched.hear(RecordAsk)).alarm
-    mark = await page.hear(EventNews, lambda news: news.kind == "alarm raised")
+    assert (await watched.hear(RecordingRequest)).alarm
+    mark = await page.hear(EventUpdate, lambda news: news.kind == "alarm raised")
     assert not mark.good
     client = await hub.client("operator")
     done = await client.post("/api/sites/agv/alarms/low/act", json={"act": "acknowledge"})
     assert done.status_code == 204, done.text
-    seen = await page.hear(AlarmNews, lambda news: news.phase == "acknowledged")
+    seen = await page.hear(AlarmUpdate, lambda news: news.phase == "acknowledged")
     assert seen.acked_by == "operator"
     await watched.samples(("power/voltage", now_us(), 12.0))
-    await page.hear(AlarmNews, lambda news: news.phase == "normal" and news.cleared_us)
+    await page.hear(AlarmUpdate, lambda news: news.phase == "normal" and news.cleared_us)
     past = (await client.get("/api/sites/agv/alarms/low/history")).json()["past"]
     assert [each["what"] for each in past] == ["cleared", "acknowledged", "raised"]
     events = (await client.get("/api/sites/agv/events", params={"kind": "alarm"})).json()
@@ -185,7 +185,7 @@ async def test_what_a_changed_rule_has_gathered_is_told_once_and_to_the_new_addr
     (kept,) = (await operator.get("/api/me/rules")).json()["rules"]
     page = await hub.page("operator")
     await watched.samples(("power/voltage", now_us(), 10.0))
-    await page.hear(AlarmNews, lambda news: news.phase == "active")
+    await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     asked = {key: said for key, said in kept.items() if key != "id"}
     moved = {**asked, "target": "new@example.org", "group_s": 0}
     assert (await operator.put(f"/api/me/rules/{rule}", json=moved)).status_code == 204
@@ -223,17 +223,17 @@ async def test_two_people_before_a_camera_bring_one_mail(hub, mailbox):
     began = now_us()
 
     async def see(many: int, *, ended_us: int = 0) -> None:
-        seen = Seen(
+        seen = SightingReport(
             stream="camera/front", label="person", many=many, confidence=0.8, began_us=began,
             ended_us=ended_us,
         )  # fmt: skip
         await gateway.say(seen)
-        await page.hear(SightingNews)
+        await page.hear(SightingUpdate)
 
     await see(1)
     assert not any(getattr(each, "phase", "") == "active" for each in page.heard)
     await see(2)
-    raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
+    raised = await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     assert (raised.device, raised.why) == ("camera", "2 × person seen (80% sure)")
     async with asyncio.timeout(PATIENCE_S):
         await mailbox.news.wait()
@@ -242,10 +242,10 @@ async def test_two_people_before_a_camera_bring_one_mail(hub, mailbox):
     assert "2 × person seen" in said
     assert "Call the guard." in said
     await see(2, ended_us=began + 5_000_000)
-    await page.hear(AlarmNews, lambda news: news.cleared_us)
+    await page.hear(AlarmUpdate, lambda news: news.cleared_us)
     # Said once more, and better known, since the link was cut before it was surely heard.
     await gateway.say(
-        Seen(
+        SightingReport(
             stream="camera/front", label="person", many=2, confidence=0.8, began_us=began,
             ended_us=began + 6_000_000,
         )
@@ -263,7 +263,7 @@ async def test_an_alarm_that_could_not_be_delivered_says_so_on_the_page(hub, wat
     mailbox.answer = "550 nobody of that name here"
     page = await hub.page("operator")
     await watched.samples(("power/voltage", now_us(), 10.0))
-    news = await page.hear(AlarmNews, lambda news: news.undelivered)
+    news = await page.hear(AlarmUpdate, lambda news: news.undelivered)
     assert "550 nobody of that name here" in news.undelivered
 
 
@@ -327,12 +327,12 @@ async def test_an_alarm_and_who_acknowledged_it_survive_a_restart(settings, hist
         await gateway.hello(DESCRIPTION + LOW)
         page = await hub.page("operator")
         await gateway.samples(("power/voltage", now_us(), 10.0))
-        await page.hear(AlarmNews, lambda news: news.phase == "active")
+        await page.hear(AlarmUpdate, lambda news: news.phase == "active")
         client = await hub.client("operator")
         await client.post("/api/sites/agv/alarms/low/act", json={"act": "acknowledge"})
     async with RunningHub(settings, history) as again:
         page = await again.page("operator")
-        news = await page.hear(AlarmNews)
+        news = await page.hear(AlarmUpdate)
         assert (news.phase, news.acked_by) == ("acknowledged", "operator")
         past = await (await again.client("operator")).get("/api/sites/agv/alarms/low/history")
         assert [each["what"] for each in past.json()["past"]] == ["acknowledged", "raised"]
@@ -355,14 +355,14 @@ async def test_an_alarm_made_in_the_page_works_and_one_that_does_not_fit_says_wh
     assert made.status_code == 204, made.text
     await gateway.samples(("base/speed", now_us(), -2.0))
     why = "Voltage has never been heard of"
-    unknown = await page.hear(AlarmNews, lambda news: news.unknown_why == why)
+    unknown = await page.hear(AlarmUpdate, lambda news: news.unknown_why == why)
     assert (unknown.phase, unknown.known) == ("normal", False)
     await gateway.samples(("power/voltage", now_us(), 12.0))
-    raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
+    raised = await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     # About two devices: of the whole site.
     assert raised.device == ""
     assert (await admin.delete("/api/sites/agv/alarms/fast")).status_code == 204
-    await page.hear(AlarmNews, lambda news: news.gone)
+    await page.hear(AlarmUpdate, lambda news: news.gone)
 
 
 async def test_detectors_raise_alarms_by_one_line(hub):
@@ -380,14 +380,14 @@ alarms:
     seen = Sighting("agv", "camera/front", "person", 1, 0.9, 1_000, None)
     seeing.sighting(seen._replace(confidence=0.5))
     seeing.sighting(seen)
-    raised = await page.hear(AlarmNews, lambda news: news.phase == "active")
+    raised = await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     assert (raised.alarm, raised.why) == ("someone", "person seen (90% sure)")
     seeing.sighting(seen._replace(ended_us=2_000))
-    await page.hear(AlarmNews, lambda news: news.phase == "cleared")
+    await page.hear(AlarmUpdate, lambda news: news.phase == "cleared")
     # Told only when it was over, it has been there all the same.
     await gateway.samples(("base/speed", now_us(), 0.1))
     odd = AnomalyNews("agv", "base/speed", "baseline", 5_000, 6_000, 0.9, "far from its median")
     feeling.anomaly(odd._replace(score=0.2))
     feeling.anomaly(odd)
-    raised = await page.hear(AlarmNews, lambda news: news.alarm == "odd" and news.raised_us)
+    raised = await page.hear(AlarmUpdate, lambda news: news.alarm == "odd" and news.raised_us)
     assert "far from its median" in raised.why

@@ -10,7 +10,7 @@ from talaia.wire.frames import LeaseOp
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from talaia.wire.shape import Message
+    from talaia.wire.message import Message
 
 DEVICES = ("agv/base", "agv/power", "agv/camera", "moon/rover")
 SITES = ("agv", "moon")
@@ -30,62 +30,62 @@ TRIALS: Mapping[type[Message], Trial] = {
         lambda site, _device, _mark: browser.Subscribe(sub=1, site=site, channels=[]), SITES
     ),
     browser.Unsubscribe: Trial(lambda *_about: browser.Unsubscribe(sub=1), ("",)),
-    browser.Ping: Trial(lambda *_about: browser.Ping(n=1, at_ms=0.0), ("",)),
-    browser.Lease: Trial(
-        lambda site, device, _mark: browser.Lease(site=site, device=device, op=LeaseOp.TAKE),
+    browser.PagePing: Trial(lambda *_about: browser.PagePing(n=1, at_ms=0.0), ("",)),
+    browser.PageLease: Trial(
+        lambda site, device, _mark: browser.PageLease(site=site, device=device, op=LeaseOp.TAKE),
         DEVICES,
-        frames.LeaseAsk,
+        frames.LeaseRequest,
     ),
-    browser.Drive: Trial(
-        lambda site, device, _mark: browser.Drive(
+    browser.PageDrive: Trial(
+        lambda site, device, _mark: browser.PageDrive(
             site=site, device=device, epoch=1, seq=1, tick=1, linear=0.5, angular=0.0
         ),
         DEVICES,
-        frames.Drive,
+        frames.DriveFrame,
     ),
-    browser.Stop: Trial(
-        lambda site, device, mark: browser.Stop(site=site, device=device, id=mark),
+    browser.PageStop: Trial(
+        lambda site, device, mark: browser.PageStop(site=site, device=device, id=mark),
         DEVICES,
-        frames.StopAsk,
+        frames.StopRequest,
     ),
-    browser.Reset: Trial(
-        lambda site, device, _mark: browser.Reset(site=site, device=device, epoch=1),
+    browser.PageReset: Trial(
+        lambda site, device, _mark: browser.PageReset(site=site, device=device, epoch=1),
         DEVICES,
-        frames.ResetAsk,
+        frames.ResetRequest,
     ),
-    browser.Command: Trial(
-        lambda site, device, mark: browser.Command(
+    browser.PageCommand: Trial(
+        lambda site, device, mark: browser.PageCommand(
             site=site, device=device, command="turn", id=mark
         ),
         DEVICES,
-        frames.CommandAsk,
+        frames.CommandRequest,
     ),
-    browser.LeaseForce: Trial(
-        lambda site, device, _mark: browser.LeaseForce(site=site, device=device),
+    browser.PageLeaseForce: Trial(
+        lambda site, device, _mark: browser.PageLeaseForce(site=site, device=device),
         DEVICES,
-        frames.LeaseForce,
+        frames.LeaseForceRequest,
     ),
-    browser.Cancel: Trial(
-        lambda site, device, mark: browser.Cancel(site=site, device=device, id=mark),
+    browser.PageCommandCancel: Trial(
+        lambda site, device, mark: browser.PageCommandCancel(site=site, device=device, id=mark),
         DEVICES,
         frames.CommandCancel,
     ),
-    browser.Override: Trial(
-        lambda site, _device, mark: browser.Override(
+    browser.PageOverride: Trial(
+        lambda site, _device, mark: browser.PageOverride(
             site=site, interlock="lock", reason=mark, seconds=1.0
         ),
         SITES,
-        frames.OverrideAsk,
+        frames.OverrideRequest,
     ),
 }
 # What a gateway is asked to do for people; the rest it is told anyway.
 ASKS = (
-    frames.LeaseAsk,
-    frames.LeaseForce,
-    frames.Drive,
-    frames.StopAsk,
-    frames.ResetAsk,
-    frames.CommandAsk,
+    frames.LeaseRequest,
+    frames.LeaseForceRequest,
+    frames.DriveFrame,
+    frames.StopRequest,
+    frames.ResetRequest,
+    frames.CommandRequest,
     frames.CommandCancel,
-    frames.OverrideAsk,
+    frames.OverrideRequest,
 )

@@ -136,20 +136,20 @@ async def everything(world: World, listeners: list[Listener]) -> None:
         await _sighting(world, acting, about)
         await _anomaly(world, acting, about)
         await settle(listeners)
-    await acting.say(browser.Ping(n=1, at_ms=0.0))
-    await acting.hear(browser.Pong)
-    await acting.say(browser.Command(site="agv", device="base", command="none", id="none"))
-    await acting.hear(browser.Problem)
+    await acting.say(browser.PagePing(n=1, at_ms=0.0))
+    await acting.hear(browser.PagePong)
+    await acting.say(browser.PageCommand(site="agv", device="base", command="none", id="none"))
+    await acting.hear(browser.RequestError)
     await settle(listeners)
     for site in DESCRIPTIONS:
         # Gone, back, and with another description.
         await world.gateways[site].close()
         await acting.hear(
-            browser.SiteNews, lambda news, at=site: news.site == at and not news.online
+            browser.SiteUpdate, lambda news, at=site: news.site == at and not news.online
         )
         changed = DESCRIPTIONS[site].replace("Words", "Other words")
         await world.connect(site, changed)
-        await acting.hear(browser.SiteNews, lambda news, at=site: news.site == at and news.online)
+        await acting.hear(browser.SiteUpdate, lambda news, at=site: news.site == at and news.online)
     for about in DEVICES:
         await _values(world, about)
     await _nearly_over(world, listeners)
@@ -163,7 +163,7 @@ async def _nearly_over(world: World, listeners: list[Listener]) -> None:
         await connection.execute(update(sessions).values(created_us=sessions.c.created_us - age_us))
     for each in listeners:
         if each.actor != "token":
-            await each.page.hear(browser.SessionNews)
+            await each.page.hear(browser.SessionUpdate)
 
 
 async def _values(world: World, about: str) -> None:
@@ -180,15 +180,15 @@ async def _values(world: World, about: str) -> None:
 async def _lease(world: World, acting, about: str) -> None:
     site, _, device = about.partition("/")
     gateway = world.gateways[site]
-    await acting.say(browser.Lease(site=site, device=device, op=LeaseOp.TAKE))
-    ask = await gateway.hear(frames.LeaseAsk, lambda ask: ask.device == device)
+    await acting.say(browser.PageLease(site=site, device=device, op=LeaseOp.TAKE))
+    ask = await gateway.hear(frames.LeaseRequest, lambda ask: ask.device == device)
     state = frames.LeaseState(
         device=device, session=ask.session, who=hidden(about), epoch=7, remains_ms=3000
     )
     await gateway.say(state)
-    await acting.hear(browser.LeaseNews, lambda news: news.device == device and news.yours)
-    await gateway.say(frames.Tick(tick=DEVICES.index(about)))
-    await acting.hear(browser.TickNews, lambda news: news.tick == DEVICES.index(about))
+    await acting.hear(browser.LeaseUpdate, lambda news: news.device == device and news.yours)
+    await gateway.say(frames.ControlTick(tick=DEVICES.index(about)))
+    await acting.hear(browser.TickUpdate, lambda news: news.tick == DEVICES.index(about))
 
 
 async def _drive(world: World, acting, about: str) -> None:
@@ -196,14 +196,14 @@ async def _drive(world: World, acting, about: str) -> None:
     gateway = world.gateways[site]
     for seq in range(1, PRESSES + 1):
         await acting.say(
-            browser.Drive(
+            browser.PageDrive(
                 site=site, device=device, epoch=7, seq=seq, tick=1, linear=0.5, angular=0.0
             )
         )
         # As a page does: while the disk stalls and no session can be checked, none passes.
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(1.0):
-                await gateway.hear(frames.Drive, lambda drive: drive.device == device)
+                await gateway.hear(frames.DriveFrame, lambda drive: drive.device == device)
                 break
     else:
         raise AssertionError("no driving frame reached the gateway")
@@ -215,21 +215,23 @@ async def _drive(world: World, acting, about: str) -> None:
 async def _stop(world: World, acting, about: str) -> None:
     site, _, device = about.partition("/")
     gateway = world.gateways[site]
-    await acting.say(browser.Stop(site=site, device=device, id=hidden(about)))
-    ask = await gateway.hear(frames.StopAsk, lambda ask: ask.device == device)
+    await acting.say(browser.PageStop(site=site, device=device, id=hidden(about)))
+    ask = await gateway.hear(frames.StopRequest, lambda ask: ask.device == device)
     await gateway.say(frames.StopState(device=device, latched=True, who=ask.who, id=ask.id))
-    await acting.say(browser.Reset(site=site, device=device, epoch=7))
-    ask = await gateway.hear(frames.ResetAsk, lambda ask: ask.device == device)
+    await acting.say(browser.PageReset(site=site, device=device, epoch=7))
+    ask = await gateway.hear(frames.ResetRequest, lambda ask: ask.device == device)
     await gateway.say(frames.ResetToken(device=device, session=ask.session, token=hidden(about)))
-    await acting.hear(browser.ResetKey, lambda key: key.device == device)
+    await acting.hear(browser.ResetTokenUpdate, lambda key: key.device == device)
     await gateway.say(frames.StopState(device=device, latched=False, who=hidden(about)))
 
 
 async def _command(world: World, acting, about: str) -> None:
     site, _, device = about.partition("/")
     gateway = world.gateways[site]
-    await acting.say(browser.Command(site=site, device=device, command="turn", id=f"{about} turn"))
-    ask = await gateway.hear(frames.CommandAsk, lambda ask: ask.device == device)
+    await acting.say(
+        browser.PageCommand(site=site, device=device, command="turn", id=f"{about} turn")
+    )
+    ask = await gateway.hear(frames.CommandRequest, lambda ask: ask.device == device)
     for phase in (CommandPhase.ACCEPTED, CommandPhase.SUCCEEDED):
         await gateway.say(
             frames.CommandState(
@@ -237,7 +239,7 @@ async def _command(world: World, acting, about: str) -> None:
             )
         )
     await acting.hear(
-        browser.CommandNews,
+        browser.CommandUpdate,
         lambda news: news.device == device and news.phase is CommandPhase.SUCCEEDED,
     )
 
@@ -248,23 +250,23 @@ async def _interlock(world: World, acting, about: str) -> None:
     said = {"why": hidden(about), "overridden_by": hidden(about), "reason": hidden(about)}
     state = frames.InterlockState(interlock="lock", locked=True, override_ms=5000, **said)
     await world.gateways[site].say(state)
-    await acting.hear(browser.InterlockNews, lambda news: news.why == hidden(about))
+    await acting.hear(browser.InterlockUpdate, lambda news: news.why == hidden(about))
 
 
 async def _reach(world: World, acting, about: str) -> None:
     site, _, device = about.partition("/")
     gateway = world.gateways[site]
     await gateway.say(frames.DeviceState(device=device, reached=False, why=hidden(about)))
-    await acting.hear(browser.DeviceNews, lambda news: news.why == hidden(about))
+    await acting.hear(browser.DeviceUpdate, lambda news: news.why == hidden(about))
     await gateway.say(frames.DeviceState(device=device, reached=True))
-    await acting.hear(browser.DeviceNews, lambda news: news.device == device and news.reached)
+    await acting.hear(browser.DeviceUpdate, lambda news: news.device == device and news.reached)
 
 
 async def _alarm(_world: World, acting, about: str) -> None:
     """Hear of the alarm that the device's words have raised."""
     site, _, device = about.partition("/")
     await acting.hear(
-        browser.AlarmNews,
+        browser.AlarmUpdate,
         lambda news: (news.site, news.device, news.phase) == (site, device, "active"),
     )
 
@@ -274,13 +276,13 @@ async def _sighting(world: World, acting, about: str) -> None:
     site, _, device = about.partition("/")
     for ended_us in (0, NOW + 1):
         await world.gateways[site].say(
-            frames.Seen(
+            frames.SightingReport(
                 stream=f"{device}/{STREAM}", label="person", many=1, confidence=0.9, began_us=NOW,
                 ended_us=ended_us,
             )
         )  # fmt: skip
         await acting.hear(
-            browser.SightingNews,
+            browser.SightingUpdate,
             lambda news, at=ended_us: (news.camera, news.ended_us) == (f"{device}/{STREAM}", at),
         )
 
@@ -290,7 +292,7 @@ async def _anomaly(_world: World, acting, about: str) -> None:
     site, _, device = about.partition("/")
     for signal in WATCHED:
         await acting.hear(
-            browser.AnomalyNews,
+            browser.AnomalyUpdate,
             lambda news, at=f"{device}/{signal}": (news.site, news.address) == (site, at),
         )
 

@@ -333,12 +333,12 @@ async def test_holder_of_a_lease_is_warned_before_the_session_ends(hub, gateway)
         await connection.execute(
             text("UPDATE sessions SET created_us = :at"), {"at": now_us - life_us + 60_000_000}
         )
-    news = await page.hear(page_wire.SessionNews)
+    news = await page.hear(page_wire.SessionUpdate)
     assert not news.idle
     assert abs(news.ends_us - now_us - 60_000_000) < 1_000_000
     async with hub.hub.core.database.write() as connection:
         await connection.execute(text("UPDATE sessions SET created_us = 0"))
-    assert "session is over" in (await page.hear(page_wire.Ended)).reason
+    assert "session is over" in (await page.hear(page_wire.SessionEnded)).reason
 
 
 async def test_touching_the_page_keeps_a_session_that_is_about_to_end(hub) -> None:
@@ -349,8 +349,8 @@ async def test_touching_the_page_keeps_a_session_that_is_about_to_end(hub) -> No
         await connection.execute(
             text("UPDATE sessions SET used_us = :at"), {"at": now_us - idle_us + 90_000_000}
         )
-    assert (await page.hear(page_wire.SessionNews)).idle
-    await page.say(page_wire.Ping(n=1, at_ms=0.0))
-    await page.hear(page_wire.Pong)
-    await page.say(page_wire.Ping(n=2, at_ms=0.0, active=True))
-    assert (await page.hear(page_wire.SessionNews)).ends_us == 0
+    assert (await page.hear(page_wire.SessionUpdate)).idle
+    await page.say(page_wire.PagePing(n=1, at_ms=0.0))
+    await page.hear(page_wire.PagePong)
+    await page.say(page_wire.PagePing(n=2, at_ms=0.0, active=True))
+    assert (await page.hear(page_wire.SessionUpdate)).ends_us == 0

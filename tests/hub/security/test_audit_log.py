@@ -15,11 +15,11 @@ from talaia.hub.store.database import Database
 from talaia.hub.store.safe_text import safe_cell, visible
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import (
-    CommandAsk,
     CommandPhase,
+    CommandRequest,
     CommandState,
-    LeaseAsk,
     LeaseOp,
+    LeaseRequest,
     LeaseState,
 )
 
@@ -169,17 +169,17 @@ async def test_sign_in_right_and_wrong_is_written_down_without_the_password(hub)
 
 async def test_lease_and_every_command_with_its_result_are_written_down(hub, gateway) -> None:
     page = await hub.page("operator")
-    await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.TAKE))
-    asked = await gateway.hear(LeaseAsk)
+    await page.say(page_wire.PageLease(site="agv", device="base", op=LeaseOp.TAKE))
+    asked = await gateway.hear(LeaseRequest)
     await gateway.say(
         LeaseState(device="base", session=asked.session, who="operator", epoch=1, remains_ms=900)
     )
     await page.say(
-        page_wire.Command(
+        page_wire.PageCommand(
             site="agv", device="base", command="wander", id="c1", args={"active": True}
         )
     )
-    ask = await gateway.hear(CommandAsk)
+    ask = await gateway.hear(CommandRequest)
     await gateway.say(
         CommandState(
             id=ask.id,
@@ -190,9 +190,9 @@ async def test_lease_and_every_command_with_its_result_are_written_down(hub, gat
             who="operator",
         )
     )
-    await page.hear(page_wire.CommandNews, lambda news: news.phase is CommandPhase.FAILED)
+    await page.hear(page_wire.CommandUpdate, lambda news: news.phase is CommandPhase.FAILED)
     await gateway.say(LeaseState(device="base"))
-    await page.hear(page_wire.LeaseNews, lambda news: not news.holder)
+    await page.hear(page_wire.LeaseUpdate, lambda news: not news.holder)
     assert await kinds(hub, device="base") == [
         ("lease taken", "operator"),
         ("command asked", "operator"),

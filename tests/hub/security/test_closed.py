@@ -9,7 +9,7 @@ import websockets
 from talaia.clock import SECOND, HandClock
 from talaia.hub.store.audit import Filter
 from talaia.wire import browser as page_wire
-from talaia.wire.frames import CommandAsk, LeaseAsk, LeaseOp, LeaseState, StopAsk
+from talaia.wire.frames import CommandRequest, LeaseOp, LeaseRequest, LeaseState, StopRequest
 
 from ..conftest import MemoryHistory, RunningHub  # noqa: TID252 - of the same tests
 from ..databases import server_of  # noqa: TID252
@@ -72,43 +72,43 @@ async def test_sockets_are_refused_before_the_upgrade(hub) -> None:
 
 async def test_commands_are_refused_and_stop_is_passed_on(hub, gateway) -> None:
     page = await hub.page("operator")
-    await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.TAKE))
-    session = (await gateway.hear(LeaseAsk)).session
+    await page.say(page_wire.PageLease(site="agv", device="base", op=LeaseOp.TAKE))
+    session = (await gateway.hear(LeaseRequest)).session
     await gateway.say(
         LeaseState(device="base", session=session, who="operator", epoch=1, remains_ms=3000)
     )
-    await page.hear(page_wire.LeaseNews, lambda news: news.yours)
+    await page.hear(page_wire.LeaseUpdate, lambda news: news.yours)
     clock = hand_moved(hub)
     with Away(hub):
         clock.advance(3 * SECOND)
-        driving = page_wire.Drive(
+        driving = page_wire.PageDrive(
             site="agv", device="base", epoch=1, seq=1, tick=1, linear=0.1, angular=0.0
         )
-        command = page_wire.Command(site="agv", device="base", command="beep", id="c1")
+        command = page_wire.PageCommand(site="agv", device="base", command="beep", id="c1")
         for message in (
             driving,
             command,
-            page_wire.Lease(site="agv", device="base", op=LeaseOp.RENEW),
-            page_wire.Reset(site="agv", device="base", epoch=1),
+            page_wire.PageLease(site="agv", device="base", op=LeaseOp.RENEW),
+            page_wire.PageReset(site="agv", device="base", epoch=1),
             page_wire.Subscribe(sub=1, site="agv", channels=["power/voltage"]),
         ):
             await page.say(message)
-            assert (await page.hear(page_wire.Problem)).code == "store"
-        await page.say(page_wire.Stop(site="agv", device="base", id="s1"))
-        assert (await gateway.hear(StopAsk)).id == "s1"
-        await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.FREE))
-        await gateway.hear(LeaseAsk, lambda asked: asked.op is LeaseOp.FREE)
-        assert not [each for each in gateway.heard if isinstance(each, CommandAsk)]
+            assert (await page.hear(page_wire.RequestError)).code == "store"
+        await page.say(page_wire.PageStop(site="agv", device="base", id="s1"))
+        assert (await gateway.hear(StopRequest)).id == "s1"
+        await page.say(page_wire.PageLease(site="agv", device="base", op=LeaseOp.FREE))
+        await gateway.hear(LeaseRequest, lambda asked: asked.op is LeaseOp.FREE)
+        assert not [each for each in gateway.heard if isinstance(each, CommandRequest)]
     await hub.hub.people.seats.check()
-    await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.TAKE))
-    await gateway.hear(LeaseAsk, lambda asked: asked.op is LeaseOp.TAKE)
+    await page.say(page_wire.PageLease(site="agv", device="base", op=LeaseOp.TAKE))
+    await gateway.hear(LeaseRequest, lambda asked: asked.op is LeaseOp.TAKE)
 
 
 async def test_what_was_noted_meanwhile_is_written_down_later(hub, gateway) -> None:
     page = await hub.page("operator")
     with Away(hub):
-        await page.say(page_wire.Stop(site="agv", device="base", id="s1"))
-        await gateway.hear(StopAsk)
+        await page.say(page_wire.PageStop(site="agv", device="base", id="s1"))
+        await gateway.hear(StopRequest)
     await hub.hub.audit.log.written()
     found, _ = await hub.hub.audit.log.find(Filter(site="agv"), 50)
     kinds = [row.entry.kind for row in found]
@@ -150,6 +150,6 @@ async def test_server_that_goes_and_comes_back_needs_no_restart_of_the_hub(
         assert (await client.get("/api/me")).status_code == 200
         await hub.hub.people.seats.check()
         assert hub.hub.people.seats.sure
-        await page.say(page_wire.Ping(n=1, at_ms=0.0))
-        await page.hear(page_wire.Pong)
+        await page.say(page_wire.PagePing(n=1, at_ms=0.0))
+        await page.hear(page_wire.PagePong)
     server.dispose()

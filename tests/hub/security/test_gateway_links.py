@@ -8,7 +8,7 @@ import websockets
 from talaia.clock import SystemClock
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire import browser as page_wire
-from talaia.wire.frames import Bye, Event, Reconnect
+from talaia.wire.frames import Bye, Event, ReconnectRequest
 
 
 async def online(admin) -> dict:
@@ -57,11 +57,11 @@ async def test_reconnect_to_a_device_is_asked_of_the_gateway_and_its_outcome_is_
     mine = await online(admin)
     path = f"/api/gateways/{mine['id']}/reconnect"
     assert (await admin.post(path, json={"device": "base"})).status_code == 202
-    assert await gateway.hear(Reconnect) == Reconnect(device="base", who="admin")
+    assert await gateway.hear(ReconnectRequest) == ReconnectRequest(device="base", who="admin")
     await gateway.say(
         Event(kind="device reconnected", device="base", who="admin", message="3 of 3 are there")
     )
-    told = await page.hear(page_wire.EventNews, lambda news: news.kind == "device reconnected")
+    told = await page.hear(page_wire.EventUpdate, lambda news: news.kind == "device reconnected")
     assert (told.device, told.who, told.message) == ("base", "admin", "3 of 3 are there")
     await hub.hub.audit.log.written()
     rows = (await admin.get("/api/audit", params={"device": "base"})).json()["rows"]
@@ -77,7 +77,7 @@ async def test_reconnect_wants_a_gateway_that_is_there_and_a_device_that_it_has(
     assert (await admin.post("/api/gateways/999/reconnect", json={})).status_code == 404
     await gateway.close()
     page = await hub.page("operator")
-    await page.hear(page_wire.SiteNews, lambda news: not news.online)
+    await page.hear(page_wire.SiteUpdate, lambda news: not news.online)
     assert (await admin.post(path, json={})).status_code == 409
 
 

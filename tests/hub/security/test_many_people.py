@@ -74,11 +74,11 @@ async def test_fifty_people_work_side_by_side(world) -> None:
         site = (await client.get("/api/sites/agv")).json()
         assert [device["id"] for device in site["devices"]] == [f"d{at}"]
         await page.say(
-            browser.Command(site="agv", device=f"d{at}", command="turn", id=f"command {at}")
+            browser.PageCommand(site="agv", device=f"d{at}", command="turn", id=f"command {at}")
         )
-        news = await page.hear(browser.CommandNews)
+        news = await page.hear(browser.CommandUpdate)
         assert (news.id, news.who) == (f"command {at}", f"p{at}")
-        assert {each.id for each in page.heard if isinstance(each, browser.CommandNews)} <= {
+        assert {each.id for each in page.heard if isinstance(each, browser.CommandUpdate)} <= {
             f"command {at}"
         }
         assert set(got) <= set(own)
@@ -102,7 +102,7 @@ async def test_fifty_people_work_side_by_side(world) -> None:
 async def _answer(gateway) -> None:
     """Do at once what is asked, as a gateway that has nothing else to do."""
     while True:
-        ask = await gateway.hear(frames.CommandAsk)
+        ask = await gateway.hear(frames.CommandRequest)
         await gateway.say(
             frames.CommandState(
                 id=ask.id,

@@ -29,7 +29,7 @@ async def problem_of(page, message) -> str:
     codes = [
         each.code
         for each in page.heard
-        if isinstance(each, browser.Problem) and each.about == about
+        if isinstance(each, browser.RequestError) and each.about == about
     ]
     page.heard.clear()
     return codes[0] if codes else ""
@@ -88,16 +88,16 @@ async def test_message_does_for_everyone_what_its_line_says(shared_world, kind) 
 
 async def test_gate_that_stands_open_is_found(world, monkeypatch) -> None:
     monkeypatch.setattr("talaia.hub.live.pages.message_authorizer.allows", lambda *_about: True)
-    found = await differences(world, browser.Drive)
+    found = await differences(world, browser.PageDrive)
     assert any(each.startswith("guest agv/base: done instead of forbidden") for each in found)
     assert any(each.startswith("neighbour agv/base: ") for each in found)
 
 
 async def test_line_that_is_too_weak_is_found(world, monkeypatch) -> None:
     # The hub reads one table, the trial another: as if the line were changed by mistake.
-    weak = {**FROM_BROWSER, browser.Command: Need.SEE}
+    weak = {**FROM_BROWSER, browser.PageCommand: Need.SEE}
     monkeypatch.setattr("talaia.hub.live.pages.message_authorizer.FROM_BROWSER", weak)
-    found = await differences(world, browser.Command)
+    found = await differences(world, browser.PageCommand)
     assert {each.partition(":")[0] for each in found} == {
         "guest agv/base",
         "neighbour agv/base",

@@ -29,38 +29,38 @@ from .world import ACTORS, DESCRIPTIONS, NOW, holds
 
 # Told to everyone who may know; each of the others answers one page.
 BROADCAST = {
-    browser.SiteNews,
-    browser.LeaseNews,
-    browser.DriveNews,
-    browser.StopNews,
-    browser.CommandNews,
-    browser.DeviceNews,
-    browser.AlarmNews,
-    browser.SightingNews,
-    browser.EventNews,
-    browser.InterlockNews,
+    browser.SiteUpdate,
+    browser.LeaseUpdate,
+    browser.DriveUpdate,
+    browser.StopUpdate,
+    browser.CommandUpdate,
+    browser.DeviceUpdate,
+    browser.AlarmUpdate,
+    browser.SightingUpdate,
+    browser.EventUpdate,
+    browser.InterlockUpdate,
 }
 # A sighting is for those who may see the camera's pictures, and no camera of this world is public.
-NEEDS = {**TO_BROWSER, browser.SightingNews: Need.VIEW}
+NEEDS = {**TO_BROWSER, browser.SightingUpdate: Need.VIEW}
 # About a site, not about a device.
-OF_SITES = {browser.SiteNews, browser.InterlockNews}
+OF_SITES = {browser.SiteUpdate, browser.InterlockUpdate}
 # For the page alone that asked, or that holds the lease: here the operator's.
-ACTING = {browser.TickNews, browser.ResetKey}
+ACTING = {browser.TickUpdate, browser.ResetTokenUpdate}
 # What a guest may hear of at all, written by hand.
 FOR_GUESTS = {
     browser.Greeting,
-    browser.SiteNews,
+    browser.SiteUpdate,
     # That something is locked, not why, nor who overrides it.
-    browser.InterlockNews,
+    browser.InterlockUpdate,
     # Of signals that are public.
-    browser.AnomalyNews,
+    browser.AnomalyUpdate,
     browser.Subscribed,
     browser.Values,
-    browser.Pong,
-    browser.Problem,
+    browser.PagePong,
+    browser.RequestError,
     # Of their own session.
-    browser.SessionNews,
-    browser.Ended,
+    browser.SessionUpdate,
+    browser.SessionEnded,
 }
 
 
@@ -69,7 +69,7 @@ def about_of(message) -> str:
     return f"{message.site}/{device}" if device else message.site
 
 
-def signal_of(message: browser.AnomalyNews) -> str:
+def signal_of(message: browser.AnomalyUpdate) -> str:
     return message.address.partition("/")[2]
 
 
@@ -82,7 +82,7 @@ def wrong_in(each) -> list[str]:
             found += _wrong_values(each.actor, message)
         elif need is Need.SESSION:
             continue
-        elif isinstance(message, browser.AnomalyNews):
+        elif isinstance(message, browser.AnomalyUpdate):
             if not sees_channel(each.actor, about_of(message), signal_of(message)):
                 found.append(f"{each.actor} heard {message}")
         elif not meets(need, each.actor, about_of(message)):
@@ -144,7 +144,7 @@ async def test_everyone_hears_what_is_theirs_and_nothing_else(world, heard) -> N
                 each.actor
                 for each in heard
                 for message in each.messages
-                if isinstance(message, browser.AnomalyNews)
+                if isinstance(message, browser.AnomalyUpdate)
                 and (about_of(message), signal_of(message)) == (about, signal)
             }
             entitled = {actor for actor in LISTENERS if sees_channel(actor, about, signal)}
@@ -220,11 +220,13 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
         about: await world.viewer("operator", about, STREAM) for about in ("agv/base", "agv/power")
     }
     # One wants to know what is seen, too.
-    await looking["agv/base"].say(browser.BoxesAsk(on=True))
-    await world.gateways["agv"].hear(frames.Watch, lambda watch: watch.boxes == ["base/eye"])
+    await looking["agv/base"].say(browser.BoxesRequest(on=True))
+    await world.gateways["agv"].hear(
+        frames.StreamSubscription, lambda watch: watch.boxes == ["base/eye"]
+    )
     camera = await world.hub.camera()
     for about in looking:
-        picture = frames.Picture(
+        picture = frames.PictureFrame(
             stream=f"{about.partition('/')[2]}/{STREAM}",
             seq=1,
             time_us=1,
@@ -233,19 +235,19 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
             height=2,
             data=hidden(about).encode(),
         )
-        thing = frames.Thing(
+        thing = frames.DetectedObject(
             label=hidden(about), score=0.5, left=0.0, top=0.0, right=1.0, bottom=1.0
         )
         stream = picture.stream
-        await camera.say(frames.Boxes(stream=stream, seq=1, time_us=1, things=[thing]))
+        await camera.say(frames.DetectedBoxes(stream=stream, seq=1, time_us=1, things=[thing]))
         await camera.say(picture)
     kinds = set()
     for about, viewer in looking.items():
-        shot = await viewer.hear(browser.Shot)
+        shot = await viewer.hear(browser.CameraPicture)
         assert shot.data == hidden(about).encode()
         kinds.add(type(shot))
-        assert not any(isinstance(each, browser.Shot) for each in viewer.heard)
-    boxes = await looking["agv/base"].hear(browser.ShotBoxes)
+        assert not any(isinstance(each, browser.CameraPicture) for each in viewer.heard)
+    boxes = await looking["agv/base"].hear(browser.CameraPictureBoxes)
     assert [thing.label for thing in boxes.things] == [hidden("agv/base")]
     kinds.add(type(boxes))
     assert not looking["agv/power"].heard

@@ -10,7 +10,7 @@ from talaia.clock import SystemClock
 from talaia.hub.auth.permissions import ANY, Grants, Permission, Right
 from talaia.wire import browser as page_wire
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER
-from talaia.wire.frames import LeaseAsk, LeaseOp, LeaseState
+from talaia.wire.frames import LeaseOp, LeaseRequest, LeaseState
 
 from ..conftest import Peer  # noqa: TID252 - of the same tests
 
@@ -46,19 +46,19 @@ async def script_socket(hub, token):
 async def holding(hub, gateway, name="operator"):
     """Give the page of a person who holds the lease of the base."""
     page = await hub.page(name)
-    await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.TAKE))
-    asked = await gateway.hear(LeaseAsk)
+    await page.say(page_wire.PageLease(site="agv", device="base", op=LeaseOp.TAKE))
+    asked = await gateway.hear(LeaseRequest)
     await gateway.say(
         LeaseState(device="base", session=asked.session, who=name, epoch=1, remains_ms=3000)
     )
-    assert (await page.hear(page_wire.LeaseNews, lambda news: news.yours)).holder == name
+    assert (await page.hear(page_wire.LeaseUpdate, lambda news: news.yours)).holder == name
     return page
 
 
 async def freed_at_once(page, gateway, change) -> None:
     began = time.monotonic()
     assert (await change).status_code in {200, 204}
-    await gateway.hear(LeaseAsk, lambda asked: asked.op is LeaseOp.FREE)
+    await gateway.hear(LeaseRequest, lambda asked: asked.op is LeaseOp.FREE)
     assert time.monotonic() - began < 1.0
     assert await page.closed() == 4401
     assert time.monotonic() - began < 1.5
@@ -219,8 +219,8 @@ async def test_role_that_was_made_holds_exactly_its_permissions(hub, gateway) ->
         each["rights"] == [] and each["public"] for d, each in devices.items() if d != "base"
     )
     page = await hub.page("ada")
-    await page.say(page_wire.Lease(site="agv", device="base", op=LeaseOp.TAKE))
-    await gateway.hear(LeaseAsk, lambda ask: ask.device == "base")
+    await page.say(page_wire.PageLease(site="agv", device="base", op=LeaseOp.TAKE))
+    await gateway.hear(LeaseRequest, lambda ask: ask.device == "base")
     role = made.json()["id"]
     answer = await admin.delete(f"/api/roles/{role}")
     assert (answer.status_code, answer.json()["code"]) == (409, "in_use")

@@ -22,7 +22,9 @@ from .world import World
 
 # "Within a second", as it is promised.
 PROMISED_S = 1.0
-DRIVE = browser.Drive(site="agv", device="base", epoch=7, seq=1, tick=1, linear=0.5, angular=0.0)
+DRIVE = browser.PageDrive(
+    site="agv", device="base", epoch=7, seq=1, tick=1, linear=0.5, angular=0.0
+)
 
 
 async def change(world, statement) -> None:
@@ -62,25 +64,25 @@ async def test_socket_ends_and_the_robot_is_let_go_within_a_second(world, take_a
     page = await world.hub.page("driver")
     other = await world.hub.page("operator")
     gateway = world.gateways["agv"]
-    await page.say(browser.Lease(site="agv", device="base", op=LeaseOp.TAKE))
-    ask = await gateway.hear(frames.LeaseAsk)
+    await page.say(browser.PageLease(site="agv", device="base", op=LeaseOp.TAKE))
+    ask = await gateway.hear(frames.LeaseRequest)
     await gateway.say(
         frames.LeaseState(device="base", session=ask.session, who=ask.who, epoch=7, remains_ms=3000)
     )
-    await page.hear(browser.LeaseNews, lambda news: news.yours)
+    await page.hear(browser.LeaseUpdate, lambda news: news.yours)
     await page.say(DRIVE)
-    await gateway.hear(frames.Drive)
+    await gateway.hear(frames.DriveFrame)
     await take_away(world)
     async with asyncio.timeout(PROMISED_S):
         assert await page.closed() == 4401
-        free = await gateway.hear(frames.LeaseAsk, lambda ask: ask.op is LeaseOp.FREE)
+        free = await gateway.hear(frames.LeaseRequest, lambda ask: ask.op is LeaseOp.FREE)
     assert (free.device, free.session) == ("base", ask.session)
     # Nothing but the farewell came after.
-    ended = [at for at, each in enumerate(page.heard) if isinstance(each, browser.Ended)]
+    ended = [at for at, each in enumerate(page.heard) if isinstance(each, browser.SessionEnded)]
     assert ended == [len(page.heard) - 1]
     # Others are not disturbed.
-    await other.say(browser.Ping(n=1, at_ms=0.0))
-    await other.hear(browser.Pong)
+    await other.say(browser.PagePing(n=1, at_ms=0.0))
+    await other.hear(browser.PagePong)
 
 
 @pytest.mark.parametrize("take_away", TAKEN_AWAY, ids=lambda each: each.__name__.strip("_"))

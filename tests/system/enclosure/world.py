@@ -31,14 +31,14 @@ from talaia.model.yaml_text.load import load_site
 from talaia.sim.observatory.night import longitude_of_night
 from talaia.wire.columns import unpack
 from talaia.wire.frames import (
-    CommandAsk,
     CommandPhase,
+    CommandRequest,
     CommandState,
     Event,
     FromGateway,
     InterlockState,
-    OverrideAsk,
-    Samples,
+    OverrideRequest,
+    SampleBatch,
 )
 
 from ..observatory import Observatory
@@ -72,7 +72,7 @@ class Hub(FakeHub):
     def below(self, boot: str) -> int:
         return self._next.get(boot, 0)
 
-    def _store(self, frame: Samples) -> None:
+    def _store(self, frame: SampleBatch) -> None:
         size = len(unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts))
         self._next[frame.boot] = max(self.below(frame.boot), frame.first + size)
 
@@ -261,7 +261,7 @@ class World(Observatory):
         """Ask for a command through the hub; gives its id."""
         name = f"c{os.getpid()}-{time.monotonic_ns()}-{next(self._ids)}"
         await self.hub.send(
-            CommandAsk(id=name, device=device, command=command, args=args, ttl_ms=5000, who=who)
+            CommandRequest(id=name, device=device, command=command, args=args, ttl_ms=5000, who=who)
         )
         return name
 
@@ -284,7 +284,7 @@ class World(Observatory):
 
     async def override(self, interlock: str, seconds: float) -> None:
         await self.hub.send(
-            OverrideAsk(interlock=interlock, who="Ada", reason="a trial", seconds=seconds)
+            OverrideRequest(interlock=interlock, who="Ada", reason="a trial", seconds=seconds)
         )
 
     # ── what is seen ──

@@ -68,7 +68,7 @@ class Looker:
             message = browser.TO_BROWSER.decode(data)
             if isinstance(message, browser.Subscribed):
                 taken = taken or message.sub == _SUB
-            elif isinstance(message, browser.AlarmNews) and message.alarm == ALARM:
+            elif isinstance(message, browser.AlarmUpdate) and message.alarm == ALARM:
                 self.alarm = message.phase if message.known else "unknown"
             elif isinstance(message, browser.Values) and message.sub == _SUB:
                 self._take(message)

@@ -313,8 +313,8 @@ async def f7(world: World, chance: random.Random, findings: Findings) -> None:
                     await run.mark(driver)
                     at = now()
                     name = f"full-{at}"
-                    await driver.say(browser.Stop(site=SITE, device="base", id=name))
-                    await driver.sees(browser.StopNews, lambda x: x.id == name and x.latched)
+                    await driver.say(browser.PageStop(site=SITE, device="base", id=name))
+                    await driver.sees(browser.StopUpdate, lambda x: x.id == name and x.latched)
                     await run.stopped(at)
                     await run.let_go()
                     # On a full disk it comes up again, and still stopped.
@@ -323,7 +323,7 @@ async def f7(world: World, chance: random.Random, findings: Findings) -> None:
                     since = len(driver.got)
                     world.start_gateway()
                     await world.ready()
-                    await driver.sees(browser.StopNews, lambda x: x.latched, since=since)
+                    await driver.sees(browser.StopUpdate, lambda x: x.latched, since=since)
                     await until(lambda: world.said()[-1].known > knew, 30, "the new gateway")
                     world.proxy.cut()
                     await run.turn_door()
@@ -465,7 +465,7 @@ async def f13(world: World, chance: random.Random, findings: Findings) -> None:
             await run.stopped(at)
         limit = BEATS_S + BEATS_LATE_S
         for side, found in (
-            ("hub", driver.sees(browser.SiteNews, lambda x: not x.online, since=since, within=8)),
+            ("hub", driver.sees(browser.SiteUpdate, lambda x: not x.online, since=since, within=8)),
             ("gateway", until(lambda: "trying again" in world.gateway.said()[said:], 8, "a loss")),
         ):
             await found
@@ -479,7 +479,7 @@ async def f13(world: World, chance: random.Random, findings: Findings) -> None:
         world.proxy.change(Weather())
         async with back(findings):
             await driver.sees(
-                browser.SiteNews, lambda x: x.online, since=len(driver.got), within=ledgers.BACK_S
+                browser.SiteUpdate, lambda x: x.online, since=len(driver.got), within=ledgers.BACK_S
             )
             await sees_values(driver)
 
@@ -537,7 +537,7 @@ async def f20(world: World, chance: random.Random, findings: Findings) -> None:
             world.gateway_data = data
             await twin.says("linked to")
             event = await driver.sees(
-                browser.EventNews, lambda x: x.kind == "second gateway", since=since
+                browser.EventUpdate, lambda x: x.kind == "second gateway", since=since
             )
             assert not event.good
             for _ in range(3 if world.long else 1):
@@ -553,7 +553,7 @@ async def f20(world: World, chance: random.Random, findings: Findings) -> None:
         assert first.popen.poll() is None
         async with back(findings):
             await driver.sees(
-                browser.SiteNews, lambda x: x.online, since=len(driver.got), within=60
+                browser.SiteUpdate, lambda x: x.online, since=len(driver.got), within=60
             )
             await sees_values(driver)
 
@@ -574,7 +574,7 @@ async def f21(world: World, chance: random.Random, findings: Findings) -> None:
         await run.press(driver)
         before = world.memory()["hub"]
         good = [
-            browser.FROM_BROWSER.encode(browser.Ping(n=1, at_ms=0.0)),
+            browser.FROM_BROWSER.encode(browser.PagePing(n=1, at_ms=0.0)),
             frames.LINK_FROM_GATEWAY.encode(frames.Beat(n=1, mono_us=1)),
         ]
         for _ in range(100 if world.long else 25):
@@ -680,12 +680,12 @@ async def _take_over(three: list[Page], chance: random.Random, findings: Finding
     assert (await holder.take()).yours
     since = [len(each.got) for each in three]
     await asyncio.gather(*(_lease(each, "ask") for each in askers))
-    await holder.sees(browser.LeaseNews, lambda x: x.rival, since=since[0])
+    await holder.sees(browser.LeaseUpdate, lambda x: x.rival, since=since[0])
     await asyncio.gather(_lease(holder, "accept"), _lease(chance.choice(askers), "ask"))
 
-    def got(each: Page) -> list[browser.LeaseNews]:
+    def got(each: Page) -> list[browser.LeaseUpdate]:
         news = each.got[since[three.index(each)] :]
-        return [x for x in news if isinstance(x, browser.LeaseNews) and x.device == "base"]
+        return [x for x in news if isinstance(x, browser.LeaseUpdate) and x.device == "base"]
 
     def having() -> list[Page]:
         return [each for each in three if got(each) and got(each)[-1].yours]
@@ -708,14 +708,14 @@ async def _take_over(three: list[Page], chance: random.Random, findings: Finding
 
 
 async def _lease(by: Page, op: str) -> None:
-    await by.say(browser.Lease(site=SITE, device="base", op=op))  # type: ignore[arg-type]
+    await by.say(browser.PageLease(site=SITE, device="base", op=op))  # type: ignore[arg-type]
 
 
-async def _ask(by: Page) -> browser.LeaseNews:
+async def _ask(by: Page) -> browser.LeaseUpdate:
     since = len(by.got)
-    await by.say(browser.Lease(site=SITE, device="base", op="take"))  # type: ignore[arg-type]
+    await by.say(browser.PageLease(site=SITE, device="base", op="take"))  # type: ignore[arg-type]
     return await by.sees(
-        browser.LeaseNews, lambda x: x.device == "base" and (x.yours or x.refused), since=since
+        browser.LeaseUpdate, lambda x: x.device == "base" and (x.yours or x.refused), since=since
     )  # type: ignore[return-value]
 
 

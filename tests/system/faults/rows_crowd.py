@@ -83,7 +83,7 @@ class Flood:
                 columns = Columns(np.zeros(TEXTS, np.uint16), at, np.full(TEXTS, np.nan), texts)
                 base, channel, offset, value = pack(columns)
                 # The hub stores each number once, so that its disk is not what is measured here.
-                batch = frames.Samples(
+                batch = frames.SampleBatch(
                     boot="flood", first=0, catalogue="c", base_us=base, channel=channel,
                     offset=offset, value=value, texts=texts,
                 )  # fmt: skip
@@ -226,7 +226,7 @@ async def _hidden(world: World, run: Run, findings: Findings) -> None:
             await tab.evaluate(HIDE)
             await run.stopped(at)
             await watcher.sees(
-                browser.LeaseNews, lambda x: x.device == "base" and not x.holder, since=since,
+                browser.LeaseUpdate, lambda x: x.device == "base" and not x.holder, since=since,
                 within=2,
             )  # fmt: skip
             took = (now() - at) / 1e6

@@ -158,7 +158,7 @@ def fill_spool(world: World, seconds: int, rate: int) -> tuple[int, int]:
             np.sin(index / 100), {},
         )  # fmt: skip
         base, channel, offset, value = pack(columns)
-        body = frames.LINK_FROM_GATEWAY.encode(frames.Samples(
+        body = frames.LINK_FROM_GATEWAY.encode(frames.SampleBatch(
             boot=boot, first=first, catalogue=head.catalogue, base_us=base, channel=channel,
             offset=offset, value=value,
         ))  # fmt: skip
@@ -252,13 +252,13 @@ async def f25(world: World, chance: random.Random, findings: Findings) -> None:
 
 async def _ask(driver: Page, command: str) -> str:
     name = f"{command}-{now()}"
-    await driver.say(browser.Command(site=SITE, device="base", command=command, id=name))
+    await driver.say(browser.PageCommand(site=SITE, device="base", command=command, id=name))
     return name
 
 
 async def _ends_unknown(driver: Page, name: str, at: int, findings: Findings) -> None:
     final = await driver.sees(
-        browser.CommandNews,
+        browser.CommandUpdate,
         lambda x: x.id == name and x.phase not in {"accepted", "running"}, within=5,
     )  # fmt: skip
     took = (now() - at) / MS
@@ -292,10 +292,10 @@ async def _frozen_robot(
         await run.let_go()
         stop = f"hung-{at}"
         since = len(driver.got)
-        await driver.say(browser.Stop(site=SITE, device="base", id=stop))
-        news = await driver.sees(browser.StopNews, lambda x: x.id == stop, since=since)
+        await driver.say(browser.PageStop(site=SITE, device="base", id=stop))
+        news = await driver.sees(browser.StopUpdate, lambda x: x.id == stop, since=since)
         await asyncio.sleep(max(0.0, STALE_S - (now() - at) / 1e9))
-        told = [x for x in driver.got[since:] if isinstance(x, browser.StopNews)]
+        told = [x for x in driver.got[since:] if isinstance(x, browser.StopUpdate)]
         if not news.latched or any(each.confirmed for each in told):
             findings.breach("I6", "STOP looks confirmed by a robot that hangs")
         # Whoever opens the page now is told how old the last value is.
@@ -326,11 +326,11 @@ async def reset(driver: Page) -> None:
     assert (await driver.take()).yours
     about = {"site": SITE, "device": "base", "epoch": driver.epoch}
     since = len(driver.got)
-    await driver.say(browser.Reset(**about))  # type: ignore[arg-type]
-    key = await driver.sees(browser.ResetKey, since=since)
+    await driver.say(browser.PageReset(**about))  # type: ignore[arg-type]
+    key = await driver.sees(browser.ResetTokenUpdate, since=since)
     assert key.token, key.refused
-    await driver.say(browser.Reset(**about, token=key.token))  # type: ignore[arg-type]
-    await driver.sees(browser.StopNews, lambda x: not x.latched, since=since)
+    await driver.say(browser.PageReset(**about, token=key.token))  # type: ignore[arg-type]
+    await driver.sees(browser.StopUpdate, lambda x: not x.latched, since=since)
     await driver.free()
 
 
@@ -378,7 +378,7 @@ async def f30(world: World, chance: random.Random, findings: Findings) -> None:
         run.leave_out("hub")
         if not isinstance(said, frames.Welcome):
             findings.breach("F30", f"10 000 signals: {said}")
-        news = [x for x in driver.got[since:] if isinstance(x, browser.SiteNews)]
+        news = [x for x in driver.got[since:] if isinstance(x, browser.SiteUpdate)]
         if gone := [x for x in news if x.site == SITE and not x.online]:
             findings.breach("F30", f"the running site was disturbed: {gone[0].why}")
         assert world.gateway.popen.pid == gateway

@@ -229,7 +229,7 @@ class Run:
                 await driver.frame(speed)
                 turn += 1
                 if turn % 20 == 0:
-                    renew = browser.Lease(site=SITE, device="base", op="renew")  # type: ignore[arg-type]
+                    renew = browser.PageLease(site=SITE, device="base", op="renew")  # type: ignore[arg-type]
                     await driver.say(renew)
                 await asyncio.sleep(0.05)
 
@@ -344,7 +344,7 @@ class Run:
         value = float(self.world._marks)
         self._asked.append(value)
         name = f"mark-{os.getpid()}-{self.world._marks}"
-        ask = browser.Command(
+        ask = browser.PageCommand(
             site=SITE, device="base", command="mark", id=name, args={"value": value}
         )
         with contextlib.suppress(Exception):

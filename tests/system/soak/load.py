@@ -120,7 +120,7 @@ class Load:
         name = f"soak-{time.monotonic_ns()}"
         which = self._chance.choice(("mark", "mark", "work"))
         value = float(self.done["commands"])
-        ask = browser.Command(
+        ask = browser.PageCommand(
             site=SITE, device="base", command=which, id=name,
             args={"value": value} if which == "mark" else {},
         )  # fmt: skip

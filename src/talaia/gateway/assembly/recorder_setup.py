@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from talaia.gateway.settings import GatewaySettings
     from talaia.model.recording import Recording
     from talaia.model.site import Site
-    from talaia.wire.frames import RecordState
+    from talaia.wire.frames import RecorderState
 
 __all__ = ["RecorderCallbacks", "RecorderParts", "taping_of"]
 
@@ -42,7 +42,7 @@ class RecorderCallbacks(NamedTuple):
     """
 
     events: EventSink
-    state: Callable[[RecordState], None]
+    state: Callable[[RecorderState], None]
     finished: Callable[[], None]
     filmed: Callable[[], None]
 

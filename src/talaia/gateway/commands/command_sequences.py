@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from talaia.wire.frames import CommandAsk, CommandPhase
+from talaia.wire.frames import CommandPhase, CommandRequest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -66,7 +66,7 @@ class SequenceRunner:
         for step in steps:
             device, _, command = step.command.partition("/")
             self._count += 1
-            ask = CommandAsk(
+            ask = CommandRequest(
                 id=f"{label.replace(' ', '-')}-{self._boot}-{self._count}",
                 device=device,
                 command=command,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import CommandOutcome, CommandTarget
     from talaia.gateway.safety.enclosure_guard import Hold
     from talaia.model.site import Command, Site
-    from talaia.wire.frames import CommandAsk, CommandCancel, Scalar
+    from talaia.wire.frames import CommandCancel, CommandRequest, Scalar
 
 __all__ = ["CommandJournal", "CommandService"]
 
@@ -146,7 +146,7 @@ class CommandService:
             if (under_way := self._book.get(holder.id)) is not None:
                 self._tell(under_way)
 
-    async def perform(self, ask: CommandAsk, within: float | None) -> CommandState:
+    async def perform(self, ask: CommandRequest, within: float | None) -> CommandState:
         """Act on a command of the gateway's own, which no interlock refuses.
 
         Gives how it ended, or how it stands after ``within`` (s).
@@ -169,7 +169,7 @@ class CommandService:
         finally:
             self._ends.pop(ask.id, None)
 
-    async def ask(self, ask: CommandAsk, *, guarded: bool = True) -> None:
+    async def ask(self, ask: CommandRequest, *, guarded: bool = True) -> None:
         """Act on a command, or say why not. A known id is only answered."""
         began_ns = self._clock.monotonic_ns()
         known = self._book.get(ask.id)
@@ -220,7 +220,7 @@ class CommandService:
             return
         self._begin(ask, command, fields)
 
-    def _refused_now(self, ask: CommandAsk, named: dict[str, Scalar], *, guarded: bool) -> bool:
+    def _refused_now(self, ask: CommandRequest, named: dict[str, Scalar], *, guarded: bool) -> bool:
         """Refuse a command that may not be done now; tell whether it was refused."""
         if barred := self._barred(ask, named, guarded=guarded):
             self._move(ask.id, CommandPhase.REFUSED, barred)
@@ -238,7 +238,7 @@ class CommandService:
         self._move(ask.id, CommandPhase.REFUSED, why, blocked_by=blocked_by)
         return True
 
-    def _take_hold(self, ask: CommandAsk, command: Command, *, guarded: bool) -> str:
+    def _take_hold(self, ask: CommandRequest, command: Command, *, guarded: bool) -> str:
         """Let nobody else act on the device unasked while this is under way.
 
         Gives in words what it interrupts, if anything.
@@ -254,7 +254,7 @@ class CommandService:
         )
         return over
 
-    def _interrupt(self, ask: CommandAsk, doing: str) -> str:
+    def _interrupt(self, ask: CommandRequest, doing: str) -> str:
         """Take the device out of the hands that may be interrupted; give whose, in words."""
         if ask.over not in self._interrupted:
             return ""
@@ -278,7 +278,7 @@ class CommandService:
             state = replace(state, acting=holder.words[:2000], acting_s=seconds)
         self._send(replace(state, over=over[:2000]) if over else state)
 
-    def _barred(self, ask: CommandAsk, named: dict[str, Scalar], *, guarded: bool) -> str:
+    def _barred(self, ask: CommandRequest, named: dict[str, Scalar], *, guarded: bool) -> str:
         """Say why a command may not be done now, if so; ``guarded`` is what a person asks."""
         # What a safe state needs nobody switches off, not even a sequence of the gateway's own.
         if needed := self._power_cut(ask.device, ask.command, named):
@@ -292,7 +292,7 @@ class CommandService:
 
     async def _wait(
         self,
-        ask: CommandAsk,
+        ask: CommandRequest,
         command: Command,
         fields: dict[str, float | int | bool | str],
         named: dict[str, Scalar],
@@ -327,7 +327,7 @@ class CommandService:
         self._begin(ask, command, fields)
 
     def _begin(
-        self, ask: CommandAsk, command: Command, fields: dict[str, float | int | bool | str]
+        self, ask: CommandRequest, command: Command, fields: dict[str, float | int | bool | str]
     ) -> None:
         loop = asyncio.get_running_loop()
         self._move(ask.id, CommandPhase.RUNNING)

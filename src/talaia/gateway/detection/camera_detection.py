@@ -25,7 +25,7 @@ from talaia.objects.errors import DetectorError
 from talaia.objects.eyes import Eyes, least_of
 from talaia.objects.steady import SteadyCounts
 from talaia.wire.columns import Columns
-from talaia.wire.frames import Boxes, Thing
+from talaia.wire.frames import DetectedBoxes, DetectedObject
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -65,7 +65,7 @@ class DetectionOutputs(NamedTuple):
     """
 
     samples: SampleSink
-    boxes: Callable[[Boxes], None]
+    boxes: Callable[[DetectedBoxes], None]
     sightings: Callable[[str, Told], None]
     events: EventSink
 
@@ -236,9 +236,9 @@ class ObjectDetection:
 
     def boxes(self, look: CameraFrame, things: Sequence[Found]) -> None:
         """Take what is on a picture."""
-        told = [Thing(**each._asdict()) for each in things]
+        told = [DetectedObject(**each._asdict()) for each in things]
         self._outlet.boxes(
-            Boxes(stream=look.stream, seq=look.seq, time_us=look.time_us, things=told)
+            DetectedBoxes(stream=look.stream, seq=look.seq, time_us=look.time_us, things=told)
         )
 
     def tell(self, name: str, news: Sequence[Told]) -> None:

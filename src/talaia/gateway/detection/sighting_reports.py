@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import msgspec
 
 from talaia.errors import TalaiaError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Seen
+from talaia.wire.frames import LINK_FROM_GATEWAY, SightingReport
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -66,7 +66,7 @@ class _Key(NamedTuple):
 class _Kept:
     """One sighting: all of it, and what of it has gone out on the link that stands."""
 
-    def __init__(self, seen: Seen) -> None:
+    def __init__(self, seen: SightingReport) -> None:
         self.seen = seen
         # Monotonic; none while it waits to be sent.
         self.sent_s: float | None = None
@@ -99,7 +99,7 @@ class DetectionReporter:
         sighting = told.sighting
         key = _Key(stream, sighting.label, sighting.began_us)
         kept = self._kept.get(key)
-        seen = Seen(
+        seen = SightingReport(
             **key._asdict(),
             many=sighting.most,
             confidence=min(max(sighting.score, 0.0), 1.0),
@@ -206,11 +206,11 @@ class DetectionReporter:
         self._files.submit(done)
 
 
-def _key(seen: Seen) -> _Key:
+def _key(seen: SightingReport) -> _Key:
     return _Key(seen.stream, seen.label, seen.began_us)
 
 
-def _left(folder: Path) -> list[Seen]:
+def _left(folder: Path) -> list[SightingReport]:
     """Read what an earlier run left; what was in sight then has ended when it was touched last."""
     found = []
     for path in sorted(folder.glob("*" + _ENDING))[-MOST_KEPT:]:
@@ -221,7 +221,7 @@ def _left(folder: Path) -> list[Seen]:
             log.warning("%s is not read: %s", path, error)
             path.unlink(missing_ok=True)
             continue
-        if isinstance(seen, Seen):
+        if isinstance(seen, SightingReport):
             ended_us = seen.ended_us or max(seen.began_us, touched_us)
             found.append(msgspec.structs.replace(seen, ended_us=ended_us))
     return found

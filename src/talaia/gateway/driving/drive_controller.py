@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from talaia.gateway.driving.stop_latch import StandstillProof
     from talaia.gateway.ports import ControlOutput
     from talaia.model.site import Drive as DriveRule
-    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, LeaseState
+    from talaia.wire.frames import DriveFrame, LeaseForceRequest, LeaseRequest, LeaseState
 
 __all__ = ["DriveController"]
 
@@ -78,7 +78,7 @@ class DriveController:
 
     # ── lease ──
 
-    def on_lease(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> None:
+    def on_lease(self, ask: LeaseRequest | LeaseForceRequest, now_ns: int) -> None:
         """Take, renew, free, ask for, hand over or force the lease, and answer.
 
         Raises:
@@ -103,7 +103,7 @@ class DriveController:
 
     # ── driving ──
 
-    def on_drive(self, frame: Drive, age_ns: int, now_ns: int) -> None:
+    def on_drive(self, frame: DriveFrame, age_ns: int, now_ns: int) -> None:
         """Take one frame; a wish that is accepted is published before this returns."""
         held = self.lease.holder(now_ns)
         if self.latch.latched is not None:

@@ -18,7 +18,7 @@ from talaia.clock import MS, SECOND
 from talaia.gateway.driving.drive_controller import DriveController
 from talaia.gateway.driving.stop_latch import LatchedStop, StandstillProof
 from talaia.model.site import LinkLoss
-from talaia.wire.frames import ResetToken, Tick
+from talaia.wire.frames import ControlTick, ResetToken
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection
@@ -28,7 +28,14 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import ControlOutput, ReadingSource
     from talaia.gateway.safety.interlocks import Interlocks
     from talaia.model.site import Site
-    from talaia.wire.frames import Drive, LeaseAsk, LeaseForce, OverrideAsk, ResetAsk, StopAsk
+    from talaia.wire.frames import (
+        DriveFrame,
+        LeaseForceRequest,
+        LeaseRequest,
+        OverrideRequest,
+        ResetRequest,
+        StopRequest,
+    )
 
 __all__ = ["DriveService", "TickClock"]
 
@@ -122,7 +129,7 @@ class DriveService:
 
     # ── from the hub ──
 
-    def lease(self, ask: LeaseAsk | LeaseForce) -> None:
+    def lease(self, ask: LeaseRequest | LeaseForceRequest) -> None:
         """Take, renew, free, ask for, hand over or force a lease."""
         now = self._clock.monotonic_ns()
         seat = self.seats.get(ask.device)
@@ -144,7 +151,7 @@ class DriveService:
             # So that the new driver need not wait for a tick to echo.
             self._tick(now)
 
-    def drive(self, frame: Drive) -> None:
+    def drive(self, frame: DriveFrame) -> None:
         """Take a driving frame; what is accepted is published before this returns."""
         seat = self.seats.get(frame.device)
         if seat is not None:
@@ -154,7 +161,7 @@ class DriveService:
             seat.measured = self._measured(seat, now)
             seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
-    def stop(self, ask: StopAsk) -> LatchedStop | None:
+    def stop(self, ask: StopRequest) -> LatchedStop | None:
         """Stop at once; give what `keep_stop` is to write when it was not stopped before."""
         seat = self.seats.get(ask.device)
         if seat is None:
@@ -185,7 +192,7 @@ class DriveService:
         said = "STOP is on disk now, and will be kept over a restart"
         self._mouth.note("disk_recovered", "", said, "", good=True)
 
-    async def reset(self, ask: ResetAsk) -> None:
+    async def reset(self, ask: ResetRequest) -> None:
         """Give a token, or take it and release STOP."""
         seat = self.seats.get(ask.device)
         if seat is None:
@@ -212,7 +219,7 @@ class DriveService:
             return
         await self._release(seat, ask)
 
-    async def _release(self, seat: DriveController, ask: ResetAsk) -> None:
+    async def _release(self, seat: DriveController, ask: ResetRequest) -> None:
         was = seat.latch.latched
         try:
             await self._on_disk(lambda: self._stops.write(seat.device, None))
@@ -305,7 +312,7 @@ class DriveService:
             if (seat := self.seats.get(device)) is not None:
                 seat.robot_back(self._clock.monotonic_ns())
 
-    def override(self, ask: OverrideAsk) -> None:
+    def override(self, ask: OverrideRequest) -> None:
         """Override an interlock for a time, or end that."""
         if self._interlocks is not None:
             self._interlocks.override(ask, self._clock.monotonic_ns())
@@ -370,7 +377,7 @@ class DriveService:
         return any(seat.lease.holder(now) is not None for seat in self.seats.values())
 
     def _tick(self, now_ns: int) -> None:
-        self._mouth.send(Tick(tick=self.ticks.next(now_ns)))
+        self._mouth.send(ControlTick(tick=self.ticks.next(now_ns)))
 
     def _proofs(self, seat: DriveController) -> list[StandstillProof | None]:
         proofs: list[StandstillProof | None] = []

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Protocol
 
 from talaia.clock import MS
 from talaia.gateway.driving.lease import DeviceLease
-from talaia.wire.frames import LeaseForce, LeaseOp, LeaseState
+from talaia.wire.frames import LeaseForceRequest, LeaseOp, LeaseState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.driving.lease import LeaseHolder, LeaseRival
     from talaia.gateway.ports import ControlOutput
-    from talaia.wire.frames import LeaseAsk
+    from talaia.wire.frames import LeaseRequest
 
 __all__ = ["LeaseProtocol"]
 
@@ -49,7 +49,7 @@ class LeaseProtocol:
         self._had: LeaseHolder | None = None
         self._asks: LeaseRival | None = None
 
-    def on_ask(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> None:
+    def on_ask(self, ask: LeaseRequest | LeaseForceRequest, now_ns: int) -> None:
         """Act on what a session wants, and answer it.
 
         Raises:
@@ -60,7 +60,7 @@ class LeaseProtocol:
         self.settle(now_ns)
         refused = self._act(ask, now_ns)
         if refused:
-            taking = isinstance(ask, LeaseForce) or ask.op is not LeaseOp.RENEW
+            taking = isinstance(ask, LeaseForceRequest) or ask.op is not LeaseOp.RENEW
             if taking:
                 self._note("lease_refused", refused, ask.who)
             forceable = self.lease.may_force(ask.session, now_ns)
@@ -68,9 +68,9 @@ class LeaseProtocol:
         else:
             self._mouth.send(self.state(now_ns, ask.session))
 
-    def _act(self, ask: LeaseAsk | LeaseForce, now_ns: int) -> str:
+    def _act(self, ask: LeaseRequest | LeaseForceRequest, now_ns: int) -> str:
         lease, held = self.lease, self.lease.holder(now_ns)
-        if isinstance(ask, LeaseForce):
+        if isinstance(ask, LeaseForceRequest):
             refused = lease.force(ask.session, ask.who, now_ns)
             if not refused and held is not None:
                 self._note("lease_forced", f"from {held.who}", ask.who)

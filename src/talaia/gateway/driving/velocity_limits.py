@@ -14,7 +14,7 @@ from talaia.clock import MS, SECOND
 
 if TYPE_CHECKING:
     from talaia.model.site import Drive as DriveRule
-    from talaia.wire.frames import Drive as DriveFrame
+    from talaia.wire.frames import DriveFrame as DriveFrame
 
 __all__ = [
     "STILL",

@@ -33,7 +33,7 @@ from talaia.gateway.legacy.messages import (
     read_message,
     status_of,
 )
-from talaia.wire.frames import CommandAsk, CommandPhase
+from talaia.wire.frames import CommandPhase, CommandRequest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -247,7 +247,7 @@ class LegacyServer:
 
     async def _act(self, action: LegacyAction, socket: ServerConnection) -> str:
         """Begin a command; tell whether it began, in the words for people."""
-        ask = CommandAsk(
+        ask = CommandRequest(
             id=f"classic-{secrets.token_hex(8)}",
             device=action.device,
             command=action.command,

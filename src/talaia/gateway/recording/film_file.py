@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from talaia.wire.frames import Picture
+    from talaia.wire.frames import PictureFrame
 
 __all__ = ["FilmFile", "recover_film"]
 
@@ -48,7 +48,7 @@ class FilmFile:
 
     """
 
-    def __init__(self, path: Path, first: Picture) -> None:
+    def __init__(self, path: Path, first: PictureFrame) -> None:
         """Begin with ``first``, which needs none before it.
 
         Raises:
@@ -71,12 +71,12 @@ class FilmFile:
             self.drop()
             raise
 
-    def fits(self, picture: Picture) -> bool:
+    def fits(self, picture: PictureFrame) -> bool:
         """Tell whether a picture may follow: it is later, and of the same size."""
         same = (picture.width, picture.height) == (self.width, self.height)
         return same and picture.time_us > self.end_us
 
-    def add(self, picture: Picture) -> None:
+    def add(self, picture: PictureFrame) -> None:
         """Write a picture that `fits`.
 
         Raises:
@@ -152,7 +152,7 @@ def _packets(
             return
 
 
-def _told(first: Picture) -> dict[str, str]:
+def _told(first: PictureFrame) -> dict[str, str]:
     moment = dt.datetime.fromtimestamp(first.time_us / 1e6, dt.UTC)
     return {
         "title": first.stream,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import EventSink
     from talaia.gateway.recording.recording_store import RecordingStore
     from talaia.model.recording import Recording
-    from talaia.wire.frames import Picture
+    from talaia.wire.frames import PictureFrame
 
 __all__ = ["FilmRecorder"]
 
@@ -95,7 +95,7 @@ class FilmRecorder:
         self._told = changed
         self._wake = threading.Condition()
         self._reels: dict[str, _Reel] = {}
-        self._queue: deque[tuple[_Reel, Picture]] = deque()
+        self._queue: deque[tuple[_Reel, PictureFrame]] = deque()
         self._queued = 0
         self._ending = False
         self._looked_ns = 0
@@ -204,7 +204,7 @@ class FilmRecorder:
             reel.wants_key, reel.asked_ns, reel.asked_us = False, now_ns, time_us
             return Filming.ANEW if anew else Filming.ON
 
-    def put(self, picture: Picture) -> None:
+    def put(self, picture: PictureFrame) -> None:
         """Take the next picture of a camera's film."""
         with self._wake:
             reel = self._reel(picture.stream)
@@ -284,14 +284,14 @@ class FilmRecorder:
                     if reel.rolling:
                         reel.until_ns, reel.note = 0, str(error)
 
-    def _guard(self, reel: _Reel, work: Callable[..., None], *arguments: Picture) -> None:
+    def _guard(self, reel: _Reel, work: Callable[..., None], *arguments: PictureFrame) -> None:
         """Do a step of one film; what goes wrong with it harms no other."""
         try:
             work(reel, *arguments)
         except Exception as error:  # noqa: BLE001 - told once, and the next film may go well
             self._fail(reel, error)
 
-    def _take(self, reel: _Reel, picture: Picture) -> None:
+    def _take(self, reel: _Reel, picture: PictureFrame) -> None:
         if reel.failed:
             return
         interval_us, reel.seen_us = picture.time_us - reel.seen_us, picture.time_us
@@ -312,7 +312,7 @@ class FilmRecorder:
             self._open(reel, picture)
         reel.wrote_ns = self._clock.monotonic_ns()
 
-    def _open(self, reel: _Reel, first: Picture) -> None:
+    def _open(self, reel: _Reel, first: PictureFrame) -> None:
         with self._wake:
             why, who = reel.why, reel.who
         kept = StoredRecording(

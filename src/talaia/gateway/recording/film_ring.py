@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from talaia.wire.frames import Picture
+    from talaia.wire.frames import PictureFrame
 
 __all__ = ["FilmRing"]
 
@@ -23,14 +23,14 @@ class FilmRing:
         """Hold the last ``keep_us``, in at most ``max_bytes``; nothing for 0."""
         self._keep_us = keep_us
         self._max_bytes = max_bytes
-        self._runs: deque[list[Picture]] = deque()
+        self._runs: deque[list[PictureFrame]] = deque()
         self.bytes = 0
 
     def __len__(self) -> int:
         """Count the pictures."""
         return sum(map(len, self._runs))
 
-    def add(self, picture: Picture) -> bool:
+    def add(self, picture: PictureFrame) -> bool:
         """Take the newest picture; False when there is no beginning that it could follow."""
         if picture.key:
             self._runs.append([])
@@ -51,7 +51,7 @@ class FilmRing:
         ):
             self._drop()
 
-    def take(self) -> list[Picture]:
+    def take(self) -> list[PictureFrame]:
         """Give all that is held, in order, and hold nothing."""
         taken = [picture for run in self._runs for picture in run]
         self._runs.clear()

@@ -16,7 +16,7 @@ from talaia.clock import SECOND
 from talaia.gateway.recording.mcap_file import McapFileWriter
 from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recording_store import NoRoom, StoredRecording, new_id
-from talaia.wire.frames import RecordState
+from talaia.wire.frames import RecorderState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -45,7 +45,7 @@ class Recorder:
         shelf: RecordingStore,
         clock: Clock,
         definition: Callable[[str], str],
-        tell_state: Callable[[RecordState], None],
+        tell_state: Callable[[RecorderState], None],
         events: EventSink,
         finished: Callable[[], None],
     ) -> None:
@@ -132,7 +132,7 @@ class Recorder:
         if trigger in self._plan.triggers:
             self._begin(why, who, self._plan.after)
 
-    def state(self) -> RecordState:
+    def state(self) -> RecorderState:
         """Tell how it stands."""
         with self._changed:
             return self._state()
@@ -164,12 +164,12 @@ class Recorder:
             self._problem = ""
             self._changed.notify()
 
-    def _state(self) -> RecordState:
+    def _state(self) -> RecorderState:
         kept = self._kept
         if kept is None:
-            return RecordState(on=False, problem=self._problem[:2000])
+            return RecorderState(on=False, problem=self._problem[:2000])
         remains_ns = max(0, self._until_ns - self._clock.monotonic_ns())
-        return RecordState(
+        return RecorderState(
             on=True,
             id=kept.id,
             why=kept.why,

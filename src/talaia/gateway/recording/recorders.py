@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.wire.frames import RecordState
+from talaia.wire.frames import RecorderState
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,7 +35,7 @@ class TriggeredRecorder:
     plan: Recording
     recorder: Recorder | None
     films: FilmRecorder | None
-    tell: Callable[[RecordState], None]
+    tell: Callable[[RecorderState], None]
 
     def start(self) -> None:
         """Begin to hold what is held."""
@@ -79,9 +79,9 @@ class TriggeredRecorder:
         if self.films is not None and trigger in self.plan.triggers:
             self.films.begin(who, why, self.plan.after)
 
-    def state(self) -> RecordState:
+    def state(self) -> RecorderState:
         """Tell how it stands."""
-        state = RecordState(on=False) if self.recorder is None else self.recorder.state()
+        state = RecorderState(on=False) if self.recorder is None else self.recorder.state()
         if self.films is None:
             return state
         return msgspec.structs.replace(

@@ -13,7 +13,7 @@ from talaia.gateway.errors import ChannelNumbersFull
 from talaia.gateway.spool.files import SegmentHead
 from talaia.model.renames import renames, touched
 from talaia.model.yaml_text.load import dump_site
-from talaia.wire.frames import Described, Hello
+from talaia.wire.frames import DescriptionUpdate, Hello
 from talaia.wire.sealing import deflated
 
 if TYPE_CHECKING:
@@ -74,9 +74,11 @@ class PreparedDescription(NamedTuple):
             accepts=accepts if self.source else AcceptedChanges.NO,
         )
 
-    def described(self, renamed: dict[str, str], change_id: str = "", who: str = "") -> Described:
+    def described(
+        self, renamed: dict[str, str], change_id: str = "", who: str = ""
+    ) -> DescriptionUpdate:
         """Give what the hub is told."""
-        return Described(
+        return DescriptionUpdate(
             description=deflated(self.said),
             catalogue=self.catalogue,
             addresses=self.addresses,
@@ -131,7 +133,7 @@ class DescriptionReload:
         self,
         begun: PreparedDescription,
         parts: ReloadTargets,
-        say: Callable[[Described], None],
+        say: Callable[[DescriptionUpdate], None],
         begin_again: Callable[[Site], None],
     ) -> None:
         """Begin with the description that the parts were made of.

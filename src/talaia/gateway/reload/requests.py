@@ -21,7 +21,7 @@ from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import site_in
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import ChangePhase, ChangeState, Problem
+from talaia.wire.frames import ChangePhase, ChangeState, DescriptionProblem
 from talaia.wire.sealing import inflated, seal_of
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from talaia.gateway.reload.apply import DescriptionReload
     from talaia.gateway.reload.description_file import DescriptionFile
     from talaia.model.site import Site
-    from talaia.wire.frames import ChangeAsk
+    from talaia.wire.frames import ChangeRequest
 
 __all__ = ["ChangeRefused", "ChangeRequests"]
 
@@ -59,7 +59,7 @@ class ChangeRefused(NamedTuple):
             phase=ChangePhase.REFUSED,
             message=self.message[:2000],
             problems=[
-                Problem(
+                DescriptionProblem(
                     where=each.where[:2000], problem=each.problem[:2000], remedy=each.remedy[:2000]
                 )
                 for each in self.problems[:MOST_PROBLEMS]
@@ -171,7 +171,7 @@ class ChangeRequests:
 
     # ── the hub ──
 
-    async def ask(self, asked: ChangeAsk) -> None:
+    async def ask(self, asked: ChangeRequest) -> None:
         """Judge a change that the hub hands on, and tell how it ends. A known id is answered."""
         known = self._known.get(asked.id)
         if known is not None:
@@ -197,7 +197,7 @@ class ChangeRequests:
             self._known.pop(next(iter(self._known)))
         self._send(state)
 
-    async def _take(self, asked: ChangeAsk) -> ChangeRefused | None:
+    async def _take(self, asked: ChangeRequest) -> ChangeRefused | None:
         copy, now = self._copy, self._exchange.now
         try:
             text = inflated(asked.source)

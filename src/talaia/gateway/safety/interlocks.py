@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from talaia.model.interlocks.enclosure import Enclosure, Sighting
     from talaia.model.interlocks.interlock import Interlock, Step
     from talaia.model.site import Signal, Site
-    from talaia.wire.frames import InterlockState, OverrideAsk
+    from talaia.wire.frames import InterlockState, OverrideRequest
 
 __all__ = ["Interlocks", "Runner", "judged", "together"]
 
@@ -325,7 +325,7 @@ class Interlocks:
         for guard in self._enclosures.values():
             self._do(guard.commanded(f"{device}/{command}", who))
 
-    def override(self, ask: OverrideAsk, now_ns: int) -> None:
+    def override(self, ask: OverrideRequest, now_ns: int) -> None:
         """Override a condition for a time, or end that; who asked is told by the state."""
         condition, refused = self._overrule(ask, now_ns)
         if refused:
@@ -337,7 +337,7 @@ class Interlocks:
             self._mouth.send(self._state(ask.interlock, now_ns))
         self._look(ask.interlock, now_ns)
 
-    def _overrule(self, ask: OverrideAsk, now_ns: int) -> tuple[str, str]:
+    def _overrule(self, ask: OverrideRequest, now_ns: int) -> tuple[str, str]:
         """Override as asked; give the condition that is, and why it was refused, if it was."""
         latch = self._latches.get(ask.interlock)
         if latch is None:

@@ -20,7 +20,7 @@ from talaia.gateway.samples.newest_samples import RunNewest
 from talaia.gateway.samples.rising_times import RisingTimes
 from talaia.gateway.spool.segment import SampleRecord
 from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part, renumbered
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 if TYPE_CHECKING:
     import asyncio
@@ -72,7 +72,7 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
             if count == 1:
                 raise
         else:
-            frame = Samples(
+            frame = SampleBatch(
                 boot=boot,
                 first=first,
                 catalogue=catalogue,

@@ -12,7 +12,7 @@ import msgspec
 from talaia.gateway.spool.packing import unpacked
 from talaia.gateway.spool.segment import RecordKind, SampleRecord, records
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -110,7 +110,7 @@ def boot_of(record: SampleRecord) -> str:
         frame = LINK_FROM_GATEWAY.decode(batches[0].body)
     except PeerError:
         return ""
-    return frame.boot if isinstance(frame, Samples) else ""
+    return frame.boot if isinstance(frame, SampleBatch) else ""
 
 
 def set_aside(path: Path) -> None:

@@ -15,7 +15,7 @@ from talaia.gateway.spool.packing import unpacked
 from talaia.gateway.spool.segment import RecordKind, records
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 from talaia.wire.newest import NewestSamples
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def newest_in(
     found: dict[str, _Found] = {}
     for record in _batches(data):
         frame = LINK_FROM_GATEWAY.decode(record.body)
-        if not isinstance(frame, Samples):
+        if not isinstance(frame, SampleBatch):
             continue
         columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
         named = frame.addresses or addresses

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.persistence import write_whole
-from talaia.wire.frames import Gap
+from talaia.wire.frames import SampleGap
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -25,16 +25,16 @@ class SpoolGaps:
     def __init__(self, path: Path) -> None:
         """Read what an earlier run left. A damaged file is left aside: it holds no samples."""
         self._path = path
-        self._gaps: list[Gap] = []
+        self._gaps: list[SampleGap] = []
         self._dirty = False
         try:
-            self._gaps = msgspec.json.decode(path.read_bytes(), type=list[Gap])
+            self._gaps = msgspec.json.decode(path.read_bytes(), type=list[SampleGap])
         except FileNotFoundError:
             return
         except (OSError, msgspec.DecodeError) as error:
             log.warning("%s is damaged and is left aside: %s", path, error)
 
-    def all(self) -> list[Gap]:
+    def all(self) -> list[SampleGap]:
         """Give them."""
         return list(self._gaps)
 
@@ -52,7 +52,9 @@ class SpoolGaps:
                 del self._gaps[index]
                 break
         self._gaps.append(
-            Gap(boot=boot, first=first, last=last, from_us=from_us, to_us=to_us, reason=reason)
+            SampleGap(
+                boot=boot, first=first, last=last, from_us=from_us, to_us=to_us, reason=reason
+            )
         )
 
     def add_unknown(

@@ -33,14 +33,14 @@ from talaia.gateway.spool.packing import packed, unpacked
 from talaia.gateway.spool.progress_mark import MarkFile, ProgressMark
 from talaia.gateway.spool.segment import RecordKind, SampleRecord, pack_record, records
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from talaia.gateway.spool.former_runs import FormerNewest
-    from talaia.wire.frames import Gap
+    from talaia.wire.frames import SampleGap
 
 __all__ = ["SegmentHead", "Spool", "SpoolPosition", "StoredRecord"]
 
@@ -333,7 +333,7 @@ class Spool:
         if not boot:
             self._mark = msgspec.structs.replace(self._mark, end=max(self._mark.end, record.end))
 
-    def gaps(self) -> list[Gap]:
+    def gaps(self) -> list[SampleGap]:
         """Give the gaps that the hub has not acknowledged past."""
         return self._gaps.all()
 
@@ -560,7 +560,7 @@ class Spool:
 def _alone(record: SampleRecord, addresses: list[str]) -> SampleRecord:
     """Give a batch that says itself what its channels are."""
     frame = LINK_FROM_GATEWAY.decode(record.body)
-    if not isinstance(frame, Samples) or frame.addresses:
+    if not isinstance(frame, SampleBatch) or frame.addresses:
         return record
     whole = msgspec.structs.replace(frame, addresses=addresses)
     return record._replace(body=LINK_FROM_GATEWAY.encode(whole))

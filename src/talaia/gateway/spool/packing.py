@@ -16,7 +16,7 @@ import numpy as np
 from talaia.gateway.spool.segment import RecordKind, SampleRecord
 from talaia.wire.columns import Columns, pack, part, unpack
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -52,7 +52,7 @@ def packed(kept: Iterable[SampleRecord]) -> Iterator[SampleRecord]:
 
     A batch that cannot be read is passed on as it is.
     """
-    group: list[tuple[Samples, Columns]] = []
+    group: list[tuple[SampleBatch, Columns]] = []
     count = 0
     for record in kept:
         frame = _frame_of(record)
@@ -70,12 +70,12 @@ def packed(kept: Iterable[SampleRecord]) -> Iterator[SampleRecord]:
     yield from _close(group)
 
 
-def _frame_of(record: SampleRecord) -> tuple[Samples, Columns] | None:
+def _frame_of(record: SampleRecord) -> tuple[SampleBatch, Columns] | None:
     if record.kind != RecordKind.SAMPLES:
         return None
     try:
         frame = LINK_FROM_GATEWAY.decode(record.body)
-        if not isinstance(frame, Samples) or frame.addresses:
+        if not isinstance(frame, SampleBatch) or frame.addresses:
             return None
         columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
     except PeerError:
@@ -83,14 +83,14 @@ def _frame_of(record: SampleRecord) -> tuple[Samples, Columns] | None:
     return (frame, columns) if frame.first == record.first and len(columns) else None
 
 
-def _follows(last: tuple[Samples, Columns], frame: Samples) -> bool:
+def _follows(last: tuple[SampleBatch, Columns], frame: SampleBatch) -> bool:
     before, columns = last
     return (before.boot, before.catalogue, before.first + len(columns)) == (
         frame.boot, frame.catalogue, frame.first
     )  # fmt: skip
 
 
-def _close(group: list[tuple[Samples, Columns]]) -> Iterator[SampleRecord]:
+def _close(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:
     if not group:
         return
     first = group[0][0]
@@ -160,7 +160,7 @@ def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
         middle = len(columns) // 2
         head, tail = part(columns, 0, middle), part(columns, middle, len(columns))
         return [*_batches(group, first, head), *_batches(group, first + middle, tail)]
-    frame = Samples(
+    frame = SampleBatch(
         boot=group.boot,
         first=first,
         catalogue=group.catalogue,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.gateway.spool.former_runs import FormerNewest
     from talaia.gateway.spool.journal import SegmentHead, Spool, SpoolPosition, StoredRecord
     from talaia.gateway.spool.segment import SampleRecord
-    from talaia.wire.frames import Gap
+    from talaia.wire.frames import SampleGap
 
 __all__ = ["SpoolThread"]
 
@@ -95,7 +95,7 @@ class SpoolThread:
                 # A disk that fails ends nothing: what guards the robot needs none.
                 log.debug("the spool cannot be forced to disk: %s", error)
 
-    async def gaps(self) -> list[Gap]:
+    async def gaps(self) -> list[SampleGap]:
         """See `Spool.gaps`."""
         return await self._do(self._spool.gaps)
 

@@ -9,7 +9,7 @@ import msgspec
 
 from talaia.gateway.spool.journal import SpoolPosition
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, Samples
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -37,7 +37,7 @@ def as_old(stored: StoredRecord, catalogue: str) -> bytes:
 
     """
     frame = LINK_FROM_GATEWAY.decode(stored.record.body)
-    if not isinstance(frame, Samples):
+    if not isinstance(frame, SampleBatch):
         raise PeerError("the spool holds a frame that is no batch of samples")
     addresses = frame.addresses
     if not addresses and stored.head.catalogue != catalogue:

@@ -32,7 +32,7 @@ from talaia.wire.frames import (
     Hello,
     Welcome,
 )
-from talaia.wire.shape import PROTOCOL, speaks
+from talaia.wire.message import PROTOCOL, speaks
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable

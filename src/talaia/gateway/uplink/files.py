@@ -13,7 +13,7 @@ from zlib import crc32
 
 from talaia.gateway.errors import LinkLost
 from talaia.gateway.uplink.connection import dial
-from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FileHave, FilePiece
+from talaia.wire.frames import FILES_FROM_GATEWAY, FILES_FROM_HUB, PIECE, FilePiece, FileProgress
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -153,7 +153,7 @@ async def _send(
         piece = FilePiece(id=offer.id, at=has.have, check=crc32(data), data=data)
         has = await _ask(socket, piece, DONE_S if last else ANSWER_S)
         if last and not has.done and not has.refused and (damaged := damaged + 1) >= MOST_DAMAGED:
-            has = FileHave(id=offer.id, refused="it is not what its digest says")
+            has = FileProgress(id=offer.id, refused="it is not what its digest says")
             break
         await asyncio.sleep(len(data) / lane.rate)
         if not has.done and before and await _next(before) is not None:
@@ -167,7 +167,7 @@ async def _send(
         await asyncio.to_thread(lane.source.remove, offer.id)
 
 
-async def _ask(socket: ClientConnection, frame: Offer | FilePiece, within_s: float) -> FileHave:
+async def _ask(socket: ClientConnection, frame: Offer | FilePiece, within_s: float) -> FileProgress:
     await socket.send(FILES_FROM_GATEWAY.encode(frame))
     try:
         async with asyncio.timeout(within_s):
@@ -177,7 +177,7 @@ async def _ask(socket: ClientConnection, frame: Offer | FilePiece, within_s: flo
             raise _Unknown from error
         raise LinkLost(f"the hub has not answered for {within_s:.0f} s") from error
     answer = FILES_FROM_HUB.decode(data)
-    if not isinstance(answer, FileHave):
+    if not isinstance(answer, FileProgress):
         raise LinkLost(f"the hub closes the connection: {answer.reason}")
     if answer.id != frame.id:
         raise LinkLost(f"the hub answers for {answer.id} instead of {frame.id}")

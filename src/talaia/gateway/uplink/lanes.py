@@ -17,18 +17,18 @@ from talaia.wire.frames import (
     Bye,
     ChangeState,
     CommandState,
-    Described,
+    ControlTick,
+    DescriptionUpdate,
     DeviceState,
     DriveState,
     EnclosureState,
     Event,
     InterlockState,
     LeaseState,
-    RecordState,
+    RecorderState,
     ResetToken,
-    Seen,
+    SightingReport,
     StopState,
-    Tick,
 )
 
 if TYPE_CHECKING:
@@ -50,8 +50,8 @@ class SendPriority(IntEnum):
 
 
 _CONTROL = (
-    StopState, DriveState, Tick, LeaseState, InterlockState, EnclosureState, DeviceState,
-    RecordState, ResetToken, Described, ChangeState, Beat, BeatReply, Bye,
+    StopState, DriveState, ControlTick, LeaseState, InterlockState, EnclosureState, DeviceState,
+    RecorderState, ResetToken, DescriptionUpdate, ChangeState, Beat, BeatReply, Bye,
 )  # fmt: skip
 _COMMANDS = (CommandState, Event)
 
@@ -107,7 +107,7 @@ class SendLanes:
                 lane.popleft()
         else:
             lane = self._lanes[
-                SendPriority.SEEN if isinstance(message, Seen) else SendPriority.BACKFILL
+                SendPriority.SEEN if isinstance(message, SightingReport) else SendPriority.BACKFILL
             ]
         lane.append(WaitingFrame(LINK_FROM_GATEWAY.encode(message)))
         self._wake()

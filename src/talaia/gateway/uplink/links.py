@@ -14,7 +14,7 @@ from talaia.gateway.uplink.connection import HubLink, run_media
 from talaia.gateway.uplink.dialling import OutageLog, beside_link, keep_dialling
 from talaia.gateway.uplink.files import TransferCallbacks, send_files
 from talaia.gateway.uplink.newest_samples import NewestSamplesSender
-from talaia.wire.frames import ArchiveOffer, Newest
+from talaia.wire.frames import ArchiveOffer, NewestBatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -84,7 +84,7 @@ async def keep_link(
         exchange.said_since(told)
         log.debug("the hub has %d samples of this run", welcome.acked)
         live_from = batcher.next
-        takes = Newest.__struct_config__.tag in welcome.takes
+        takes = NewestBatch.__struct_config__.tag in welcome.takes
 
         def tell_newest() -> None:
             if takes:

@@ -9,24 +9,24 @@ from typing import TYPE_CHECKING
 from talaia.model.recording import Trigger
 from talaia.wire.frames import (
     Ack,
-    Again,
-    ChangeAsk,
-    CommandAsk,
+    ChangeRequest,
     CommandCancel,
     CommandPhase,
-    Drive,
+    CommandRequest,
+    DriveFrame,
     EnclosureState,
     Event,
-    KeyAsk,
-    LeaseAsk,
-    LeaseForce,
-    OverrideAsk,
-    Reconnect,
-    RecordAsk,
-    ResetAsk,
-    Seen,
-    StopAsk,
-    Watch,
+    KeyframeRequest,
+    LeaseForceRequest,
+    LeaseRequest,
+    OverrideRequest,
+    ReconnectRequest,
+    RecordingRequest,
+    ResendRequest,
+    ResetRequest,
+    SightingReport,
+    StopRequest,
+    StreamSubscription,
 )
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ class MessageDispatcher:
         self._commanding.report()
         self._reach.report()
         self._changing.link_up()
-        self._telling.link_up(takes=Seen.__struct_config__.tag in welcome.takes)
+        self._telling.link_up(takes=SightingReport.__struct_config__.tag in welcome.takes)
         self._pacer.touch()
 
     def link_lost(self) -> None:
@@ -193,42 +193,42 @@ class MessageDispatcher:
                 self._keeper.ack(message.boot, message.below)
                 self._lanes.acks += 1
                 return
-            case Again():
+            case ResendRequest():
                 self._lanes.owe(message.boot, message.first, message.below)
                 return
-            case Drive():
+            case DriveFrame():
                 self._control.drive(message)
-            case StopAsk():
+            case StopRequest():
                 latched = self._control.stop(message)
                 if latched is not None:
                     self._spawn(self._control.keep_stop(message.device, latched))
-            case LeaseAsk() | LeaseForce():
+            case LeaseRequest() | LeaseForceRequest():
                 self._control.lease(message)
-            case ResetAsk():
+            case ResetRequest():
                 self._spawn(self._control.reset(message))
-            case CommandAsk():
+            case CommandRequest():
                 self._spawn(self._commanding.ask(message))
-            case ChangeAsk():
+            case ChangeRequest():
                 self._spawn(self._changing.ask(message))
             case CommandCancel():
                 self._commanding.cancel(message)
-            case OverrideAsk():
+            case OverrideRequest():
                 self._control.override(message)
                 return
-            case Watch():
+            case StreamSubscription():
                 self._pictures.watch(message.streams, message.forms, message.boxes)
                 self.look()
-            case KeyAsk():
+            case KeyframeRequest():
                 self._pictures.ask_key(message.stream, message.form)
-            case Reconnect():
+            case ReconnectRequest():
                 self._reconnect(message)
-            case RecordAsk():
+            case RecordingRequest():
                 self._record(message)
             case _:
                 log.debug("nothing to do for %s", type(message).__name__)
         self._pacer.touch()
 
-    def _reconnect(self, asked: Reconnect) -> None:
+    def _reconnect(self, asked: ReconnectRequest) -> None:
         def done(outcome: CommandOutcome) -> None:
             good = outcome.phase is CommandPhase.SUCCEEDED
             kind = "device reconnected" if good else "device not reconnected"
@@ -236,7 +236,7 @@ class MessageDispatcher:
 
         self._adapter.reconnect(asked.device, done)
 
-    def _record(self, asked: RecordAsk) -> None:
+    def _record(self, asked: RecordingRequest) -> None:
         if self._tapes is None:
             why = "the description says nothing of recording"
             self._voice.tell("recording_refused", why, who=asked.who)

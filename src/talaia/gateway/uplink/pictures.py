@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.ports import Filming
 from talaia.gateway.uplink.link_capacity import LinkCapacity
-from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, Form, Trouble
+from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, PictureForm, StreamError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.recording.film_recorder import FilmRecorder
     from talaia.gateway.video.frame_source import FrameSource
-    from talaia.wire.frames import BeatReply, Boxes, Picture
+    from talaia.wire.frames import BeatReply, DetectedBoxes, PictureFrame
 
 __all__ = ["PictureUplink"]
 
 # The beat behind each picture is its receipt; the connection's own beats count from 1.
 _RECEIPTS = 2**40
 _MOST_WAITING = 6
-_FOR_OLD_HUB = frozenset({Form.JPEG.value})
+_FOR_OLD_HUB = frozenset({PictureForm.JPEG.value})
 
 
 class PictureUplink:
@@ -50,7 +50,7 @@ class PictureUplink:
         self._loop = loop
         self._clock = clock
         self._looks = looks
-        self._waiting: dict[tuple[str, str], deque[Picture]] = {}
+        self._waiting: dict[tuple[str, str], deque[PictureFrame]] = {}
         self._small: deque[bytes] = deque(maxlen=100)
         self._wake = asyncio.Event()
         self._linked = False
@@ -123,12 +123,12 @@ class PictureUplink:
         """See `PictureSink.filming`."""
         return Filming.NO if self._films is None else self._films.filming(stream, time_us)
 
-    def film(self, picture: Picture) -> None:
+    def film(self, picture: PictureFrame) -> None:
         """See `PictureSink.film`."""
         if self._films is not None:
             self._films.put(picture)
 
-    def offer(self, picture: Picture) -> None:
+    def offer(self, picture: PictureFrame) -> None:
         """Take one picture; any thread."""
         if self._linked:
             self._loop.call_soon_threadsafe(self._put, picture)
@@ -136,17 +136,17 @@ class PictureUplink:
     def trouble(self, stream: str, why: str) -> None:
         """See `PictureSink.trouble`."""
         if self._linked and self._tells_trouble:
-            told = MEDIA_FROM_GATEWAY.encode(Trouble(stream=stream, why=why[:2000]))
+            told = MEDIA_FROM_GATEWAY.encode(StreamError(stream=stream, why=why[:2000]))
             self._loop.call_soon_threadsafe(self.say, told)
 
     # ── on the loop ──
 
-    def boxes(self, boxes: Boxes) -> None:
+    def boxes(self, boxes: DetectedBoxes) -> None:
         """Take what is seen on a picture, for those who want to know."""
         if self._linked and boxes.stream in self._boxed:
             self.say(MEDIA_FROM_GATEWAY.encode(boxes))
 
-    def _put(self, picture: Picture) -> None:
+    def _put(self, picture: PictureFrame) -> None:
         if not self._linked:
             return
         key = (picture.stream, picture.forms[0] if picture.forms else "")

@@ -15,7 +15,7 @@ from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import Filming
 from talaia.gateway.video import jpeg
 from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of, thinned
-from talaia.wire.frames import Form, Picture
+from talaia.wire.frames import PictureForm, PictureFrame
 
 try:
     from talaia.gateway.video import h264
@@ -43,7 +43,7 @@ COMPRESSED = "sensor_msgs/msg/CompressedImage"
 SMALL_PX, SMALL_HZ, SMALL_BITS, SMALL_QUALITY = 320, 15.0, 250_000, 50
 STILL_HZ = 1.0
 # By its large pictures a hub sees whether a connection on the small rung would carry more.
-KEY_EVERY_S = {Form.H264: 10.0, Form.H264_SMALL: 3.0}
+KEY_EVERY_S = {PictureForm.H264: 10.0, PictureForm.H264_SMALL: 3.0}
 # A problem that lasts is told again so often, to those who have come meanwhile.
 _AGAIN_US = 2_000_000
 # One who asks for key pictures all the time makes them no dearer than this for the others.
@@ -171,7 +171,7 @@ class PictureStream:
         self._period_ns = round(1e9 / stream.max_rate)
         self._due_ns = 0
         self._seq = 0
-        self._rungs: dict[Form, _Rung] = {}
+        self._rungs: dict[PictureForm, _Rung] = {}
         self._reel = CameraFilm() if ABLE else None
 
     def is_due(self, mono_ns: int) -> bool:
@@ -196,16 +196,18 @@ class PictureStream:
         if not forms and filming is Filming.NO:
             return
         share = sink.room()
-        large: Picture | None = None
+        large: PictureFrame | None = None
         try:
             for form, served in forms.items():
                 picture = self._made(taken, stamp, form, served, share, sink)
                 if picture is not None:
                     self._told = ""
                     sink.offer(picture)
-                    large = picture if form is Form.H264 else large
+                    large = picture if form is PictureForm.H264 else large
             # Last: those who look on do not wait for it.
-            self._film(taken, stamp, large, filming, sink, whole=Form.H264 in forms and share >= 1)
+            self._film(
+                taken, stamp, large, filming, sink, whole=PictureForm.H264 in forms and share >= 1
+            )
         except _UNREADABLE as error:
             self._complain(str(error) or type(error).__name__, mono_us, sink)
 
@@ -213,7 +215,7 @@ class PictureStream:
         self,
         taken: CapturedFrame,
         stamp: FrameStamp,
-        large: Picture | None,
+        large: PictureFrame | None,
         filming: Filming,
         sink: PictureSink,
         *,
@@ -229,7 +231,7 @@ class PictureStream:
         picture = large if whole else None
         if not reel.shares(picture, whole=whole, anew=filming is Filming.ANEW):
             pixels = taken.pixels()
-            width, height, bits = self._film_size(pixels, Form.H264, self._stream.max_rate)
+            width, height, bits = self._film_size(pixels, PictureForm.H264, self._stream.max_rate)
             picture = reel.own(
                 self.address, stamp, pixels, (width, height, bits, self._stream.max_rate)
             )
@@ -250,11 +252,11 @@ class PictureStream:
         self,
         taken: CapturedFrame,
         stamp: FrameStamp,
-        form: Form,
+        form: PictureForm,
         served: list[str],
         share: float,
         sink: PictureSink,
-    ) -> Picture | None:
+    ) -> PictureFrame | None:
         """Give a picture in one form, or none now."""
         rung = self._rungs.get(form)
         if rung is None:
@@ -265,17 +267,19 @@ class PictureStream:
             if asked:
                 rung.key_now(-_KEY_EVERY_US, asked=True)
             return None
-        if form in (Form.H264, Form.H264_SMALL):
+        if form in (PictureForm.H264, PictureForm.H264_SMALL):
             return self._h264(taken, stamp, form, served, share, rung, asked=asked)
         data, width, height = self._jpeg(taken, form, share)
-        return Picture(
+        return PictureFrame(
             stream=self.address, **stamp._asdict(), width=width, height=height, forms=served,
             data=data,
         )  # fmt: skip
 
-    def _jpeg(self, taken: CapturedFrame, form: Form, share: float) -> tuple[bytes, int, int]:
+    def _jpeg(
+        self, taken: CapturedFrame, form: PictureForm, share: float
+    ) -> tuple[bytes, int, int]:
         stream = self._stream
-        small = form is Form.JPEG_SMALL
+        small = form is PictureForm.JPEG_SMALL
         own = taken.jpeg()
         wide = stream.width and own is not None and own[1] > stream.width
         if own is not None and not small and not wide and share >= 1:
@@ -291,13 +295,13 @@ class PictureStream:
         self,
         taken: CapturedFrame,
         stamp: FrameStamp,
-        form: Form,
+        form: PictureForm,
         served: list[str],
         share: float,
         rung: _Rung,
         *,
         asked: bool,
-    ) -> Picture | None:
+    ) -> PictureFrame | None:
         pixels = taken.pixels()
         rate = 1e6 / rung.period_us
         width, height, bits = self._film_size(pixels, form, rate)
@@ -309,21 +313,21 @@ class PictureStream:
         made = encoder.encode(pixels, stamp.mono_us, key=rung.key_now(stamp.mono_us, asked=asked))
         if made is None:
             return None
-        return Picture(
+        return PictureFrame(
             stream=self.address, **stamp._asdict(), width=encoder.width, height=encoder.height,
             format="h264", forms=served, key=made.key, codec=encoder.codec if made.key else "",
             data=made.data,
         )  # fmt: skip
 
-    def _film_size(self, pixels: Pixels, form: Form, rate: float) -> tuple[int, int, int]:
+    def _film_size(self, pixels: Pixels, form: PictureForm, rate: float) -> tuple[int, int, int]:
         """Give width and height (px) and bit rate (bit/s) of a film of these pictures."""
         most = self._stream.width or pixels.width
-        if form is Form.H264_SMALL:
+        if form is PictureForm.H264_SMALL:
             most = min(most, SMALL_PX)
         by = max(1, -(-pixels.width // most))
         width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
         bits = self._stream.kbits * 1000 or h264.bits_for(width, height, rate)
-        return width, height, min(bits, SMALL_BITS) if form is Form.H264_SMALL else bits
+        return width, height, min(bits, SMALL_BITS) if form is PictureForm.H264_SMALL else bits
 
 
 def _serves(encoder: h264.Encoder, width: int, height: int, bits: int, share: float) -> bool:
@@ -339,21 +343,24 @@ def _serves(encoder: h264.Encoder, width: int, height: int, bits: int, share: fl
     return _NEAR <= encoder.bits / (bits * share) <= 1 / _NEAR
 
 
-def _served(asked: Collection[str]) -> dict[Form, list[str]]:
+def _served(asked: Collection[str]) -> dict[PictureForm, list[str]]:
     """Pair what is made with what it is made for; without an encoder all is JPEG."""
-    made: dict[Form, list[str]] = {}
-    for form in sorted(set(asked) & set(Form)):
-        as_form = Form(form)
+    made: dict[PictureForm, list[str]] = {}
+    for form in sorted(set(asked) & set(PictureForm)):
+        as_form = PictureForm(form)
         if not ABLE:
-            as_form = {Form.H264: Form.JPEG, Form.H264_SMALL: Form.JPEG_SMALL}.get(as_form, as_form)
+            as_form = {
+                PictureForm.H264: PictureForm.JPEG,
+                PictureForm.H264_SMALL: PictureForm.JPEG_SMALL,
+            }.get(as_form, as_form)
         made.setdefault(as_form, []).append(form)
     return made
 
 
-def _rate(form: Form, most: float) -> float:
-    if form is Form.STILL:
+def _rate(form: PictureForm, most: float) -> float:
+    if form is PictureForm.STILL:
         return min(most, STILL_HZ)
-    return min(most, SMALL_HZ) if form in (Form.H264_SMALL, Form.JPEG_SMALL) else most
+    return min(most, SMALL_HZ) if form in (PictureForm.H264_SMALL, PictureForm.JPEG_SMALL) else most
 
 
 def _slower(share: float) -> int:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.video.h264 import Encoder
-from talaia.wire.frames import Picture
+from talaia.wire.frames import PictureFrame
 
 if TYPE_CHECKING:
     from talaia.gateway.video.camera import FrameStamp
@@ -38,7 +38,7 @@ class CameraFilm:
         self._shared, self._wants_key = False, True
         self._encoder = self._made_for = None
 
-    def shares(self, picture: Picture | None, *, whole: bool, anew: bool) -> bool:
+    def shares(self, picture: PictureFrame | None, *, whole: bool, anew: bool) -> bool:
         """Tell whether the viewers' film serves; else the picture must be encoded by `own`.
 
         Args:
@@ -58,7 +58,7 @@ class CameraFilm:
 
     def own(
         self, address: str, stamp: FrameStamp, pixels: Pixels, made_for: tuple[int, int, int, float]
-    ) -> Picture | None:
+    ) -> PictureFrame | None:
         """Encode a picture for the film alone.
 
         Args:
@@ -83,7 +83,7 @@ class CameraFilm:
             return None
         if made.key:
             self._wants_key, self._key_us = False, stamp.mono_us
-        return Picture(
+        return PictureFrame(
             stream=address, **stamp._asdict(), width=encoder.width, height=encoder.height,
             format="h264", key=made.key, codec=encoder.codec if made.key else "", data=made.data,
         )  # fmt: skip

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from talaia.model.interlocks.interlock import Step
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
-    from talaia.wire.frames import FromGateway, Picture
+    from talaia.wire.frames import FromGateway, PictureFrame
 
 __all__ = ["Job", "Record", "main"]
 
@@ -162,13 +162,13 @@ class _NoSamples:
     ) -> None:
         pass
 
-    def offer(self, picture: Picture) -> None:
+    def offer(self, picture: PictureFrame) -> None:
         pass
 
     def filming(self, stream: str, time_us: int) -> Filming:
         return Filming.NO
 
-    def film(self, picture: Picture) -> None:
+    def film(self, picture: PictureFrame) -> None:
         pass
 
     def trouble(self, stream: str, why: str) -> None:

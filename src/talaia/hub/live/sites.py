@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         FromHub,
         InterlockState,
         LeaseState,
-        RecordState,
+        RecorderState,
         StopState,
     )
 
@@ -103,7 +103,7 @@ class LiveSite:
     unreached: dict[str, tuple[str, int]] = field(default_factory=dict)
     pending: dict[str, Pending] = field(default_factory=dict)
     acting: dict[str, tuple[CommandState, int]] = field(default_factory=dict)
-    recorder: RecordState | None = None
+    recorder: RecorderState | None = None
     source: str = ""
     accepts: str = ""
     gateway: int = 0

@@ -22,7 +22,7 @@ from talaia.hub.api.schemas.recording_schemas import (
 )
 from talaia.hub.auth.permissions import Right, sees_stream
 from talaia.hub.store.sites.recordings import RecordingState
-from talaia.wire.frames import RecordAsk
+from talaia.wire.frames import RecordingRequest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -104,7 +104,7 @@ class RecordingPages:
             raise ApiProblem(409, "unable", _UNABLE)
         if not asked.stream and not (live.description.recorded() or live.description.filmed()):
             raise ApiProblem(409, "undescribed", "the site description names nothing to record")
-        live.link.send(RecordAsk(on=asked.on, who=name, why=asked.why, stream=asked.stream))
+        live.link.send(RecordingRequest(on=asked.on, who=name, why=asked.why, stream=asked.stream))
         kind = "recording asked" if asked.on else "recording end asked"
         about = f"film of {asked.stream}" if asked.stream else ""
         self._note(request, kind, live.name, ": ".join(filter(None, (about, asked.why))))

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.descriptions import Descriptions
     from talaia.model.site import Site
-    from talaia.wire.frames import ChangeState, Problem
+    from talaia.wire.frames import ChangeState, DescriptionProblem
 
 __all__ = ["DescriptionPages"]
 
@@ -226,7 +226,7 @@ def _placed(findings: Iterable[Finding], text: str) -> list[FindingShape]:
     return shapes
 
 
-def _told(problems: Iterable[Problem]) -> list[FindingShape]:
+def _told(problems: Iterable[DescriptionProblem]) -> list[FindingShape]:
     return [
         FindingShape(where=each.where, problem=each.problem, remedy=each.remedy, line=0, column=0)
         for each in problems

@@ -66,9 +66,9 @@ class PageMessages:
                 self._subscribe(browser, message)
             case page.Unsubscribe():
                 self._fanout.unsubscribe(browser, message.sub)
-            case page.Ping():
+            case page.PagePing():
                 browser.tell(
-                    page.Pong(
+                    page.PagePong(
                         n=message.n,
                         at_ms=message.at_ms,
                         hub_us=self._clock.monotonic_ns() // 1000,
@@ -90,7 +90,7 @@ class PageMessages:
         subscriptions, channels = self._fanout.held(browser)
         if subscriptions >= MOST_SUBSCRIPTIONS or channels + len(asked.channels) > MOST_CHANNELS:
             browser.tell(
-                page.Problem(
+                page.RequestError(
                     code="busy",
                     message=f"at most {MOST_CHANNELS} channels in {MOST_SUBSCRIPTIONS}"
                     " subscriptions on one connection",

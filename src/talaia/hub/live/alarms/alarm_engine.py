@@ -27,7 +27,7 @@ from talaia.hub.live.alarms.site_alarms import SiteAlarms
 from talaia.hub.store.alarms.alarm_states import Change, Made
 from talaia.model.alarms.alarm import Alarm
 from talaia.model.alarms.standard_alarms import standard_alarms
-from talaia.wire.frames import RecordAsk
+from talaia.wire.frames import RecordingRequest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -336,7 +336,7 @@ class Alarms:
         if each.alarm is None or not each.alarm.record or live is None or live.link is None:
             return
         why = f"alarm {each.about.name}: {happened.message}"[:500]
-        live.link.send(RecordAsk(on=True, who="alarm", why=why, alarm=True))
+        live.link.send(RecordingRequest(on=True, who="alarm", why=why, alarm=True))
 
     async def refresh_troubles(self) -> None:
         """Read anew which alarms could not be delivered, and tell."""

@@ -55,10 +55,10 @@ def device_of(addresses: Addresses, alarm: Alarm) -> str:
     return next(iter(devices)) if len(devices) == 1 else ""
 
 
-def alarm_news(each: LiveAlarm) -> page.AlarmNews:
+def alarm_news(each: LiveAlarm) -> page.AlarmUpdate:
     """Say how an alarm stands."""
     about, state, alarm = each.about, each.state, each.alarm
-    return page.AlarmNews(
+    return page.AlarmUpdate(
         site=about.site,
         alarm=about.alarm,
         device=about.device,
@@ -85,10 +85,10 @@ def alarm_news(each: LiveAlarm) -> page.AlarmNews:
     )
 
 
-def event_news(each: LiveAlarm, happened: Happened) -> page.EventNews:
+def event_news(each: LiveAlarm, happened: Happened) -> page.EventUpdate:
     """Say what happened to an alarm."""
     about = each.about
-    return page.EventNews(
+    return page.EventUpdate(
         site=about.site,
         kind=f"alarm {happened.what}",
         device=about.device,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from talaia.hub.live.pictures.jpeg_decoder import Unreadable
 from talaia.objects.errors import DetectorError
 from talaia.objects.eyes import Eyes
-from talaia.wire.frames import Form
+from talaia.wire.frames import PictureForm
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Signal
     from talaia.objects.eyes import Told
     from talaia.objects.things import Thing as Found
-    from talaia.wire.frames import Picture
+    from talaia.wire.frames import PictureFrame
 
 __all__ = ["Around", "Looking"]
 
@@ -40,7 +40,7 @@ _LAST_US = 2**53
 class Around(Protocol):
     """Where a camera's pictures come from, and where goes what is seen on them."""
 
-    def look(self, live: LiveSite, camera: str, take: Callable[[Picture], None]) -> None:
+    def look(self, live: LiveSite, camera: str, take: Callable[[PictureFrame], None]) -> None:
         """Have pictures of a camera."""
         ...
 
@@ -49,8 +49,8 @@ class Around(Protocol):
         ...
 
     async def seen(
-        self, live: LiveSite, detect: Detect, newest: Callable[[], Picture | None]
-    ) -> tuple[Picture, NDArray[np.uint8], list[Found]] | None:
+        self, live: LiveSite, detect: Detect, newest: Callable[[], PictureFrame | None]
+    ) -> tuple[PictureFrame, NDArray[np.uint8], list[Found]] | None:
         """See the newest picture when its detector's turn has come.
 
         Raises:
@@ -59,7 +59,9 @@ class Around(Protocol):
         """
         ...
 
-    def boxes(self, live: LiveSite, camera: str, picture: Picture, found: Sequence[Found]) -> None:
+    def boxes(
+        self, live: LiveSite, camera: str, picture: PictureFrame, found: Sequence[Found]
+    ) -> None:
         """Give what is on a picture to the pages that want to know."""
         ...
 
@@ -106,7 +108,7 @@ class Looking:
         self._counted: Mapping[str, Signal] = {}
         # What was said of each signal last: when, and the count.
         self._said: dict[str, tuple[int, float]] = {}
-        self._picture: Picture | None = None
+        self._picture: PictureFrame | None = None
         self._news = asyncio.Event()
         self._wait_s = _FIRST_WAIT_S
         self._unreadable = False
@@ -139,12 +141,12 @@ class Looking:
         finally:
             self._around.tell(self._live, self._name, self._eyes.end())
 
-    def _arrived(self, picture: Picture) -> None:
-        if picture.format == Form.JPEG and 0 < picture.time_us < _LAST_US:
+    def _arrived(self, picture: PictureFrame) -> None:
+        if picture.format == PictureForm.JPEG and 0 < picture.time_us < _LAST_US:
             self._picture = picture
             self._news.set()
 
-    def _newest(self) -> Picture | None:
+    def _newest(self) -> PictureFrame | None:
         picture, self._picture = self._picture, None
         self._news.clear()
         return picture
@@ -184,7 +186,7 @@ class Looking:
             self._unreadable = bool(why)
             self._around.tell_trouble(self._live, self._name, why)
 
-    def _take(self, picture: Picture, rgb: NDArray[np.uint8], found: Sequence[Found]) -> None:
+    def _take(self, picture: PictureFrame, rgb: NDArray[np.uint8], found: Sequence[Found]) -> None:
         self._last_us = picture.time_us
         self._ahead_us = self._around.now_us() - picture.time_us
         counts = {}

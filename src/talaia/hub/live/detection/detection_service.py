@@ -30,7 +30,7 @@ from talaia.model.derived_signals import counts_of, detecting, eye_of
 from talaia.model.detection import DetectAt
 from talaia.objects.eyes import least_of
 from talaia.wire.columns import Columns
-from talaia.wire.frames import Boxes, Form, Seen, Thing
+from talaia.wire.frames import DetectedBoxes, DetectedObject, PictureForm, SightingReport
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from talaia.objects.eyes import Told
     from talaia.objects.things import Thing as Found
     from talaia.objects.worker import Worker
-    from talaia.wire.frames import Picture
+    from talaia.wire.frames import PictureFrame
 
 __all__ = ["MODELS", "Detecting"]
 
@@ -58,7 +58,7 @@ _LOG = logging.getLogger(__name__)
 # In the data folder: detectors of one's own.
 MODELS = "models"
 # Small pictures do: a detector is shown a square of a few hundred pixels.
-_FORM = Form.JPEG_SMALL
+_FORM = PictureForm.JPEG_SMALL
 # Of one site so many cameras at the most.
 _MOST_CAMERAS = 16
 _GATHER_S = 0.2
@@ -244,7 +244,7 @@ class Detecting:
 
     # ── for a camera ────────────────────────────────────────────────────────────────────────
 
-    def look(self, live: LiveSite, camera: str, take: Callable[[Picture], None]) -> None:
+    def look(self, live: LiveSite, camera: str, take: Callable[[PictureFrame], None]) -> None:
         """Have pictures of a camera."""
         self._media.look(live.name, camera, _FORM, take)
 
@@ -253,8 +253,8 @@ class Detecting:
         self._media.look_away(live.name, camera)
 
     async def seen(
-        self, live: LiveSite, detect: Detect, newest: Callable[[], Picture | None]
-    ) -> tuple[Picture, NDArray[np.uint8], list[Found]] | None:
+        self, live: LiveSite, detect: Detect, newest: Callable[[], PictureFrame | None]
+    ) -> tuple[PictureFrame, NDArray[np.uint8], list[Found]] | None:
         """See the newest picture when its detector's turn has come.
 
         Raises:
@@ -269,17 +269,21 @@ class Detecting:
             rgb = await asyncio.to_thread(pixels_of, picture.data)
             return picture, rgb, await self._worker.seen(model, rgb, least_of(detect))
 
-    def boxes(self, live: LiveSite, camera: str, picture: Picture, found: Sequence[Found]) -> None:
+    def boxes(
+        self, live: LiveSite, camera: str, picture: PictureFrame, found: Sequence[Found]
+    ) -> None:
         """Give what is on a picture to the pages that want to know."""
         if self._media.looked_at(live.name, camera):
-            things = [Thing(**each._asdict()) for each in found]
-            said = Boxes(stream=camera, seq=picture.seq, time_us=picture.time_us, things=things)
+            things = [DetectedObject(**each._asdict()) for each in found]
+            said = DetectedBoxes(
+                stream=camera, seq=picture.seq, time_us=picture.time_us, things=things
+            )
             self._media.boxes(live.name, said)
 
     def tell(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
         """Take news of sightings."""
         for sighting, thumbnail in news:
-            seen = Seen(
+            seen = SightingReport(
                 stream=camera,
                 label=sighting.label,
                 many=sighting.most,

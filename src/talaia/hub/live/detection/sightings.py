@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import SightingSink
     from talaia.hub.store.sites.sightings import Put, SightingStore
-    from talaia.wire.frames import Seen
+    from talaia.wire.frames import SightingReport
 
 __all__ = ["KIND", "OWN", "Sightings"]
 
@@ -114,7 +114,7 @@ class Sightings:
 
     # ── what is told ────────────────────────────────────────────────────────────────────────
 
-    def seen(self, live: LiveSite, seen: Seen) -> None:
+    def seen(self, live: LiveSite, seen: SightingReport) -> None:
         """Take what a gateway says; what its description does not let it say is left out."""
         detect = detect_of(live.description, seen.stream)
         key = (live.name, seen.stream, seen.label, seen.began_us)
@@ -126,7 +126,7 @@ class Sightings:
         else:
             self.take(live, seen, live.boot)
 
-    def take(self, live: LiveSite, seen: Seen, boot: str) -> None:
+    def take(self, live: LiveSite, seen: SightingReport, boot: str) -> None:
         """Take what is seen, by whomever (``boot`` names the run)."""
         if not (0 < seen.began_us < _LAST_US and 0 <= seen.ended_us < _LAST_US):
             self._leave_out(live, "its time cannot be right")
@@ -190,7 +190,7 @@ class Sightings:
         self._waiting[sighted.key] = sighted._replace(ended_us=ended_us, told_us=self._now_us())
         self._news.set()
 
-    def _checked(self, live: LiveSite, seen: Seen) -> bytes:
+    def _checked(self, live: LiveSite, seen: SightingReport) -> bytes:
         try:
             return bare_jpeg(seen.thumbnail)
         except NotAPicture as error:
@@ -305,7 +305,7 @@ class Sightings:
     def _tell_line(self, entry: Entry, began_us: int) -> None:
         """Let logbooks on pages, and marks on charts, follow."""
         self._browsers.tell(
-            page.EventNews(
+            page.EventUpdate(
                 site=entry.site, kind=entry.kind, device=entry.device, message=entry.message,
                 time_us=began_us,
             )
@@ -343,8 +343,8 @@ def _of_others(boot: str) -> Callable[[Sighted], bool]:
     return lambda each: each.boot != boot and not each.boot.startswith(OWN)
 
 
-def _news(number: int, sighted: Sighted) -> page.SightingNews:
-    return page.SightingNews(
+def _news(number: int, sighted: Sighted) -> page.SightingUpdate:
+    return page.SightingUpdate(
         site=sighted.site, id=number, camera=sighted.camera, label=sighted.label,
         many=sighted.many, confidence=sighted.confidence, began_us=sighted.began_us,
         ended_us=sighted.ended_us,

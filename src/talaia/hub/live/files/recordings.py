@@ -31,9 +31,9 @@ from talaia.wire.frames import (
     FILES_FROM_HUB,
     ArchiveOffer,
     Bye,
-    FileHave,
     FileOffer,
     FilePiece,
+    FileProgress,
     FilmOffer,
 )  # fmt: skip
 
@@ -187,23 +187,23 @@ class Recordings:
                 await self._rows.put(failed)
                 _LOG.warning("the file of the recording %s of %s is not there", key[1], key[0])
 
-    async def offered(self, site: str, offer: FileOffer | FilmOffer) -> FileHave:
+    async def offered(self, site: str, offer: FileOffer | FilmOffer) -> FileProgress:
         """Answer an offer: how much of it is here."""
         async with self._turn:
             row = await self._rows.find(site, offer.id)
             if row is not None and row.digest != offer.digest:
-                return FileHave(id=offer.id, refused="another recording has that name already")
+                return FileProgress(id=offer.id, refused="another recording has that name already")
             if row is not None and row.state is RecordingState.COMPLETE:
-                return FileHave(id=offer.id, have=row.size, done=True)
+                return FileProgress(id=offer.id, have=row.size, done=True)
             if self._most_bytes and offer.size > self._most_bytes:
                 why = f"it is larger than all that may be kept ({self._most_bytes} bytes)"
-                return FileHave(id=offer.id, refused=why)
+                return FileProgress(id=offer.id, refused=why)
             if not _SITE.fullmatch(site) or not offer.size:
-                return FileHave(id=offer.id, refused="it cannot be kept")
+                return FileProgress(id=offer.id, refused="it cannot be kept")
             recorded = _recorded(site, offer)
             if not await self._make_room(recorded):
                 why = "what comes already fills all the room that recordings may take"
-                return FileHave(id=offer.id, refused=why)
+                return FileProgress(id=offer.id, refused=why)
             try:
                 have = await asyncio.to_thread(self._begin, recorded)
             except OSError as error:
@@ -211,9 +211,9 @@ class Recordings:
             await self._rows.put(recorded._replace(have=have))
             if have == offer.size:
                 return await self._finish(recorded)
-            return FileHave(id=offer.id, have=have)
+            return FileProgress(id=offer.id, have=have)
 
-    async def take(self, site: str, offer: FileOffer | FilmOffer, piece: FilePiece) -> FileHave:
+    async def take(self, site: str, offer: FileOffer | FilmOffer, piece: FilePiece) -> FileProgress:
         """Take a piece of an offered file.
 
         Raises:
@@ -227,9 +227,9 @@ class Recordings:
         async with self._turn:
             row = await self._rows.find(site, offer.id)
             if row is None or row.state is RecordingState.FAILED or row.digest != offer.digest:
-                return FileHave(id=offer.id, refused="it was deleted here")
+                return FileProgress(id=offer.id, refused="it was deleted here")
             if row.state is RecordingState.COMPLETE:
-                return FileHave(id=offer.id, have=row.size, done=True)
+                return FileProgress(id=offer.id, have=row.size, done=True)
             try:
                 have = await asyncio.to_thread(self._write, row, piece)
             except OSError as error:
@@ -241,25 +241,25 @@ class Recordings:
             if have - self._told.get(key, 0) >= _TELL_BYTES:
                 self._told[key] = have
                 await self._rows.put(row._replace(have=have))
-            return FileHave(id=offer.id, have=have)
+            return FileProgress(id=offer.id, have=have)
 
     async def remove(self, recorded: Recorded) -> None:
         """Delete a recording: the file first, so that nothing is left that no row names."""
         async with self._turn:
             await self._delete(recorded)
 
-    async def _finish(self, row: Recorded) -> FileHave:
+    async def _finish(self, row: Recorded) -> FileProgress:
         good = await asyncio.to_thread(self._close, row)
         if good:
             await self._rows.put(row._replace(state=RecordingState.COMPLETE, have=row.size))
             self._audit.note(
                 "recording stored", site=row.site, message=f"{row.id}: {row.size} bytes; {row.why}"
             )
-            return FileHave(id=row.id, have=row.size, done=True)
+            return FileProgress(id=row.id, have=row.size, done=True)
         note = "what came is not what its gateway has; it is sent again"
         _LOG.warning("the recording %s of %s: %s", row.id, row.site, note)
         await self._rows.put(row._replace(have=0, note=note))
-        return FileHave(id=row.id, have=0)
+        return FileProgress(id=row.id, have=0)
 
     async def _make_room(self, coming: Recorded) -> bool:
         """Let the oldest go until there is room; False when what is coming fills all of it."""

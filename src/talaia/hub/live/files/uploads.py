@@ -20,7 +20,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.errors import TalaiaError
 from talaia.hub.errors import StoreDown
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import FileHave
+from talaia.wire.frames import FileProgress
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -64,7 +64,7 @@ class Uploads:
         # One thing at a time: two connections may bring the same.
         self._turn = asyncio.Lock()
 
-    async def offered(self, site: str, offer: ArchiveOffer) -> FileHave:
+    async def offered(self, site: str, offer: ArchiveOffer) -> FileProgress:
         """Answer an offer: how much of it is here.
 
         Raises:
@@ -74,7 +74,7 @@ class Uploads:
         async with self._turn:
             return await self._answered(site, offer, None)
 
-    async def take(self, site: str, offer: ArchiveOffer, piece: FilePiece) -> FileHave:
+    async def take(self, site: str, offer: ArchiveOffer, piece: FilePiece) -> FileProgress:
         """Take a piece of an offered file.
 
         Raises:
@@ -89,18 +89,20 @@ class Uploads:
         async with self._turn:
             return await self._answered(site, offer, piece)
 
-    async def _answered(self, site: str, offer: ArchiveOffer, piece: FilePiece | None) -> FileHave:
+    async def _answered(
+        self, site: str, offer: ArchiveOffer, piece: FilePiece | None
+    ) -> FileProgress:
         try:
             if piece is None:
                 have = await self._begin(site, offer)
             else:
                 have = await asyncio.to_thread(_append, self._path(site, offer), piece)
             if have < offer.size:
-                return FileHave(id=offer.id, have=have)
+                return FileProgress(id=offer.id, have=have)
             return await self._finish(site, offer)
         except Refused as error:
             log.warning("a file of %s is refused: %s", site, error)
-            return FileHave(id=offer.id, refused=str(error)[:2000])
+            return FileProgress(id=offer.id, refused=str(error)[:2000])
         except (OSError, TalaiaError, SQLAlchemyError) as error:
             # The gateway offers it again after a while.
             log.warning("a file of %s must wait: %s", site, error)
@@ -113,18 +115,18 @@ class Uploads:
             raise Refused(f"a file of {offer.size} bytes is more than the {self._most} allowed")
         return await asyncio.to_thread(self._found, site, offer)
 
-    async def _finish(self, site: str, offer: ArchiveOffer) -> FileHave:
+    async def _finish(self, site: str, offer: ArchiveOffer) -> FileProgress:
         path = self._path(site, offer)
         if await asyncio.to_thread(_digest, path) != offer.digest:
             path.unlink(missing_ok=True)
             log.warning("a file of %s came damaged; it is sent again", site)
-            return FileHave(id=offer.id)
+            return FileProgress(id=offer.id)
         try:
             await self._keepers[offer.kind](site, offer, path)
         except Refused:
             path.unlink(missing_ok=True)
             raise
-        return FileHave(id=offer.id, have=offer.size, done=True)
+        return FileProgress(id=offer.id, have=offer.size, done=True)
 
     def _path(self, site: str, offer: ArchiveOffer) -> Path:
         return self._folder / site / f"{offer.id}.part"

@@ -6,7 +6,7 @@ import asyncio
 import secrets
 from typing import TYPE_CHECKING
 
-from talaia.wire.frames import ChangeAsk, ChangePhase, ChangeState
+from talaia.wire.frames import ChangePhase, ChangeRequest, ChangeState
 from talaia.wire.sealing import deflated, digest_of, seal_of
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class Changes:
         self._asked[name] = (live.name, answer)
         self._notes[name] = note
         try:
-            link.send(ChangeAsk(id=name, source=data, base=base, who=who, seal=seal))
+            link.send(ChangeRequest(id=name, source=data, base=base, who=who, seal=seal))
             async with asyncio.timeout(ANSWER_S):
                 return await answer
         except TimeoutError:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.wire.columns import Columns
-    from talaia.wire.frames import Newest, Samples
+    from talaia.wire.frames import NewestBatch, SampleBatch
 
 __all__ = ["ChannelLists"]
 
@@ -58,7 +58,7 @@ class ChannelLists:
         self._shown = addresses
         self._order.clear()
 
-    def batch(self, message: Samples) -> Batch:
+    def batch(self, message: SampleBatch) -> Batch:
         """Read a batch's columns and see that each channel is one of its list.
 
         Raises:
@@ -70,7 +70,7 @@ class ChannelLists:
         )
         return Batch(message.boot, message.first, self._addresses(message, columns), columns)
 
-    def newest(self, message: Newest) -> tuple[tuple[str, ...], NewestSamples]:
+    def newest(self, message: NewestBatch) -> tuple[tuple[str, ...], NewestSamples]:
         """Read the newest samples that are told, and the addresses that they are numbered by.
 
         Raises:
@@ -80,7 +80,7 @@ class ChannelLists:
         told = newest_of(message)
         return self._addresses(message, told.columns), told
 
-    def _addresses(self, message: Samples | Newest, columns: Columns) -> tuple[str, ...]:
+    def _addresses(self, message: SampleBatch | NewestBatch, columns: Columns) -> tuple[str, ...]:
         if message.addresses:
             addresses = self._called_now(tuple(message.addresses))
         elif message.catalogue in self._lists:

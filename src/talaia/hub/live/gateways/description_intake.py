@@ -39,7 +39,7 @@ _RETRY_S = 1.0
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
 
-def source_of(message: frames.Hello | frames.Described) -> str:
+def source_of(message: frames.Hello | frames.DescriptionUpdate) -> str:
     """Give a description's text as a person wrote it; empty if the gateway says none.
 
     Raises:
@@ -121,13 +121,13 @@ class Describing:
         for state in states:
             self._reporting.tell(live, state)
 
-    def note_of(self, told: frames.Described) -> str:
+    def note_of(self, told: frames.DescriptionUpdate) -> str:
         """Say in a few words how a description came about; asked when it comes."""
         kept = "sent through the hub" if told.id else "changed at the gateway"
         return self._changes.note_of(told.id) or kept
 
     async def store(
-        self, description: Site, told: frames.Described, said: str, source: str, note: str
+        self, description: Site, told: frames.DescriptionUpdate, said: str, source: str, note: str
     ) -> int:
         """Make room in the history for what is described, and keep it; the version's number.
 
@@ -143,9 +143,14 @@ class Describing:
         return await self._versions.add(site, source or said, gateway, told.who, note)
 
     def show(
-        self, live: LiveSite, description: Site, told: frames.Described, said: str, source: str,
+        self,
+        live: LiveSite,
+        description: Site,
+        told: frames.DescriptionUpdate,
+        said: str,
+        source: str,
         number: int,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Let pages follow: at one blow they are shown the new channels and devices."""
         for name in [each for each in live.enclosures if each not in description.enclosures]:
             del live.enclosures[name]
@@ -179,11 +184,13 @@ class Redescription:
         self._live = live
         self._lists = lists
         self._ingest = ingest
-        self._waiting: asyncio.Queue[tuple[frames.Described, str, asyncio.Event]] = asyncio.Queue()
+        self._waiting: asyncio.Queue[tuple[frames.DescriptionUpdate, str, asyncio.Event]] = (
+            asyncio.Queue()
+        )
         self._later: list[frames.DeviceState] = []
         self.pending = 0
 
-    def put(self, told: frames.Described) -> None:
+    def put(self, told: frames.DescriptionUpdate) -> None:
         """Take a description; from here on batches may be numbered by its list."""
         self._lists.told(told.catalogue, told.addresses, told.renamed)
         renamed = {old: told.renamed.get(new, new) for old, new in self._live.renamed.items()}
@@ -212,7 +219,7 @@ class Redescription:
             later, self._later = self._later, []
             self._describing.later(self._live, later)
 
-    async def _put(self, told: frames.Described, note: str) -> None:
+    async def _put(self, told: frames.DescriptionUpdate, note: str) -> None:
         live = self._live
         source = source_of(told)
         said, description = await asyncio.to_thread(_read, told.description)
@@ -226,7 +233,7 @@ class Redescription:
         _LOG.info("%s is described anew: version %d", live.name, number)
 
     async def _stored(
-        self, description: Site, told: frames.Described, said: str, source: str, note: str
+        self, description: Site, told: frames.DescriptionUpdate, said: str, source: str, note: str
     ) -> int:
         """Store it, however long the database is away; give the version's number."""
         failing = False

@@ -18,7 +18,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.errors import TalaiaError
 from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
 from talaia.hub.live.pages.conflate import join
-from talaia.wire.frames import Ack, Again, Gap
+from talaia.wire.frames import Ack, ResendRequest, SampleGap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -66,14 +66,18 @@ class Ingest:
     """Stores batches and gaps in the order they came and acknowledges once for each commit."""
 
     def __init__(
-        self, history: History, site: str, tell: Callable[[Ack | Again], None], gather_s: float
+        self,
+        history: History,
+        site: str,
+        tell: Callable[[Ack | ResendRequest], None],
+        gather_s: float,
     ) -> None:
         """Tell the gateway when samples are safe; gather for ``gather_s`` before a commit."""
         self._history = history
         self._site = site
         self._tell = tell
         self._gather_s = gather_s
-        self._waiting: deque[Batch | Gap | Renaming] = deque()
+        self._waiting: deque[Batch | SampleGap | Renaming] = deque()
         self._samples = 0
         self._news = asyncio.Event()
         self._owed: dict[str, tuple[int, int]] = {}
@@ -89,10 +93,10 @@ class Ingest:
         run = self._runs.get(boot)
         return 0 if run is None else run.below
 
-    def put(self, item: Batch | Gap) -> None:
+    def put(self, item: Batch | SampleGap) -> None:
         """Take a batch or a gap; what finds no room will be asked for again."""
         if self._samples >= _MOST_WAITING:
-            last = item.last if isinstance(item, Gap) else item.first + len(item.columns) - 1
+            last = item.last if isinstance(item, SampleGap) else item.first + len(item.columns) - 1
             first, end = self._owed.get(item.boot, (item.first, last + 1))
             self._owed[item.boot] = (min(first, item.first), max(end, last + 1))
             return
@@ -143,8 +147,8 @@ class Ingest:
             self._waiting.popleft()
             first.done.set()
             return
-        if isinstance(first, Gap):
-            taken: list[Batch | Gap] = [first]
+        if isinstance(first, SampleGap):
+            taken: list[Batch | SampleGap] = [first]
             spans = [(first.boot, first.first, first.last + 1)]
             await self._history.record_gap(
                 self._site, first.boot, first.first, first.last, first.from_us, first.to_us,
@@ -168,7 +172,7 @@ class Ingest:
             self._samples -= len(item.columns) if isinstance(item, Batch) else 1
         if self._owed and self._samples < _ROOM:
             for boot, (owed, below) in self._owed.items():
-                self._tell(Again(boot=boot, first=owed, below=below))
+                self._tell(ResendRequest(boot=boot, first=owed, below=below))
             self._owed.clear()
         for boot, begin, end in spans:
             runs[boot].add(begin, end)

@@ -27,8 +27,8 @@ from talaia.model.renames import formers, renames
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
+from talaia.wire.message import speaks
 from talaia.wire.newest import chosen_newest, runs_of
-from talaia.wire.shape import speaks
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -283,7 +283,7 @@ class Gateways:
     ) -> None:
         while (message := await link.receive()) is not None:
             match message:
-                case frames.Samples():
+                case frames.SampleBatch():
                     batch = lists.batch(message)
                     if not message.addresses:
                         shown = lists.live(batch)
@@ -293,17 +293,17 @@ class Gateways:
                         else:
                             self._samples.publish_late_batch(live, shown)
                     ingest.put(batch)
-                case frames.Newest():
+                case frames.NewestBatch():
                     self._tell_newest(live, message, lists, ingest)
-                case frames.Described():
+                case frames.DescriptionUpdate():
                     redescription.put(message)
                 case frames.ChangeState():
                     self._describing.told(live, message)
                 case frames.DeviceState() if redescription.pending:
                     redescription.later(message)
-                case frames.Gap():
+                case frames.SampleGap():
                     ingest.put(message)
-                case frames.Seen():
+                case frames.SightingReport():
                     self._sightings.seen(live, message)
                 case frames.Beat():
                     link.send(
@@ -325,7 +325,7 @@ class Gateways:
             await asyncio.sleep(0)
 
     def _tell_newest(
-        self, live: LiveSite, message: frames.Newest, lists: ChannelLists, ingest: Ingest
+        self, live: LiveSite, message: frames.NewestBatch, lists: ChannelLists, ingest: Ingest
     ) -> None:
         """Take what was said while nobody heard it for what counts now, and keep it first."""
         addresses, told = lists.newest(message)

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
 from talaia.hub.errors import StoreDown
-from talaia.wire.frames import Reconnect
+from talaia.wire.frames import ReconnectRequest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -67,7 +67,7 @@ class Links:
         live = self.online().get(gateway)
         if live is None or live.link is None or device not in live.description.devices:
             return False
-        live.link.send(Reconnect(device=device, who=who))
+        live.link.send(ReconnectRequest(device=device, who=who))
         return True
 
     async def watch(self, every_s: float) -> None:

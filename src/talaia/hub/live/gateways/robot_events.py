@@ -39,14 +39,14 @@ _FINAL = frozenset(
 
 Told = (
     frames.LeaseState
-    | frames.Tick
+    | frames.ControlTick
     | frames.DriveState
     | frames.StopState
     | frames.ResetToken
     | frames.CommandState
     | frames.InterlockState
     | frames.EnclosureState
-    | frames.RecordState
+    | frames.RecorderState
     | frames.DeviceState
     | frames.Event
 )
@@ -104,8 +104,8 @@ class Reporting:
         match told:
             case frames.LeaseState():
                 self._lease(live, told)
-            case frames.Tick():
-                news = page.TickNews(site=live.name, tick=told.tick)
+            case frames.ControlTick():
+                news = page.TickUpdate(site=live.name, tick=told.tick)
                 for session in {state.session for state, _ in live.leases.values()}:
                     browser = self._browsers.get(session)
                     if browser is not None:
@@ -119,7 +119,7 @@ class Reporting:
                 browser = self._browsers.get(told.session)
                 if browser is not None:
                     browser.tell(
-                        page.ResetKey(
+                        page.ResetTokenUpdate(
                             site=live.name,
                             device=told.device,
                             token=told.token,
@@ -134,7 +134,7 @@ class Reporting:
                     self._tell_interlock(live, told.interlock, browser)
             case frames.EnclosureState():
                 live.enclosures[told.enclosure] = told.why
-            case frames.RecordState():
+            case frames.RecorderState():
                 live.recorder = told
             case frames.DeviceState():
                 self._device_state(live, told)
@@ -160,7 +160,7 @@ class Reporting:
             kind, who=who, site=live.name, device=device, message=message, good=good
         )
         self._browsers.tell(
-            page.EventNews(
+            page.EventUpdate(
                 site=live.name,
                 kind=kind,
                 device=device,
@@ -192,7 +192,7 @@ class Reporting:
         if live is None:
             return
         device, _, signal = watched.address.partition("/")
-        news = page.AnomalyNews(
+        news = page.AnomalyUpdate(
             site=site,
             device=device,
             address=watched.address,
@@ -253,10 +253,10 @@ class Reporting:
             live.unreached[state.device] = (state.why, since_us)
         self._browsers.tell(self._device_news(live, state.device))
 
-    def _device_news(self, live: LiveSite, device: str) -> page.DeviceNews:
+    def _device_news(self, live: LiveSite, device: str) -> page.DeviceUpdate:
         why, since_us = live.unreached.get(device, ("", 0))
         reached = device not in live.unreached
-        return page.DeviceNews(
+        return page.DeviceUpdate(
             site=live.name, device=device, reached=reached, why=why, since_us=since_us
         )
 
@@ -284,12 +284,12 @@ class Reporting:
 
     def _lease_news(
         self, live: LiveSite, device: str, browser: Browser, *, answer: bool = False
-    ) -> page.LeaseNews:
+    ) -> page.LeaseUpdate:
         state, heard_ns = live.leases[device]
         yours = state.session == browser.key
         passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
         answer_ms = max(0, state.rival_ms - passed_ms) if state.rival else 0
-        return page.LeaseNews(
+        return page.LeaseUpdate(
             site=live.name,
             device=device,
             holder=state.who if state.session else "",
@@ -340,9 +340,9 @@ class Reporting:
         self._audit.note(kind, who=who, site=live.name, device=device, message=message)
 
 
-def site_news(live: LiveSite) -> page.SiteNews:
+def site_news(live: LiveSite) -> page.SiteUpdate:
     """Say whether a site is there."""
-    return page.SiteNews(
+    return page.SiteUpdate(
         site=live.name,
         online=live.online,
         since_us=live.since_us,
@@ -356,9 +356,9 @@ def site_news(live: LiveSite) -> page.SiteNews:
 
 def _command_news(
     live: LiveSite, state: frames.CommandState, who: str, later_s: float = 0.0
-) -> page.CommandNews:
+) -> page.CommandUpdate:
     """Give what pages are told; ``later_s`` after it was heard."""
-    return page.CommandNews(
+    return page.CommandUpdate(
         site=live.name,
         device=state.device,
         command=state.command,
@@ -373,8 +373,8 @@ def _command_news(
     )
 
 
-def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopNews:
-    return page.StopNews(
+def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopUpdate:
+    return page.StopUpdate(
         site=live.name,
         device=state.device,
         latched=state.latched,
@@ -385,8 +385,8 @@ def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopNews:
     )
 
 
-def _drive_news(live: LiveSite, state: frames.DriveState) -> page.DriveNews:
-    return page.DriveNews(
+def _drive_news(live: LiveSite, state: frames.DriveState) -> page.DriveUpdate:
+    return page.DriveUpdate(
         site=live.name,
         device=state.device,
         linear=state.linear,

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from talaia.wire.frames import (
     Ack,
-    CommandAsk,
     CommandCancel,
-    Drive,
-    LeaseAsk,
-    LeaseForce,
-    OverrideAsk,
-    ResetAsk,
-    StopAsk,
+    CommandRequest,
+    DriveFrame,
+    LeaseForceRequest,
+    LeaseRequest,
+    OverrideRequest,
+    ResetRequest,
+    StopRequest,
 )
 
 if TYPE_CHECKING:
@@ -47,11 +47,11 @@ class Lanes:
 
         """
         lane = self._lanes[_lane_of(message)]
-        if isinstance(message, Drive):
+        if isinstance(message, DriveFrame):
             older = [
                 each
                 for each in lane
-                if isinstance(each, Drive)
+                if isinstance(each, DriveFrame)
                 and (each.device, each.session) == (message.device, message.session)
                 and (_lets_go(message) or not _lets_go(each))
             ]
@@ -77,17 +77,17 @@ class Lanes:
         raise IndexError("nothing waits")
 
 
-def _lets_go(frame: Drive) -> bool:
+def _lets_go(frame: DriveFrame) -> bool:
     return frame.linear == 0.0 and frame.angular == 0.0
 
 
 def _lane_of(message: FromHub) -> int:
     match message:
-        case StopAsk():
+        case StopRequest():
             return 0
-        case Drive() | LeaseAsk() | LeaseForce() | ResetAsk():
+        case DriveFrame() | LeaseRequest() | LeaseForceRequest() | ResetRequest():
             return 1
-        case CommandAsk() | CommandCancel() | OverrideAsk():
+        case CommandRequest() | CommandCancel() | OverrideRequest():
             return 2
         case _:
             return 3

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.clock import MS
 from talaia.hub.auth.permissions import Right, sees_device
 from talaia.model.interlocks.override_rules import longest_override
-from talaia.wire.browser import InterlockNews
+from talaia.wire.browser import InterlockUpdate
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
@@ -19,7 +19,7 @@ __all__ = ["interlock_news"]
 
 def interlock_news(
     live: LiveSite, name: str, grants: Grants, mono_ns: int, wall_ns: int
-) -> InterlockNews | None:
+) -> InterlockUpdate | None:
     """Say how an interlock stands now; none if the description has none of that name.
 
     Args:
@@ -41,7 +41,7 @@ def interlock_news(
     slowed = [each for each in rule.slow if _sees(live, grants, each)]
     passed_ms = (mono_ns - heard_ns) // MS
     since_us = (wall_ns // MS - state.for_ms - passed_ms) * 1000
-    return InterlockNews(
+    return InterlockUpdate(
         site=live.name,
         interlock=name,
         name=rule.name,

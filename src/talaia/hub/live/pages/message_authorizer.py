@@ -12,13 +12,13 @@ from talaia.hub.policy import (
     allows,
     need_of_message,
 )
-from talaia.wire.browser import Lease, Problem, SightingNews, Stop, Subscribe
+from talaia.wire.browser import PageLease, PageStop, RequestError, SightingUpdate, Subscribe
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import Sites
-    from talaia.wire.shape import Message
+    from talaia.wire.message import Message
 
 __all__ = ["STORE", "Gate"]
 
@@ -45,7 +45,7 @@ class Gate:
         self._sites = sites
         self._rights = rights
 
-    def refusal(self, grants: Grants, message: Message) -> Problem | None:
+    def refusal(self, grants: Grants, message: Message) -> RequestError | None:
         """Say why a message from a browser is refused; None when it may pass.
 
         What a person may not see is told like what does not exist.
@@ -58,15 +58,17 @@ class Gate:
         if allows(need, grants, described, device):
             if need is Need.SESSION or self._rights.sure or _makes_safe(message):
                 return None
-            return Problem(
+            return RequestError(
                 code=STORE,
                 message=_UNSURE_SUBSCRIBED if isinstance(message, Subscribe) else _UNSURE,
                 about=tag,
             )
         if need is not Need.NEVER and not allows(Need.SEE, grants, described, device):
             what = f"device {device!r} at site {site!r}" if device else f"site {site!r}"
-            return Problem(code="unknown", message=f"there is no {what}", about=tag)
-        return Problem(code="forbidden", message="you do not have the right to do this", about=tag)
+            return RequestError(code="unknown", message=f"there is no {what}", about=tag)
+        return RequestError(
+            code="forbidden", message="you do not have the right to do this", about=tag
+        )
 
     def may_get(self, grants: Grants, message: Message) -> bool:
         """Tell whether a message may be sent to a person."""
@@ -76,7 +78,7 @@ class Gate:
         site, device = _object(message)
         live = self._sites.get(site)
         described = live.description if live else None
-        if isinstance(message, SightingNews):
+        if isinstance(message, SightingUpdate):
             # Like the pictures themselves.
             camera, _, stream = message.camera.partition("/")
             return described is not None and sees_stream(grants, described, camera, stream)
@@ -85,7 +87,9 @@ class Gate:
 
 def _makes_safe(message: Message) -> bool:
     """Tell whether a message may pass even when it is not known who may do what."""
-    return isinstance(message, Stop) or (isinstance(message, Lease) and message.op is LeaseOp.FREE)
+    return isinstance(message, PageStop) or (
+        isinstance(message, PageLease) and message.op is LeaseOp.FREE
+    )
 
 
 def _object(message: Message) -> tuple[str, str]:

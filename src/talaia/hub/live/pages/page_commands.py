@@ -26,14 +26,14 @@ __all__ = ["Commanding"]
 _MOST_PENDING = 1000
 
 Asked = (
-    page.Lease
-    | page.LeaseForce
-    | page.Drive
-    | page.Stop
-    | page.Reset
-    | page.Command
-    | page.Cancel
-    | page.Override
+    page.PageLease
+    | page.PageLeaseForce
+    | page.PageDrive
+    | page.PageStop
+    | page.PageReset
+    | page.PageCommand
+    | page.PageCommandCancel
+    | page.PageOverride
 )
 
 
@@ -54,28 +54,28 @@ class Commanding:
             self._refuse(browser, asked, "offline", f"{asked.site} is not connected")
             return
         match asked:
-            case page.Lease():
+            case page.PageLease():
                 if asked.op is not LeaseOp.FREE:
                     self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
                 live.link.send(_lease_ask(browser, asked.device, asked.op))
-            case page.LeaseForce():
+            case page.PageLeaseForce():
                 self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
                 live.link.send(
-                    frames.LeaseForce(
+                    frames.LeaseForceRequest(
                         device=asked.device, session=browser.key, who=browser.who.name
                     )
                 )
                 self._note(live, "lease force asked", browser.who.name, asked.device)
-            case page.Drive():
+            case page.PageDrive():
                 self._drive(browser, live, asked)
-            case page.Stop():
+            case page.PageStop():
                 live.link.send(
-                    frames.StopAsk(device=asked.device, id=asked.id, who=browser.who.name)
+                    frames.StopRequest(device=asked.device, id=asked.id, who=browser.who.name)
                 )
                 self._note(live, "stop pressed", browser.who.name, asked.device)
-            case page.Reset():
+            case page.PageReset():
                 live.link.send(
-                    frames.ResetAsk(
+                    frames.ResetRequest(
                         device=asked.device,
                         session=browser.key,
                         epoch=asked.epoch,
@@ -85,14 +85,14 @@ class Commanding:
                 )
                 if asked.token:
                     self._note(live, "stop reset asked", browser.who.name, asked.device)
-            case page.Command():
+            case page.PageCommand():
                 self._command(browser, live, asked)
-            case page.Cancel():
+            case page.PageCommandCancel():
                 live.link.send(
                     frames.CommandCancel(id=asked.id, device=asked.device, who=browser.who.name)
                 )
                 self._note(live, "cancel asked", browser.who.name, asked.device, asked.id)
-            case page.Override():
+            case page.PageOverride():
                 self._override(browser, live, asked)
 
     def leave(self, browser: Browser) -> None:
@@ -102,13 +102,13 @@ class Commanding:
             if live is not None and live.link is not None:
                 live.link.send(_lease_ask(browser, device, LeaseOp.FREE))
 
-    def _drive(self, browser: Browser, live: LiveSite, asked: page.Drive) -> None:
+    def _drive(self, browser: Browser, live: LiveSite, asked: page.PageDrive) -> None:
         # The gateway checks all of this again; what cannot be right is not even sent.
         if live.link is None or not math.isfinite(asked.linear + asked.angular + asked.held_ms):
             self._refuse(browser, asked, "invalid", "a driving frame holds plain numbers")
             return
         live.link.send(
-            frames.Drive(
+            frames.DriveFrame(
                 device=asked.device,
                 session=browser.key,
                 epoch=asked.epoch,
@@ -121,7 +121,7 @@ class Commanding:
             )
         )
 
-    def _override(self, browser: Browser, live: LiveSite, asked: page.Override) -> None:
+    def _override(self, browser: Browser, live: LiveSite, asked: page.PageOverride) -> None:
         rule = live.description.interlocks.get(asked.interlock)
         if rule is None or live.link is None:
             self._refuse(browser, asked, "unknown", f"there is no interlock {asked.interlock!r}")
@@ -131,7 +131,7 @@ class Commanding:
             return
         who = browser.who.name
         live.link.send(
-            frames.OverrideAsk(
+            frames.OverrideRequest(
                 interlock=asked.interlock,
                 who=who,
                 reason=asked.reason,
@@ -143,7 +143,7 @@ class Commanding:
         said = f"{asked.interlock}{named} for {asked.seconds:g} s: {asked.reason}"
         self._note(live, "override asked", who, "", said)
 
-    def _command(self, browser: Browser, live: LiveSite, asked: page.Command) -> None:
+    def _command(self, browser: Browser, live: LiveSite, asked: page.PageCommand) -> None:
         command = live.description.devices[asked.device].commands.get(asked.command)
         if command is None or live.link is None:
             self._refuse(browser, asked, "unknown", f"there is no command {asked.command!r}")
@@ -160,7 +160,7 @@ class Commanding:
         who = browser.who.name
         live.pending[asked.id] = Pending(asked.id, asked.device, asked.command, who)
         live.link.send(
-            frames.CommandAsk(
+            frames.CommandRequest(
                 id=asked.id,
                 device=asked.device,
                 command=asked.command,
@@ -178,10 +178,10 @@ class Commanding:
 
     def _refuse(self, browser: Browser, asked: Asked, code: str, message: str) -> None:
         about = str(type(asked).__struct_config__.tag)
-        browser.tell(page.Problem(code=code, message=message, about=about))
-        if isinstance(asked, page.Command):
+        browser.tell(page.RequestError(code=code, message=message, about=about))
+        if isinstance(asked, page.PageCommand):
             browser.tell(
-                page.CommandNews(
+                page.CommandUpdate(
                     site=asked.site,
                     device=asked.device,
                     command=asked.command,
@@ -191,7 +191,7 @@ class Commanding:
                     who=browser.who.name,
                 )
             )
-        if not isinstance(asked, page.Drive):
+        if not isinstance(asked, page.PageDrive):
             self._audit.note(
                 f"{about} refused",
                 who=browser.who.name,
@@ -205,11 +205,11 @@ class Commanding:
         self._audit.note(kind, who=who, site=live.name, device=device, message=message)
 
 
-def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseAsk:
-    return frames.LeaseAsk(device=device, session=browser.key, who=browser.who.name, op=op)
+def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseRequest:
+    return frames.LeaseRequest(device=device, session=browser.key, who=browser.who.name, op=op)
 
 
-def _no_override(live: LiveSite, rule: Interlock, asked: page.Override) -> str:
+def _no_override(live: LiveSite, rule: Interlock, asked: page.PageOverride) -> str:
     """Say why an override is not even asked of the gateway, which judges it again."""
     longest = longest_override(rule)
     if asked.seconds > longest:

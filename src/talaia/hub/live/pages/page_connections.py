@@ -17,28 +17,28 @@ from talaia.hub.live.pages.outbox import Outbox
 from talaia.wire.browser import (
     FROM_BROWSER,
     TO_BROWSER,
-    AlarmNews,
-    AnomalyNews,
-    Command,
-    CommandNews,
-    DeviceNews,
-    Drive,
-    DriveNews,
-    Ended,
-    InterlockNews,
-    Lease,
-    LeaseNews,
-    Ping,
-    Pong,
-    Problem,
-    Reset,
-    SessionNews,
-    SightingNews,
-    SiteNews,
-    Stop,
-    StopNews,
+    AlarmUpdate,
+    AnomalyUpdate,
+    CommandUpdate,
+    DeviceUpdate,
+    DriveUpdate,
+    InterlockUpdate,
+    LeaseUpdate,
+    PageCommand,
+    PageDrive,
+    PageLease,
+    PagePing,
+    PagePong,
+    PageReset,
+    PageStop,
+    RequestError,
+    SessionEnded,
+    SessionUpdate,
+    SightingUpdate,
+    SiteUpdate,
+    StopUpdate,
     Subscribe,
-    TickNews,
+    TickUpdate,
     Unsubscribe,
 )
 from talaia.wire.errors import PeerError, UnknownKind
@@ -144,7 +144,7 @@ class Browser:
 
     def tell_end(self, ends_us: int, *, idle: bool) -> None:
         """Tell the person when the session ends (UTC, µs); 0: it goes on after all."""
-        self.tell(SessionNews(ends_us=ends_us, idle=idle))
+        self.tell(SessionUpdate(ends_us=ends_us, idle=idle))
 
     def take_use(self) -> bool:
         """Tell whether the person has done something since this was last asked."""
@@ -160,11 +160,11 @@ class Browser:
         )
         left()
         if self._over.is_set():
-            await self._farewell(SESSION_OVER, Ended(reason=self._reason))
+            await self._farewell(SESSION_OVER, SessionEnded(reason=self._reason))
         for result in results:
             if isinstance(result, PeerError):
                 await self._farewell(
-                    result.code, Problem(code="invalid", message=result.problem[:500])
+                    result.code, RequestError(code="invalid", message=result.problem[:500])
                 )
             elif isinstance(result, Exception) and not isinstance(result, _GONE):
                 raise result
@@ -179,7 +179,7 @@ class Browser:
             try:
                 message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
             except UnknownKind as error:
-                self.tell(Problem(code="unknown", message=str(error), about=error.kind[:200]))
+                self.tell(RequestError(code="unknown", message=str(error), about=error.kind[:200]))
                 continue
             if self._over.is_set():
                 return
@@ -281,11 +281,11 @@ class Browsers:
 def _by_hand(message: FromBrowser) -> bool:
     """Tell whether a person did something, and not the page by itself."""
     match message:
-        case Ping():
+        case PagePing():
             return message.active
-        case Lease():
+        case PageLease():
             return message.op is not LeaseOp.RENEW
-        case Drive() | Stop() | Reset() | Command():
+        case PageDrive() | PageStop() | PageReset() | PageCommand():
             return True
         case _:
             return False
@@ -294,24 +294,24 @@ def _by_hand(message: FromBrowser) -> bool:
 def _state_key(message: ToBrowser) -> Hashable | None:
     """Give the key of a message of which only the newest counts; None when each does."""
     match message:
-        case SiteNews() | TickNews():
+        case SiteUpdate() | TickUpdate():
             return type(message), message.site
-        case DeviceNews() | DriveNews() | LeaseNews(refused=""):
+        case DeviceUpdate() | DriveUpdate() | LeaseUpdate(refused=""):
             return type(message), message.site, message.device
-        case AlarmNews():
-            return AlarmNews, message.site, message.alarm
-        case SightingNews():
-            return SightingNews, message.site, message.id
-        case AnomalyNews():
-            return AnomalyNews, message.site, message.address, message.detector
-        case InterlockNews():
-            return InterlockNews, message.site, message.interlock
-        case StopNews():
+        case AlarmUpdate():
+            return AlarmUpdate, message.site, message.alarm
+        case SightingUpdate():
+            return SightingUpdate, message.site, message.id
+        case AnomalyUpdate():
+            return AnomalyUpdate, message.site, message.address, message.detector
+        case InterlockUpdate():
+            return InterlockUpdate, message.site, message.interlock
+        case StopUpdate():
             # A repeated STOP waits for the answer with its own id.
-            return StopNews, message.site, message.device, message.id
-        case CommandNews():
-            return CommandNews, message.site, message.id
-        case Pong() | SessionNews():
+            return StopUpdate, message.site, message.device, message.id
+        case CommandUpdate():
+            return CommandUpdate, message.site, message.id
+        case PagePong() | SessionUpdate():
             return type(message)
         case _:
             return None

@@ -14,11 +14,11 @@ from talaia.hub.live.pictures.picture_pacing import Flow
 from talaia.wire.browser import (
     MEDIA_FROM_BROWSER,
     MEDIA_TO_BROWSER,
-    BoxesAsk,
-    Ended,
-    Glance,
-    Problem,
-    Shown,
+    BoxesRequest,
+    PictureShown,
+    RequestError,
+    SessionEnded,
+    ViewerAttention,
 )
 from talaia.wire.errors import PeerError, UnknownKind
 
@@ -102,7 +102,7 @@ class Viewer:
     def trouble(self, why: str) -> None:
         """Say why there is no picture, to a page that knows what to do with it."""
         if self.hears_problems:
-            self._notes.append(self._written(Problem(code="picture", message=why)))
+            self._notes.append(self._written(RequestError(code="picture", message=why)))
             self._wake.set()
 
     def end(self, reason: str) -> None:
@@ -140,11 +140,11 @@ class Viewer:
                 # A page that is newer than we are.
                 continue
             match message:
-                case Shown():
+                case PictureShown():
                     self.flow.shown(message.seq, self._now_us())
-                case Glance():
+                case ViewerAttention():
                     self.flow.glance(still=message.still)
-                case BoxesAsk():
+                case BoxesRequest():
                     self._ask_boxes(on=message.on)
             self._wake.set()
             self._tell()
@@ -174,7 +174,7 @@ class Viewer:
         else:
             await self._socket.send_bytes(frame)
 
-    def _written(self, message: Problem | Ended) -> Frame:
+    def _written(self, message: RequestError | SessionEnded) -> Frame:
         if self.text:
             return MEDIA_TO_BROWSER.encode_text(message)
         return MEDIA_TO_BROWSER.encode(message)
@@ -183,7 +183,7 @@ class Viewer:
         try:
             async with asyncio.timeout(_FAREWELL_S):
                 if code == SESSION_OVER:
-                    await self._send(self._written(Ended(reason=self._reason)))
+                    await self._send(self._written(SessionEnded(reason=self._reason)))
                 await self._socket.close(code)
         except _GONE:
             return

@@ -15,10 +15,10 @@ from talaia.wire.frames import (
     MEDIA_FROM_HUB,
     Beat,
     BeatReply,
-    Boxes,
     Bye,
-    Picture,
-    Trouble,
+    DetectedBoxes,
+    PictureFrame,
+    StreamError,
 )
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ class GatewayCamera:
 
     async def serve(
         self,
-        take: Callable[[Picture], None],
-        trouble: Callable[[Trouble], None],
-        boxes: Callable[[Boxes], None],
+        take: Callable[[PictureFrame], None],
+        trouble: Callable[[StreamError], None],
+        boxes: Callable[[DetectedBoxes], None],
         now_us: Callable[[], int],
     ) -> None:
         """Hand each picture to ``take`` until either side ends it; answer beats.
@@ -79,9 +79,9 @@ class GatewayCamera:
 
     async def _read(
         self,
-        take: Callable[[Picture], None],
-        trouble: Callable[[Trouble], None],
-        boxes: Callable[[Boxes], None],
+        take: Callable[[PictureFrame], None],
+        trouble: Callable[[StreamError], None],
+        boxes: Callable[[DetectedBoxes], None],
         now_us: Callable[[], int],
     ) -> None:
         while True:
@@ -91,14 +91,14 @@ class GatewayCamera:
             data = event.get("bytes")
             message = MEDIA_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
             match message:
-                case Picture():
+                case PictureFrame():
                     take(message)
                 case Beat():
                     reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us())
                     await self._socket.send_bytes(MEDIA_FROM_HUB.encode(reply))
-                case Trouble():
+                case StreamError():
                     trouble(message)
-                case Boxes():
+                case DetectedBoxes():
                     boxes(message)
                 case BeatReply():
                     pass
@@ -134,7 +134,7 @@ class MediaLinks:
             if self._open.get(site) is camera:
                 del self._open[site]
 
-    def _publish(self, site: str, picture: Picture) -> None:
+    def _publish(self, site: str, picture: PictureFrame) -> None:
         live = self._sites.get(site)
         if live is not None and isinstance(live.link, GatewayLink):
             self._media.shot(live, picture, live.link.offset)

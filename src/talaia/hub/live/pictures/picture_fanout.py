@@ -10,8 +10,8 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from talaia.hub.live.pictures.picture_pacing import Ready
-from talaia.wire.browser import MEDIA_TO_BROWSER, Shot, ShotBoxes
-from talaia.wire.frames import Form, KeyAsk, Watch
+from talaia.wire.browser import MEDIA_TO_BROWSER, CameraPicture, CameraPictureBoxes
+from talaia.wire.frames import PictureForm, KeyframeRequest, StreamSubscription
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from talaia.hub.live.pages.outbox import Frame
     from talaia.hub.live.pictures.camera_viewer import Viewer
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.wire.frames import Boxes, Picture, Trouble
+    from talaia.wire.frames import DetectedBoxes, PictureFrame, StreamError
 
 __all__ = ["Media"]
 
-_SMALL = {Form.H264_SMALL.value, Form.JPEG_SMALL.value}
+_SMALL = {PictureForm.H264_SMALL.value, PictureForm.JPEG_SMALL.value}
 
 
 class Media:
@@ -38,10 +38,10 @@ class Media:
         self._linger_s = linger_s
         self._viewers: dict[tuple[str, str], set[Viewer]] = {}
         self._timers: dict[tuple[str, str], asyncio.TimerHandle] = {}
-        self._forms: dict[tuple[str, str], frozenset[Form]] = {}
+        self._forms: dict[tuple[str, str], frozenset[PictureForm]] = {}
         self._boxed: set[tuple[str, str]] = set()
         # Who looks for the hub itself: in which form, and who is handed each picture.
-        self._eyes: dict[tuple[str, str], tuple[Form, Callable[[Picture], None]]] = {}
+        self._eyes: dict[tuple[str, str], tuple[PictureForm, Callable[[PictureFrame], None]]] = {}
         self._troubles: dict[tuple[str, str], str] = {}
 
     def join(self, viewer: Viewer) -> None:
@@ -78,9 +78,11 @@ class Media:
                 if where == site
             }
             boxed = sorted(stream for where, stream in self._boxed if where == site)
-            live.link.send(Watch(streams=list(forms), forms=forms, boxes=boxed))
+            live.link.send(StreamSubscription(streams=list(forms), forms=forms, boxes=boxed))
 
-    def look(self, site: str, stream: str, form: Form, take: Callable[[Picture], None]) -> None:
+    def look(
+        self, site: str, stream: str, form: PictureForm, take: Callable[[PictureFrame], None]
+    ) -> None:
         """Let the hub itself look at a stream: ``take`` gets each picture, at once."""
         self._eyes[site, stream] = (form, take)
         self._look((site, stream))
@@ -94,12 +96,12 @@ class Media:
         """Tell whether a page wants to know what is seen on a stream."""
         return (site, stream) in self._boxed
 
-    def boxes(self, site: str, boxes: Boxes) -> None:
+    def boxes(self, site: str, boxes: DetectedBoxes) -> None:
         """Hand what is seen on a picture to those who asked; written once for all of them."""
         key = (site, boxes.stream)
         if key not in self._boxed:
             return
-        said = ShotBoxes(seq=boxes.seq, time_us=boxes.time_us, things=boxes.things)
+        said = CameraPictureBoxes(seq=boxes.seq, time_us=boxes.time_us, things=boxes.things)
         written: dict[bool, Frame] = {}
         for viewer in self._viewers.get(key, ()):
             if viewer.wants_boxes:
@@ -117,7 +119,7 @@ class Media:
             timer.cancel()
         self._timers.clear()
 
-    def shot(self, live: LiveSite, picture: Picture, offset: ClockOffset) -> None:
+    def shot(self, live: LiveSite, picture: PictureFrame, offset: ClockOffset) -> None:
         """Hand a picture to its viewers; written once for all who read the same form."""
         key = (live.name, picture.stream)
         self._troubles.pop(key, None)
@@ -137,12 +139,12 @@ class Media:
                     if viewer.text
                     else MEDIA_TO_BROWSER.encode(shot)
                 )
-                film = picture.format == Form.H264
+                film = picture.format == PictureForm.H264
                 ready = Ready(picture.seq, picture.key, film, len(frame), frame)
                 written[viewer.text] = ready
             viewer.offer(ready)
 
-    def trouble(self, site: str, said: Trouble) -> None:
+    def trouble(self, site: str, said: StreamError) -> None:
         """Hand on why a camera cannot be shown, to those who look and those who come."""
         key = (site, said.stream)
         if key not in self._viewers or self._troubles.get(key) == said.why:
@@ -151,10 +153,10 @@ class Media:
         for viewer in self._viewers[key]:
             viewer.trouble(said.why)
 
-    def _shot(self, picture: Picture, offset: ClockOffset) -> Shot:
+    def _shot(self, picture: PictureFrame, offset: ClockOffset) -> CameraPicture:
         captured = offset.ours(picture.mono_us)
         now_us = self._clock.monotonic_ns() // 1000
-        return Shot(
+        return CameraPicture(
             seq=picture.seq,
             time_us=picture.time_us,
             # Without an estimate yet: as if it had been taken now. Never from the future.
@@ -174,7 +176,7 @@ class Media:
         if viewer.flow.wants_key(self._clock.monotonic_ns() // 1000):
             live = self._sites.get(viewer.site)
             if live is not None and live.link is not None:
-                live.link.send(KeyAsk(stream=viewer.stream, form=viewer.flow.form))
+                live.link.send(KeyframeRequest(stream=viewer.stream, form=viewer.flow.form))
 
     def _look(self, key: tuple[str, str]) -> None:
         viewers = self._viewers.get(key, ())

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.wire.frames import Form
+from talaia.wire.frames import PictureForm
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -42,7 +42,7 @@ _ASK_AGAIN_US = 500_000
 _RESTS_US = 1_000
 # The quickest forgets itself a little with each answer: paths change.
 _FORGET = 1.001
-_SMALL = {Form.H264: Form.H264_SMALL, Form.JPEG: Form.JPEG_SMALL}
+_SMALL = {PictureForm.H264: PictureForm.H264_SMALL, PictureForm.JPEG: PictureForm.JPEG_SMALL}
 _LARGE = {small: large for large, small in _SMALL.items()}
 
 
@@ -69,7 +69,7 @@ class Flow:
 
     def __init__(self, able: Collection[str]) -> None:
         """Begin with the best form of those the page is ``able`` to show."""
-        self._best = Form.H264 if Form.H264 in able else Form.JPEG
+        self._best = PictureForm.H264 if PictureForm.H264 in able else PictureForm.JPEG
         self.form = self._best
         self.skipped = 0
         self._waiting: deque[Ready] = deque()
@@ -77,7 +77,7 @@ class Flow:
         # A picture to begin with is missing: what goes on from others is of no use.
         self.broken = True
         # What comes is a film: a gateway that knows none sends JPEG for all forms.
-        self._film = self._best is Form.H264
+        self._film = self._best is PictureForm.H264
         self._asked_us = -_ASK_AGAIN_US
         self._since_us = 0
         self._gave_up_us = -_TWICE_US
@@ -159,9 +159,9 @@ class Flow:
 
     def glance(self, *, still: bool) -> None:
         """Take that the page is hidden (a picture a second will do), or is looked at again."""
-        if still == (self.form is Form.STILL):
+        if still == (self.form is PictureForm.STILL):
             return
-        self.form = Form.STILL if still else self._best
+        self.form = PictureForm.STILL if still else self._best
         self._waiting.clear()
         self.broken = True
         self._asked_us = -_ASK_AGAIN_US

@@ -1,0 +1,1 @@
+"""Messages between hub and browser, by subject; import them from `wire.browser`."""

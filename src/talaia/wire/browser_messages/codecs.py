@@ -1,0 +1,113 @@
+"""The closed lists of messages of each socket between hub and browser."""
+
+from __future__ import annotations
+
+from talaia.wire.browser_messages.alarm_updates import AlarmUpdate, AnomalyUpdate, SightingUpdate
+from talaia.wire.browser_messages.camera import (
+    BoxesRequest,
+    CameraPicture,
+    CameraPictureBoxes,
+    PictureShown,
+    ViewerAttention,
+)
+from talaia.wire.browser_messages.requests import (
+    PageCommand,
+    PageCommandCancel,
+    PageDrive,
+    PageLease,
+    PageLeaseForce,
+    PageOverride,
+    PagePing,
+    PageReset,
+    PageStop,
+    Subscribe,
+    Unsubscribe,
+)
+from talaia.wire.browser_messages.updates import (
+    CommandUpdate,
+    DeviceUpdate,
+    DriveUpdate,
+    EventUpdate,
+    Greeting,
+    InterlockUpdate,
+    LeaseUpdate,
+    PagePong,
+    RequestError,
+    ResetTokenUpdate,
+    SessionEnded,
+    SessionUpdate,
+    SiteUpdate,
+    StopUpdate,
+    Subscribed,
+    TickUpdate,
+    Values,
+)
+from talaia.wire.gateway_messages.field_types import MAX_PICTURE
+from talaia.wire.message import Codec
+
+__all__ = [
+    "FROM_BROWSER",
+    "MEDIA_FROM_BROWSER",
+    "MEDIA_TO_BROWSER",
+    "TO_BROWSER",
+    "FromBrowser",
+    "MediaFromBrowser",
+    "MediaToBrowser",
+    "ToBrowser",
+]
+
+FromBrowser = (
+    Subscribe
+    | Unsubscribe
+    | PageLease
+    | PageLeaseForce
+    | PageDrive
+    | PageStop
+    | PageReset
+    | PageCommand
+    | PageCommandCancel
+    | PageOverride
+    | PagePing
+)
+
+
+ToBrowser = (
+    Greeting
+    | SiteUpdate
+    | Subscribed
+    | Values
+    | LeaseUpdate
+    | TickUpdate
+    | DriveUpdate
+    | StopUpdate
+    | ResetTokenUpdate
+    | CommandUpdate
+    | InterlockUpdate
+    | DeviceUpdate
+    | AlarmUpdate
+    | SightingUpdate
+    | AnomalyUpdate
+    | EventUpdate
+    | PagePong
+    | RequestError
+    | SessionUpdate
+    | SessionEnded
+)
+
+
+MediaToBrowser = CameraPicture | CameraPictureBoxes | RequestError | SessionEnded
+
+
+MediaFromBrowser = PictureShown | ViewerAttention | BoxesRequest
+
+
+FROM_BROWSER: Codec[FromBrowser] = Codec(FromBrowser, 1024 * 1024)
+
+
+TO_BROWSER: Codec[ToBrowser] = Codec(ToBrowser)
+
+
+MEDIA_TO_BROWSER: Codec[MediaToBrowser] = Codec(MediaToBrowser, MAX_PICTURE)
+
+
+MEDIA_FROM_BROWSER: Codec[MediaFromBrowser] = Codec(MediaFromBrowser, 4096)

@@ -1,0 +1,1 @@
+"""Messages between gateway and hub, by subject; import them from `wire.frames`."""

@@ -1,0 +1,147 @@
+"""The closed lists of messages of each connection between gateway and hub."""
+
+from __future__ import annotations
+
+from talaia.wire.gateway_messages.commands import CommandCancel, CommandRequest, CommandState
+from talaia.wire.gateway_messages.description import ChangeRequest, ChangeState, DescriptionUpdate
+from talaia.wire.gateway_messages.driving import (
+    ControlTick,
+    DriveFrame,
+    DriveState,
+    LeaseForceRequest,
+    LeaseRequest,
+    LeaseState,
+    ResetRequest,
+    ResetToken,
+    StopRequest,
+    StopState,
+)
+from talaia.wire.gateway_messages.field_types import MAX_PICTURE
+from talaia.wire.gateway_messages.files import (
+    ArchiveOffer,
+    FileOffer,
+    FilePiece,
+    FileProgress,
+    FilmOffer,
+    RecorderState,
+    RecordingRequest,
+)
+from talaia.wire.gateway_messages.interlocks import EnclosureState, InterlockState, OverrideRequest
+from talaia.wire.gateway_messages.pictures import (
+    DetectedBoxes,
+    KeyframeRequest,
+    PictureFrame,
+    SightingReport,
+    StreamError,
+    StreamSubscription,
+)
+from talaia.wire.gateway_messages.samples import (
+    Ack,
+    NewestBatch,
+    ResendRequest,
+    SampleBatch,
+    SampleGap,
+)
+from talaia.wire.gateway_messages.session import (
+    Beat,
+    BeatReply,
+    Bye,
+    DeviceState,
+    Event,
+    Hello,
+    ReconnectRequest,
+    Welcome,
+)
+from talaia.wire.message import Codec
+
+__all__ = [
+    "FILES_FROM_GATEWAY",
+    "FILES_FROM_HUB",
+    "LINK_FROM_GATEWAY",
+    "LINK_FROM_HUB",
+    "MEDIA_FROM_GATEWAY",
+    "MEDIA_FROM_HUB",
+    "FilesFromGateway",
+    "FilesFromHub",
+    "FromGateway",
+    "FromHub",
+    "MediaFromGateway",
+    "MediaFromHub",
+]
+
+FromGateway = (
+    Hello
+    | SampleBatch
+    | NewestBatch
+    | SampleGap
+    | LeaseState
+    | ControlTick
+    | DriveState
+    | StopState
+    | ResetToken
+    | CommandState
+    | InterlockState
+    | EnclosureState
+    | RecorderState
+    | DeviceState
+    | DescriptionUpdate
+    | ChangeState
+    | SightingReport
+    | Event
+    | Beat
+    | BeatReply
+    | Bye
+)
+
+
+FromHub = (
+    Welcome
+    | Ack
+    | ResendRequest
+    | LeaseRequest
+    | LeaseForceRequest
+    | DriveFrame
+    | StopRequest
+    | ResetRequest
+    | CommandRequest
+    | ChangeRequest
+    | CommandCancel
+    | OverrideRequest
+    | StreamSubscription
+    | KeyframeRequest
+    | ReconnectRequest
+    | RecordingRequest
+    | Beat
+    | BeatReply
+    | Bye
+)
+
+
+MediaFromGateway = PictureFrame | StreamError | DetectedBoxes | Beat | BeatReply
+
+
+MediaFromHub = Beat | BeatReply | Bye
+
+
+FilesFromGateway = FileOffer | FilmOffer | ArchiveOffer | FilePiece
+
+
+FilesFromHub = FileProgress | Bye
+
+
+LINK_FROM_GATEWAY: Codec[FromGateway] = Codec(FromGateway, 8 * 1024 * 1024)
+
+
+LINK_FROM_HUB: Codec[FromHub] = Codec(FromHub, 1024 * 1024)
+
+
+MEDIA_FROM_GATEWAY: Codec[MediaFromGateway] = Codec(MediaFromGateway, MAX_PICTURE)
+
+
+MEDIA_FROM_HUB: Codec[MediaFromHub] = Codec(MediaFromHub, 64 * 1024)
+
+
+FILES_FROM_GATEWAY: Codec[FilesFromGateway] = Codec(FilesFromGateway, 512 * 1024)
+
+
+FILES_FROM_HUB: Codec[FilesFromHub] = Codec(FilesFromHub, 64 * 1024)

@@ -1,0 +1,66 @@
+"""Bounded types of the fields that messages between gateway and hub have in common."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from msgspec import Meta
+
+from talaia.wire.columns import MAX_SAMPLES
+
+__all__ = [
+    "MAX_PICTURE",
+    "PIECE",
+    "Arguments",
+    "AskedText",
+    "ChannelColumn",
+    "Count",
+    "Deflated",
+    "Digest",
+    "FileId",
+    "FormList",
+    "Forms",
+    "Micros",
+    "Millis",
+    "Name",
+    "OffsetColumn",
+    "Pixels",
+    "Scalar",
+    "Sentence",
+    "Share",
+    "Texts",
+    "Thumbnail",
+    "Units",
+    "ValueColumn",
+    "Word",
+]
+
+Name = Annotated[str, Meta(min_length=1, max_length=200)]
+Sentence = Annotated[str, Meta(max_length=2000)]
+Count = Annotated[int, Meta(ge=0, le=2**62)]
+# May be empty.
+Word = Annotated[str, Meta(max_length=200)]
+Micros = Annotated[int, Meta(ge=-(2**62), le=2**62)]
+Millis = Annotated[int, Meta(ge=0, le=2**40)]
+Pixels = Annotated[int, Meta(ge=0, le=16_384)]
+Scalar = float | int | bool | Annotated[str, Meta(max_length=10_000)]
+Arguments = Annotated[dict[Name, Scalar], Meta(max_length=100)]
+Units = Annotated[dict[Name, Word], Meta(max_length=100)]
+# One column of a batch: so many bytes a sample; see `wire.columns`.
+ChannelColumn = Annotated[bytes, Meta(max_length=2 * MAX_SAMPLES)]
+OffsetColumn = Annotated[bytes, Meta(max_length=4 * MAX_SAMPLES)]
+ValueColumn = Annotated[bytes, Meta(max_length=8 * MAX_SAMPLES)]
+Texts = Annotated[dict[int, Sentence], Meta(max_length=MAX_SAMPLES)]
+FormList = Annotated[list[Word], Meta(max_length=16)]
+Forms = Annotated[dict[Name, FormList], Meta(max_length=1000)]
+Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
+FileId = Annotated[str, Meta(pattern="^[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?$")]
+# A description's text, deflated (zlib), so that it stands before a driving frame for little.
+Deflated = Annotated[bytes, Meta(max_length=1024 * 1024)]
+Share = Annotated[float, Meta(ge=0, le=1)]
+Thumbnail = Annotated[bytes, Meta(max_length=64 * 1024)]
+AskedText = Annotated[bytes, Meta(max_length=768 * 1024)]
+# Bytes of a recording that go in one frame.
+PIECE = 64 * 1024
+# A picture is at most this large; a link frame is far smaller.
+MAX_PICTURE = 8 * 1024 * 1024

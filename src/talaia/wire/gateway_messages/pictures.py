@@ -1,0 +1,153 @@
+"""Pictures of cameras, and what is detected on them, from a gateway to its hub."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+from msgspec import Meta
+
+from talaia.wire.gateway_messages.field_types import (
+    MAX_PICTURE,
+    Count,
+    FormList,
+    Forms,
+    Micros,
+    Name,
+    Pixels,
+    Sentence,
+    Share,
+    Thumbnail,
+    Word,
+)
+from talaia.wire.message import Message
+
+__all__ = [
+    "DetectedBoxes",
+    "DetectedObject",
+    "KeyframeRequest",
+    "PictureForm",
+    "PictureFrame",
+    "SightingReport",
+    "StreamError",
+    "StreamSubscription",
+]
+
+
+class PictureForm(StrEnum):
+    """How a picture travels: two sizes of each of two encodings, and now and then one picture.
+
+    On the wire it is a plain word, so that a peer may know more of them than we do.
+    """
+
+    H264 = "h264"
+    H264_SMALL = "h264_small"
+    JPEG = "jpeg"
+    JPEG_SMALL = "jpeg_small"
+    STILL = "still"
+
+
+class StreamSubscription(Message, frozen=True, kw_only=True, tag="watch"):
+    """The streams (``device/stream``) that anyone looks at now; all others rest.
+
+    Attributes:
+        forms: by stream: the `PictureForm`s that are wanted; a stream that is not in it is wanted
+            as JPEG, by a hub that knows nothing else.
+        boxes: of which the `DetectedBoxes` are wanted, too.
+
+    """
+
+    streams: Annotated[list[Name], Meta(max_length=1000)]
+    forms: Forms = {}
+    boxes: Annotated[list[Name], Meta(max_length=1000)] = []
+
+
+class KeyframeRequest(Message, frozen=True, kw_only=True, tag="key"):
+    """Make the next picture of a stream, in this form, one that needs none before it."""
+
+    stream: Name
+    form: Word
+
+
+class PictureFrame(Message, frozen=True, kw_only=True, tag="picture"):
+    """One picture of a stream, stamped at the gateway.
+
+    Attributes:
+        seq: the picture's number, the same in all forms; pictures may be left out.
+        format: ``jpeg`` or ``h264`` (Annex B, no reordering).
+        forms: which of the forms asked for this serves; none from a gateway that knows none.
+        key: it needs no picture before it.
+        codec: of ``h264``: as WebCodecs names it (``avc1.42C01E``).
+        data: the encoded picture.
+
+    """
+
+    stream: Name
+    seq: Count
+    time_us: Micros
+    mono_us: Micros
+    width: Pixels
+    height: Pixels
+    format: Name = "jpeg"
+    forms: FormList = []
+    key: bool = True
+    codec: Word = ""
+    data: Annotated[bytes, Meta(max_length=MAX_PICTURE)]
+
+
+class StreamError(Message, frozen=True, kw_only=True, tag="trouble"):
+    """A camera's pictures cannot be shown, and why; sent once, only to a hub that names forms."""
+
+    stream: Name
+    why: Sentence
+
+
+class DetectedObject(Message, frozen=True, kw_only=True, tag="thing"):
+    """One thing on a picture; places are parts of its width and height, from the upper left."""
+
+    label: Name
+    score: Share
+    left: Share
+    top: Share
+    right: Share
+    bottom: Share
+
+
+class DetectedBoxes(Message, frozen=True, kw_only=True, tag="boxes"):
+    """What is seen on one picture of a stream; sent only for those that `StreamSubscription` names.
+
+    Attributes:
+        seq: of the `PictureFrame` that it was seen on.
+        time_us: when that picture was taken.
+        things: the surest first; also those that do not count (`talaia.model.detection.Detect`).
+
+    """
+
+    stream: Name
+    seq: Count
+    time_us: Micros
+    things: Annotated[list[DetectedObject], Meta(max_length=100)]
+
+
+class SightingReport(Message, frozen=True, kw_only=True, tag="seen"):
+    """Something of one class came into sight, is seen surer or more often, or is gone.
+
+    On the link, to a hub that takes it (`Welcome`). ``stream``, ``label`` and ``began_us`` tell
+    sightings apart; the same one may be told again, and what is told last counts.
+
+    Attributes:
+        many: how many at once, at the most so far.
+        confidence: of the surest so far.
+        began_us: when it was seen first.
+        ended_us: when it was seen last; 0 while it is in sight.
+        thumbnail: JPEG of a moment of it; empty while there is none, or as it was told before.
+
+    """
+
+    stream: Name
+    label: Name
+    many: Count
+    confidence: Share
+    began_us: Micros
+    ended_us: Micros = 0
+    thumbnail: Thumbnail = b""
