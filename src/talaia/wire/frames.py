@@ -53,7 +53,7 @@ from talaia.wire.gateway_messages.driving import (
     StopRequest,
     StopState,
 )
-from talaia.wire.gateway_messages.field_types import PIECE, Scalar
+from talaia.wire.gateway_messages.field_types import MAX_PICTURE, PIECE, Scalar
 from talaia.wire.gateway_messages.files import (
     ArchiveOffer,
     FileOffer,
@@ -97,6 +97,7 @@ __all__ = [
     "FILES_FROM_HUB",
     "LINK_FROM_GATEWAY",
     "LINK_FROM_HUB",
+    "MAX_PICTURE",
     "MEDIA_FROM_GATEWAY",
     "MEDIA_FROM_HUB",
     "PIECE",

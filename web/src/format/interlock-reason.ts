@@ -1,14 +1,14 @@
 /** Why something cannot be asked now, and who can help. */
 
-import type { InterlockNews } from "../generated/wire.js";
+import type { InterlockUpdate } from "../generated/wire.js";
 
 /** One or two sentences for beside the button that is locked. */
-export function lockText(news: InterlockNews): string {
+export function lockText(news: InterlockUpdate): string {
   const why = news.unsafe ? (news.why === "" ? "unsafe now" : news.why) : "safe now, but not for long enough yet";
   return `Locked by ${news.name}: ${why}. ${helpText(news)}`.trim();
 }
 
-function helpText(news: InterlockNews): string {
+function helpText(news: InterlockUpdate): string {
   if (news.longest_s > 0) return "You can override it in the bar at the top.";
   if (news.no_override !== "") return `It cannot be overridden now: ${news.no_override}.`;
   return news.overridable ? "An admin can override it." : "";

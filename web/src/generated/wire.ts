@@ -9,7 +9,7 @@ export type LeaseOp = "take" | "renew" | "free" | "ask" | "accept" | "deny";
 export type CommandPhase = "accepted" | "running" | "succeeded" | "failed" | "refused" | "cancelled" | "unknown";
 
 /** One thing on a picture; places are parts of its width and height, from the upper left. */
-export interface Thing {
+export interface DetectedObject {
   readonly t: "thing";
   readonly label: string;
   readonly score: number;
@@ -35,7 +35,7 @@ export interface Unsubscribe {
 }
 
 /** Take, renew or free the lease of a device; ask its holder for it, or answer an ask. */
-export interface Lease {
+export interface PageLease {
   readonly t: "lease";
   readonly site: string;
   readonly device: string;
@@ -43,14 +43,14 @@ export interface Lease {
 }
 
 /** Take the lease from its holder, who said no or nothing to your ask. */
-export interface LeaseForce {
+export interface PageLeaseForce {
   readonly t: "lease_force";
   readonly site: string;
   readonly device: string;
 }
 
-/** A driving frame; the fields are those of `frames.Drive`. */
-export interface Drive {
+/** A driving frame; the fields are those of `frames.DriveFrame`. */
+export interface PageDrive {
   readonly t: "drive";
   readonly site: string;
   readonly device: string;
@@ -63,16 +63,16 @@ export interface Drive {
   readonly picture_ms: number;
 }
 
-/** STOP (software). Repeat with the same id until `StopNews` with it comes. */
-export interface Stop {
+/** STOP (software). Repeat with the same id until `StopUpdate` with it comes. */
+export interface PageStop {
   readonly t: "stop";
   readonly site: string;
   readonly device: string;
   readonly id: string;
 }
 
-/** Release STOP: first without a token, then with the one that `ResetKey` brought. */
-export interface Reset {
+/** Release STOP: first without a token, then with the one that `ResetTokenUpdate` brought. */
+export interface PageReset {
   readonly t: "reset";
   readonly site: string;
   readonly device: string;
@@ -81,7 +81,7 @@ export interface Reset {
 }
 
 /** Ask a device to do something once. ``id`` is the page's own, never used twice. */
-export interface Command {
+export interface PageCommand {
   readonly t: "command";
   readonly site: string;
   readonly device: string;
@@ -92,8 +92,8 @@ export interface Command {
   readonly over: string;
 }
 
-/** End a command that is under way, if the robot can; `CommandNews` tells what came of it. */
-export interface Cancel {
+/** End a command that is under way, if the robot can; `CommandUpdate` tells what came of it. */
+export interface PageCommandCancel {
   readonly t: "cancel";
   readonly site: string;
   readonly device: string;
@@ -101,7 +101,7 @@ export interface Cancel {
 }
 
 /** Override a condition of an interlock for so many seconds, with the reason; 0 s ends that. */
-export interface Override {
+export interface PageOverride {
   readonly t: "override";
   readonly site: string;
   readonly interlock: string;
@@ -111,7 +111,7 @@ export interface Override {
 }
 
 /** Every second. */
-export interface Ping {
+export interface PagePing {
   readonly t: "ping";
   readonly n: number;
   readonly at_ms: number;
@@ -129,7 +129,7 @@ export interface Greeting {
 }
 
 /** A site's link came up or went down, or its description changed (``catalogue``). */
-export interface SiteNews {
+export interface SiteUpdate {
   readonly t: "site";
   readonly site: string;
   readonly online: boolean;
@@ -161,7 +161,7 @@ export interface Values {
 }
 
 /** Who holds a device. ``epoch`` is not 0 only when it is you (``yours``). */
-export interface LeaseNews {
+export interface LeaseUpdate {
   readonly t: "lease_news";
   readonly site: string;
   readonly device: string;
@@ -176,15 +176,15 @@ export interface LeaseNews {
   readonly forceable: boolean;
 }
 
-/** The gateway's newest time mark; echo it in `Drive`. */
-export interface TickNews {
+/** The gateway's newest time mark; echo it in `PageDrive`. */
+export interface TickUpdate {
   readonly t: "tick";
   readonly site: string;
   readonly tick: number;
 }
 
 /** What the robot is being told; see `frames.DriveState`. */
-export interface DriveNews {
+export interface DriveUpdate {
   readonly t: "drive_news";
   readonly site: string;
   readonly device: string;
@@ -199,7 +199,7 @@ export interface DriveNews {
 }
 
 /** STOP (software): see `frames.StopState`. */
-export interface StopNews {
+export interface StopUpdate {
   readonly t: "stop_news";
   readonly site: string;
   readonly device: string;
@@ -211,7 +211,7 @@ export interface StopNews {
 }
 
 /** The token for the second step of a reset, or why there is none. */
-export interface ResetKey {
+export interface ResetTokenUpdate {
   readonly t: "reset_key";
   readonly site: string;
   readonly device: string;
@@ -220,7 +220,7 @@ export interface ResetKey {
 }
 
 /** Where a one-shot command stands; ``blocked_by`` as in `frames.CommandState`. */
-export interface CommandNews {
+export interface CommandUpdate {
   readonly t: "command_news";
   readonly site: string;
   readonly device: string;
@@ -236,7 +236,7 @@ export interface CommandNews {
 }
 
 /** How an interlock of a site stands; shown on every page while it locks or is overridden. */
-export interface InterlockNews {
+export interface InterlockUpdate {
   readonly t: "interlock_news";
   readonly site: string;
   readonly interlock: string;
@@ -260,7 +260,7 @@ export interface InterlockNews {
 }
 
 /** Whether a site's gateway reaches a device; a page hears of those that it does not. */
-export interface DeviceNews {
+export interface DeviceUpdate {
   readonly t: "device_news";
   readonly site: string;
   readonly device: string;
@@ -270,7 +270,7 @@ export interface DeviceNews {
 }
 
 /** How an alarm stands; told to a page that comes, and whenever it changes. */
-export interface AlarmNews {
+export interface AlarmUpdate {
   readonly t: "alarm";
   readonly site: string;
   readonly alarm: string;
@@ -298,7 +298,7 @@ export interface AlarmNews {
 }
 
 /** Something came into sight of a camera, is seen surer or more often, or is gone. */
-export interface SightingNews {
+export interface SightingUpdate {
   readonly t: "sighting";
   readonly site: string;
   readonly id: number;
@@ -311,7 +311,7 @@ export interface SightingNews {
 }
 
 /** How a detector of a signal stands, told when that changes; its scores come as `Values`. */
-export interface AnomalyNews {
+export interface AnomalyUpdate {
   readonly t: "anomaly";
   readonly site: string;
   readonly device: string;
@@ -327,7 +327,7 @@ export interface AnomalyNews {
 }
 
 /** Something happened at a site that people should know of. */
-export interface EventNews {
+export interface EventUpdate {
   readonly t: "event";
   readonly site: string;
   readonly kind: string;
@@ -338,8 +338,8 @@ export interface EventNews {
   readonly good: boolean;
 }
 
-/** Answer to `Ping`, with the hub's monotonic clock (µs) so that ages can be told. */
-export interface Pong {
+/** Answer to `PagePing`, with the hub's monotonic clock (µs) so that ages can be told. */
+export interface PagePong {
   readonly t: "pong";
   readonly n: number;
   readonly at_ms: number;
@@ -347,7 +347,7 @@ export interface Pong {
 }
 
 /** What you asked was not done, and why. */
-export interface Problem {
+export interface RequestError {
   readonly t: "problem";
   readonly code: string;
   readonly message: string;
@@ -355,20 +355,20 @@ export interface Problem {
 }
 
 /** Your session ends soon; said in good time, so that a driver can stop and hand over. */
-export interface SessionNews {
+export interface SessionUpdate {
   readonly t: "session";
   readonly ends_us: number;
   readonly idle: boolean;
 }
 
 /** Your session is over; the socket closes after this. */
-export interface Ended {
+export interface SessionEnded {
   readonly t: "ended";
   readonly reason: string;
 }
 
 /** One picture. ``hub_us`` is the moment of capture on the hub's monotonic clock. */
-export interface Shot {
+export interface CameraPicture {
   readonly t: "shot";
   readonly seq: number;
   readonly time_us: number;
@@ -383,27 +383,27 @@ export interface Shot {
 }
 
 /** What is seen on the picture ``seq``, which may be shown already, or never come. */
-export interface ShotBoxes {
+export interface CameraPictureBoxes {
   readonly t: "shot_boxes";
   readonly seq: number;
   readonly time_us: number;
-  readonly things: readonly (Thing)[];
+  readonly things: readonly (DetectedObject)[];
 }
 
 /** The page has drawn picture ``seq``; the hub may send another. At most two are under way. */
-export interface Shown {
+export interface PictureShown {
   readonly t: "shown";
   readonly seq: number;
 }
 
 /** The page is not looked at closely now (hidden): a picture a second will do, or no more. */
-export interface Glance {
+export interface ViewerAttention {
   readonly t: "glance";
   readonly still: boolean;
 }
 
-/** The page wants `ShotBoxes` from here on, or no more. */
-export interface BoxesAsk {
+/** The page wants `CameraPictureBoxes` from here on, or no more. */
+export interface BoxesRequest {
   readonly t: "boxes_ask";
   readonly on: boolean;
 }
@@ -411,48 +411,48 @@ export interface BoxesAsk {
 export type FromBrowser =
   | Subscribe
   | Unsubscribe
-  | Lease
-  | LeaseForce
-  | Drive
-  | Stop
-  | Reset
-  | Command
-  | Cancel
-  | Override
-  | Ping;
+  | PageLease
+  | PageLeaseForce
+  | PageDrive
+  | PageStop
+  | PageReset
+  | PageCommand
+  | PageCommandCancel
+  | PageOverride
+  | PagePing;
 
 export type ToBrowser =
   | Greeting
-  | SiteNews
+  | SiteUpdate
   | Subscribed
   | Values
-  | LeaseNews
-  | TickNews
-  | DriveNews
-  | StopNews
-  | ResetKey
-  | CommandNews
-  | InterlockNews
-  | DeviceNews
-  | AlarmNews
-  | SightingNews
-  | AnomalyNews
-  | EventNews
-  | Pong
-  | Problem
-  | SessionNews
-  | Ended;
+  | LeaseUpdate
+  | TickUpdate
+  | DriveUpdate
+  | StopUpdate
+  | ResetTokenUpdate
+  | CommandUpdate
+  | InterlockUpdate
+  | DeviceUpdate
+  | AlarmUpdate
+  | SightingUpdate
+  | AnomalyUpdate
+  | EventUpdate
+  | PagePong
+  | RequestError
+  | SessionUpdate
+  | SessionEnded;
 
 export type MediaToBrowser =
-  | Shot
-  | ShotBoxes
-  | Problem
-  | Ended;
+  | CameraPicture
+  | CameraPictureBoxes
+  | RequestError
+  | SessionEnded;
 
 export type MediaFromBrowser =
-  | Shown
-  | Glance
-  | BoxesAsk;
+  | PictureShown
+  | ViewerAttention
+  | BoxesRequest;
 
 /** The tags a page may be sent. */
 export const TO_BROWSER: ReadonlySet<string> = new Set([

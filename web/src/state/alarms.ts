@@ -1,6 +1,6 @@
 /** How every alarm stands that this person may see, as the hub last said. */
 
-import type { AlarmNews } from "../generated/wire.js";
+import type { AlarmUpdate } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
@@ -9,16 +9,16 @@ type AlarmsLine = Pick<Connection, "onMessage" | "onState">;
 /** What the bar on every page says. */
 export interface AlarmSummary {
   /** Active or over, and nobody has acknowledged them; the worst first. */
-  readonly unseen: readonly AlarmNews[];
+  readonly unseen: readonly AlarmUpdate[];
   /** Those of which a message did not reach somebody. */
-  readonly undelivered: readonly AlarmNews[];
+  readonly undelivered: readonly AlarmUpdate[];
 }
 
 const RANKS: Readonly<Record<string, number>> = { critical: 0, warning: 1, info: 2 };
 const PHASES: Readonly<Record<string, number>> = { active: 0, cleared: 1, acknowledged: 2, normal: 4 };
 
 export class Alarms extends Store {
-  private readonly known = new Map<string, AlarmNews>();
+  private readonly known = new Map<string, AlarmUpdate>();
   /** When each was last raised, also over a lost connection: by it what is new is told from what was there. */
   private readonly raisedAt = new Map<string, number>();
   /** Those that were raised since this page was opened; a sound is made for each, once. */
@@ -51,7 +51,7 @@ export class Alarms extends Store {
   }
 
   /** All of them: the worst and newest first, those that are well last. */
-  get list(): readonly AlarmNews[] {
+  get list(): readonly AlarmUpdate[] {
     return [...this.known.values()].sort(
       (a, b) =>
         this.sortKey(a) - this.sortKey(b) ||
@@ -74,16 +74,16 @@ export class Alarms extends Store {
     return this.fresh;
   }
 
-  find(site: string, alarm: string): AlarmNews | undefined {
+  find(site: string, alarm: string): AlarmUpdate | undefined {
     return this.known.get(`${site}\n${alarm}`);
   }
 
-  isShelved(alarm: AlarmNews): boolean {
+  isShelved(alarm: AlarmUpdate): boolean {
     return alarm.shelved_until_us > this.nowUs();
   }
 
   /** What cannot be judged stands before what is well. */
-  private sortKey(alarm: AlarmNews): number {
+  private sortKey(alarm: AlarmUpdate): number {
     if (this.isShelved(alarm)) return 5;
     if (alarm.phase === "normal" && !alarm.known) return 3;
     return PHASES[alarm.phase] ?? 4;

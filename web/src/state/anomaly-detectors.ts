@@ -1,6 +1,6 @@
 /** How the anomaly detectors of a site stand: the hub's list, and what was told since. */
 
-import type { AnomalyNews } from "../generated/wire.js";
+import type { AnomalyUpdate } from "../generated/wire.js";
 import type { AnomalyInfo, AnomalyList } from "../wire/api-types.js";
 
 /** One detector of a signal. */
@@ -46,7 +46,7 @@ export class AnomalyDetectors {
   mayForgive = false;
   private known: ReadonlyMap<string, Detector> = new Map();
   private listed: readonly Detector[] = [];
-  private readonly since = new Map<string, AnomalyNews>();
+  private readonly since = new Map<string, AnomalyUpdate>();
   private readonly past = new Map<string, readonly Anomaly[]>();
 
   /** All of them; another array whenever one stands otherwise. */
@@ -77,12 +77,12 @@ export class AnomalyDetectors {
   }
 
   /** Takes news; gives whether it is about a detector that is known. */
-  applyUpdate(news: AnomalyNews): boolean {
+  applyUpdate(news: AnomalyUpdate): boolean {
     this.since.set(scoresOf(news), news);
     return this.replaceDetector(news);
   }
 
-  private replaceDetector(news: AnomalyNews): boolean {
+  private replaceDetector(news: AnomalyUpdate): boolean {
     const before = this.known.get(scoresOf(news));
     if (before === undefined) return false;
     const { on, score, learning } = news;
@@ -104,7 +104,7 @@ export class AnomalyDetectors {
   }
 }
 
-function scoresOf({ address, detector }: AnomalyNews): string {
+function scoresOf({ address, detector }: AnomalyUpdate): string {
   return `${address}~${detector}`;
 }
 
@@ -114,7 +114,7 @@ function detectorOf(anomaly: AnomalyInfo): Detector {
   return { address, detector, name, bar, score, scores, learns, learning, on, anomaly: anomalyOf(scores, { ...anomaly, on }) };
 }
 
-function anomalyOf(scores: string, said: Pick<AnomalyNews, "from_us" | "to_us" | "why" | "forgiven" | "on">): Anomaly | null {
+function anomalyOf(scores: string, said: Pick<AnomalyUpdate, "from_us" | "to_us" | "why" | "forgiven" | "on">): Anomaly | null {
   const { from_us, to_us, why, forgiven, on } = said;
   return from_us === 0 ? null : { scores, fromUs: from_us, toUs: on ? Infinity : to_us, why, forgiven };
 }

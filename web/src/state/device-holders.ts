@@ -1,6 +1,6 @@
 /** Who acts on the devices of all sites this person sees, by a command that is under way. */
 
-import type { CommandNews } from "../generated/wire.js";
+import type { CommandUpdate } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
@@ -44,7 +44,7 @@ export class DeviceHolders extends Store {
       .sort((a, b) => b.since - a.since);
   }
 
-  private applyCommandUpdate({ id, site, device, acting, acting_s: seconds }: CommandNews): void {
+  private applyCommandUpdate({ id, site, device, acting, acting_s: seconds }: CommandUpdate): void {
     if (acting === "") {
       this.removeWhere((holder) => holder.site === site && holder.id === id);
       return;

@@ -1,13 +1,13 @@
 /** The devices that a gateway does not reach now: what they last said is not true any more. */
 
-import type { DeviceNews } from "../generated/wire.js";
+import type { DeviceUpdate } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
 type ReachabilityLine = Pick<Connection, "onMessage" | "onState">;
 
 export class DeviceReachability extends Store {
-  private readonly away = new Map<string, DeviceNews>();
+  private readonly away = new Map<string, DeviceUpdate>();
 
   /** Listens for as long as the connection lives. */
   constructor(line: ReachabilityLine) {
@@ -28,11 +28,11 @@ export class DeviceReachability extends Store {
   }
 
   /** Why a device is not reached and since when; undefined while it is. */
-  unreachableSince(site: string, device: string): DeviceNews | undefined {
+  unreachableSince(site: string, device: string): DeviceUpdate | undefined {
     return this.away.get(deviceKey(site, device));
   }
 
-  private removeWhere(which: (news: DeviceNews) => boolean): void {
+  private removeWhere(which: (news: DeviceUpdate) => boolean): void {
     const before = this.away.size;
     for (const [id, one] of this.away) {
       if (which(one)) this.away.delete(id);

@@ -1,6 +1,6 @@
 /** The interlocks that lock something now, or are overridden, at every site this person sees. */
 
-import type { InterlockNews } from "../generated/wire.js";
+import type { InterlockUpdate } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 import { Store } from "./store.js";
 
@@ -8,7 +8,7 @@ type InterlocksLine = Pick<Connection, "onMessage" | "onState">;
 
 /** What was said of an interlock, and when by this page's monotonic clock (ms). */
 export interface Interlock {
-  readonly news: InterlockNews;
+  readonly news: InterlockUpdate;
   readonly heardAt: number;
 }
 
@@ -52,7 +52,7 @@ export class Interlocks extends Store {
   }
 
   /** What refuses a command of a device (or `drive`) now; null where nothing does. */
-  lockOf(site: string, device: string, what: string): InterlockNews | null {
+  lockOf(site: string, device: string, what: string): InterlockUpdate | null {
     const found = this.list.find(
       ({ news }) =>
         news.site === site &&
@@ -63,7 +63,7 @@ export class Interlocks extends Store {
   }
 
   /** What slows a device's driving down now; null where nothing does. */
-  slowOf(site: string, device: string): InterlockNews | null {
+  slowOf(site: string, device: string): InterlockUpdate | null {
     const found = this.list.find(
       ({ news }) => news.site === site && news.overridden_by === "" && news.slowed.includes(`${device}/drive`),
     );

@@ -3,14 +3,14 @@
  * and at each change; a page that is opened later must not begin without it.
  */
 
-import type { LeaseNews, StopNews } from "../generated/wire.js";
+import type { LeaseUpdate, StopUpdate } from "../generated/wire.js";
 import type { Connection } from "../wire/connection.js";
 
 type RobotStateLine = Pick<Connection, "onMessage" | "onState">;
 
 export class RobotState {
-  private readonly leases = new Map<string, LeaseNews>();
-  private readonly stops = new Map<string, StopNews>();
+  private readonly leases = new Map<string, LeaseUpdate>();
+  private readonly stops = new Map<string, StopUpdate>();
 
   /** Listens for as long as the connection lives. */
   constructor(line: RobotStateLine) {
@@ -26,7 +26,7 @@ export class RobotState {
     });
   }
 
-  leaseOf(site: string, device: string): LeaseNews | undefined {
+  leaseOf(site: string, device: string): LeaseUpdate | undefined {
     return this.leases.get(deviceKey(site, device));
   }
 
@@ -35,7 +35,7 @@ export class RobotState {
     return [...this.leases.values()].some(({ yours }) => yours);
   }
 
-  stopOf(site: string, device: string): StopNews | undefined {
+  stopOf(site: string, device: string): StopUpdate | undefined {
     return this.stops.get(deviceKey(site, device));
   }
 

@@ -1,6 +1,6 @@
 /** The sites this person may see, kept up to date by the hub's news. */
 
-import type { SiteNews } from "../generated/wire.js";
+import type { SiteUpdate } from "../generated/wire.js";
 import type { SiteDetail, SiteRow } from "../wire/api-types.js";
 import type { HubApi } from "../wire/hub-api.js";
 import { Store } from "./store.js";
@@ -84,7 +84,7 @@ export class Sites extends Store {
   }
 
   /** Takes in that a site came, went, or changed its description. */
-  applyUpdate(news: SiteNews): void {
+  applyUpdate(news: SiteUpdate): void {
     if (news.catalogue !== "") this.catalogues.set(news.site, news.catalogue);
     const row = this.siteRow(news.site);
     if (row === undefined) {

@@ -1,6 +1,6 @@
 /** One camera's pictures over a socket of their own, so that they never stand before a command. */
 
-import type { MediaToBrowser, Shot, ShotBoxes } from "../generated/wire.js";
+import type { MediaToBrowser, CameraPicture, CameraPictureBoxes } from "../generated/wire.js";
 import { backoffMs } from "./backoff.js";
 import { decodeMedia, encodeMessage, FrameError } from "./codec.js";
 
@@ -8,9 +8,9 @@ export type MediaState = "connecting" | "open" | "lost" | "refused";
 
 export interface MediaListener {
   /** Draw it, then call `shown` (also when it could not be drawn): the next one waits for that. */
-  readonly onShot: (shot: Shot, shown: () => void) => void;
+  readonly onShot: (shot: CameraPicture, shown: () => void) => void;
   /** What is seen on a picture; only after `boxes(true)`. */
-  readonly onBoxes?: (boxes: ShotBoxes) => void;
+  readonly onBoxes?: (boxes: CameraPictureBoxes) => void;
   /** The camera gives pictures that cannot be shown; the next `onShot` ends that. */
   readonly onTrouble: (why: string) => void;
   /** `why` is the hub's sentence when it said one. */

@@ -1,5 +1,5 @@
 import { beforeEach, expect, test } from "vitest";
-import type { AlarmNews } from "../../src/generated/wire.js";
+import type { AlarmUpdate } from "../../src/generated/wire.js";
 import { AlarmSound } from "../../src/state/alarm-sound.js";
 import { Alarms } from "../../src/state/alarms.js";
 import { FakeLine } from "../controllers/drive/fake-connection.js";
@@ -13,7 +13,7 @@ beforeEach(() => {
   alarms = new Alarms(line, () => now);
 });
 
-function news(alarm: string, more: Partial<AlarmNews> = {}): AlarmNews {
+function news(alarm: string, more: Partial<AlarmUpdate> = {}): AlarmUpdate {
   return {
     t: "alarm", site: "agv", alarm, device: "base", name: alarm, kind: "limit", severity: "warning", phase: "normal",
     why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "",

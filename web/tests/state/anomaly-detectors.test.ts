@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { AnomalyNews } from "../../src/generated/wire.js";
+import type { AnomalyUpdate } from "../../src/generated/wire.js";
 import { anomalyMarks } from "../../src/elements/chart/anomaly-marks.js";
 import { AnomalyDetectors } from "../../src/state/anomaly-detectors.js";
 import type { AnomalyInfo } from "../../src/wire/api-types.js";
@@ -11,7 +11,7 @@ function info(change: Partial<AnomalyInfo> = {}): AnomalyInfo {
   };
 }
 
-function news(change: Partial<AnomalyNews> = {}): AnomalyNews {
+function news(change: Partial<AnomalyUpdate> = {}): AnomalyUpdate {
   return {
     t: "anomaly", site: "agv", device: "power", address: "power/voltage", detector: "together",
     on: false, from_us: 0, to_us: 0, score: 0, why: "", forgiven: false, learning: 0, ...change,

@@ -1,5 +1,5 @@
 import { beforeEach, expect, test } from "vitest";
-import type { CommandNews } from "../../src/generated/wire.js";
+import type { CommandUpdate } from "../../src/generated/wire.js";
 import { DeviceHolders } from "../../src/state/device-holders.js";
 import { FakeLine } from "../controllers/drive/fake-connection.js";
 
@@ -12,7 +12,7 @@ beforeEach(() => {
   holders = new DeviceHolders(line, () => now);
 });
 
-function news(id: string, acting: string, more: Partial<CommandNews> = {}): CommandNews {
+function news(id: string, acting: string, more: Partial<CommandUpdate> = {}): CommandUpdate {
   return {
     t: "command_news", site: "obs", device: "dome", command: "close", id, phase: "running", message: "", progress: 0,
     who: "Ada", blocked_by: "", acting, acting_s: 4,

@@ -1,5 +1,5 @@
 import { beforeEach, expect, test } from "vitest";
-import type { DeviceNews } from "../../src/generated/wire.js";
+import type { DeviceUpdate } from "../../src/generated/wire.js";
 import { DeviceReachability } from "../../src/state/device-reachability.js";
 import { FakeLine } from "../controllers/drive/fake-connection.js";
 
@@ -10,7 +10,7 @@ beforeEach(() => {
   reach = new DeviceReachability(line);
 });
 
-function lost(device: string, more: Partial<DeviceNews> = {}): DeviceNews {
+function lost(device: string, more: Partial<DeviceUpdate> = {}): DeviceUpdate {
   return { t: "device_news", site: "obs", device, reached: false, why: "nobody answers", since_us: 1, ...more };
 }
 

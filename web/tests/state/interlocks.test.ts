@@ -1,5 +1,5 @@
 import { beforeEach, expect, test } from "vitest";
-import type { InterlockNews } from "../../src/generated/wire.js";
+import type { InterlockUpdate } from "../../src/generated/wire.js";
 import { lockText } from "../../src/format/interlock-reason.js";
 import { Interlocks } from "../../src/state/interlocks.js";
 import { FakeLine } from "../controllers/drive/fake-connection.js";
@@ -13,7 +13,7 @@ beforeEach(() => {
   interlocks = new Interlocks(line, () => now);
 });
 
-function news(interlock: string, more: Partial<InterlockNews> = {}): InterlockNews {
+function news(interlock: string, more: Partial<InterlockUpdate> = {}): InterlockUpdate {
   return {
     t: "interlock_news", site: "obs", interlock, name: interlock, locked: true, unsafe: true, why: "Rain is raining",
     since_us: 1, clears_ms: 0, refuses: ["Dome: Open"], targets: ["dome/open"], slows: [], slowed: [], overridable: true,

@@ -1,13 +1,13 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { mediaPath, MediaSocket, socketUrl, type MediaState } from "../../src/wire/media-socket.js";
-import type { Shot, ShotBoxes } from "../../src/generated/wire.js";
+import type { CameraPicture, CameraPictureBoxes } from "../../src/generated/wire.js";
 import { FakeSocket } from "./fake-socket.js";
 
 const sockets: FakeSocket[] = [];
 const states: [MediaState, string][] = [];
-const shots: [Shot, () => void][] = [];
+const shots: [CameraPicture, () => void][] = [];
 const troubles: string[] = [];
-const seen: ShotBoxes[] = [];
+const seen: CameraPictureBoxes[] = [];
 
 function open(): MediaSocket {
   return new MediaSocket(

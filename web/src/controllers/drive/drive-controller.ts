@@ -1,6 +1,6 @@
 /** Seat, STOP and hands of one device, built and taken apart together. */
 
-import type { LeaseNews, StopNews } from "../../generated/wire.js";
+import type { LeaseUpdate, StopUpdate } from "../../generated/wire.js";
 import type { DeviceInfo } from "../../wire/api-types.js";
 import { DriveInputs } from "./drive-inputs.js";
 import { DriveSession, type DriveConnection } from "./drive-session.js";
@@ -8,8 +8,8 @@ import { StopClient } from "./stop-client.js";
 
 /** What was said of a device before this page was opened. */
 export interface KnownState {
-  readonly lease: LeaseNews | undefined;
-  readonly stop: StopNews | undefined;
+  readonly lease: LeaseUpdate | undefined;
+  readonly stop: StopUpdate | undefined;
 }
 
 export class DriveController {

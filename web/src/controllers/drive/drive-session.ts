@@ -6,7 +6,7 @@
  */
 
 import { Store } from "../../state/store.js";
-import type { DriveNews, LeaseNews } from "../../generated/wire.js";
+import type { DriveUpdate, LeaseUpdate } from "../../generated/wire.js";
 import type { Connection } from "../../wire/connection.js";
 import { LeaseMachine, type LeaseAsk } from "./lease-machine.js";
 import { DriveMachine, type DriveBlock, type VelocityFrame, type HaltReason, type DriveLimits } from "./drive-machine.js";
@@ -32,7 +32,7 @@ export class DriveSession extends Store {
   readonly machine: DriveMachine;
   readonly lease = new LeaseMachine();
   /** What the robot is being told, by the gateway's own word; null before the first. */
-  told: DriveNews | null = null;
+  told: DriveUpdate | null = null;
   private siteOnline: boolean;
   private stops: (() => void)[] = [];
   private frameTimer: ReturnType<typeof setTimeout> | undefined;
@@ -70,7 +70,7 @@ export class DriveSession extends Store {
   }
 
   /** @param known - what was said of the lease before, if anything was */
-  open(known?: LeaseNews): void {
+  open(known?: LeaseUpdate): void {
     const { site, device } = this.seated;
     this.stops = [
       this.line.onMessage("lease_news", (news) => {

@@ -1,6 +1,6 @@
 /** STOP (software) of one device over the connection. */
 
-import type { StopNews } from "../../generated/wire.js";
+import type { StopUpdate } from "../../generated/wire.js";
 import { Store } from "../../state/store.js";
 import { freshId } from "./unique-id.js";
 import type { DriveConnection } from "./drive-session.js";
@@ -41,7 +41,7 @@ export class StopClient extends Store {
   }
 
   /** @param known - what was said of STOP before, if anything was */
-  open(known?: StopNews): void {
+  open(known?: StopUpdate): void {
     const isOurs = (news: { readonly site: string; readonly device: string }): boolean =>
       news.site === this.site && news.device === this.device;
     this.stops = [

@@ -1,6 +1,6 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import type { InterlockNews } from "../../generated/wire.js";
+import type { InterlockUpdate } from "../../generated/wire.js";
 import { formatDuration } from "../../format/duration.js";
 import { base } from "../base/base-style.js";
 import "../forms/button.js";
@@ -49,7 +49,7 @@ export class InterlockLine extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) news: InterlockNews | null = null;
+  @property({ attribute: false }) news: InterlockUpdate | null = null;
   /** The site by its name, where more than one is seen. */
   @property() site = "";
   @property() zone = "UTC";
@@ -83,7 +83,7 @@ export class InterlockLine extends LitElement {
           >`}`;
   }
 
-  private renderLocked(news: InterlockNews): TemplateResult {
+  private renderLocked(news: InterlockUpdate): TemplateResult {
     const refused = news.refuses.length === 0 ? "" : ` Refused: ${news.refuses.join(", ")}.`;
     const slowed = news.slows.length === 0 ? "" : ` Slowed down: ${news.slows.join(", ")}.`;
     // What only slows down locks nothing.
@@ -96,7 +96,7 @@ export class InterlockLine extends LitElement {
       <span class="more">${word} since <t-time .us=${news.since_us} .zone=${this.zone} short></t-time>.${refused}${slowed}${never}</span>`;
   }
 
-  private renderOverridden(news: InterlockNews): TemplateResult {
+  private renderOverridden(news: InterlockUpdate): TemplateResult {
     const left = formatDuration(Math.ceil(this.override_ / 1000));
     const unsafe = news.unsafe ? ` Unsafe now: ${news.why}.` : "";
     return html`– overridden by ${news.overridden_by} for ${left} more: “${news.reason}”.

@@ -1,14 +1,14 @@
 /** What people read of an alarm. Pure. */
 
 import type { StatusKind } from "../../elements/feedback/status.js";
-import type { AlarmNews } from "../../generated/wire.js";
+import type { AlarmUpdate } from "../../generated/wire.js";
 import { sitePath } from "../../state/router.js";
 
 /** Beside an alarm in the history, so much is shown on either side (µs). */
 const AROUND_US = 120e6;
 
 /** How it stands: the kind of the mark, and the word beside it. What cannot be judged is never well. */
-export function alarmStatus(alarm: AlarmNews, shelved: boolean): readonly [StatusKind, string] {
+export function alarmStatus(alarm: AlarmUpdate, shelved: boolean): readonly [StatusKind, string] {
   const over = shelved ? ", shelved" : "";
   if (alarm.phase === "active") return ["bad", `active${over}`];
   if (alarm.phase === "acknowledged") return ["warn", `active, acknowledged${over}`];
@@ -17,7 +17,7 @@ export function alarmStatus(alarm: AlarmNews, shelved: boolean): readonly [Statu
 }
 
 /** The history page with an alarm's signals at the moment when it was raised. */
-export function historyAt(alarm: Pick<AlarmNews, "site" | "signals" | "raised_us" | "cleared_us">): string {
+export function historyAt(alarm: Pick<AlarmUpdate, "site" | "signals" | "raised_us" | "cleared_us">): string {
   const query = new URLSearchParams(alarm.signals.map((signal) => ["c", signal]));
   const end = alarm.cleared_us > alarm.raised_us ? Math.min(alarm.cleared_us, alarm.raised_us + 3600e6) : alarm.raised_us;
   query.set("from", String(Math.round(alarm.raised_us - AROUND_US)));

@@ -11,7 +11,7 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import type { AlarmNews } from "../../generated/wire.js";
+import type { AlarmUpdate } from "../../generated/wire.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { alarmsContext, alarmSoundContext, apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
@@ -91,7 +91,7 @@ export class PageAlarms extends LitElement {
     `,
   ];
 
-  @state() private doing: { readonly what: AlarmAction; readonly about: AlarmNews } | null = null;
+  @state() private doing: { readonly what: AlarmAction; readonly about: AlarmUpdate } | null = null;
   @state() private open = "";
   /** Site and alarm that is being changed, or a site and nothing for a new one. */
   @state() private editing: { readonly site: string; readonly alarm: string } | null = null;
@@ -176,7 +176,7 @@ export class PageAlarms extends LitElement {
       ${list.length === 0 ? this.renderEmpty() : this.renderSheet(list)} ${this.renderDialog()}`;
   }
 
-  private countText(list: readonly AlarmNews[]): string {
+  private countText(list: readonly AlarmUpdate[]): string {
     const on = list.filter(({ phase }) => phase === "active" || phase === "acknowledged").length;
     const unknown = list.filter(({ known, phase }) => !known && phase === "normal").length;
     if (list.length === 0) return "";
@@ -198,7 +198,7 @@ export class PageAlarms extends LitElement {
     </t-empty>`;
   }
 
-  private renderSheet(list: readonly AlarmNews[]): TemplateResult {
+  private renderSheet(list: readonly AlarmUpdate[]): TemplateResult {
     return html`<section class="sheet" aria-label="Every alarm">
       <ul class="rows">
         ${repeat(
@@ -210,11 +210,11 @@ export class PageAlarms extends LitElement {
     </section>`;
   }
 
-  private shapeOf(news: AlarmNews): AlarmShape | undefined {
+  private shapeOf(news: AlarmUpdate): AlarmShape | undefined {
     return this.defined.value?.get(news.site)?.alarms.find(({ alarm }) => alarm === news.alarm);
   }
 
-  private renderLine(alarm: AlarmNews): TemplateResult {
+  private renderLine(alarm: AlarmUpdate): TemplateResult {
     const row = this.sites.store?.siteRow(alarm.site);
     const zone = row?.zone ?? "UTC";
     const [kind, word] = alarmStatus(alarm, this.alarms.store?.isShelved(alarm) ?? false);
@@ -254,7 +254,7 @@ export class PageAlarms extends LitElement {
     </li>`;
   }
 
-  private renderButtons(alarm: AlarmNews): TemplateResult {
+  private renderButtons(alarm: AlarmUpdate): TemplateResult {
     const may = this.shapeOf(alarm)?.may_use === true;
     const manage = alarm.made && this.defined.value?.get(alarm.site)?.may_manage === true;
     const unseen = alarm.phase === "active" || alarm.phase === "cleared";
@@ -311,7 +311,7 @@ export class PageAlarms extends LitElement {
     </t-dialog>`;
   }
 
-  private acknowledgeAsker(alarm: AlarmNews): () => void {
+  private acknowledgeAsker(alarm: AlarmUpdate): () => void {
     return () => {
       void this.action.run(
         "acknowledge the alarm",
@@ -322,13 +322,13 @@ export class PageAlarms extends LitElement {
     };
   }
 
-  private unshelveAction(alarm: AlarmNews): () => void {
+  private unshelveAction(alarm: AlarmUpdate): () => void {
     return () => {
       void this.action.run("unshelve the alarm", () => new AlarmsApi(this.api).applyAction(alarm.site, alarm.alarm, { act: "unshelve" }));
     };
   }
 
-  private dialogOpener(what: AlarmAction, about: AlarmNews): () => void {
+  private dialogOpener(what: AlarmAction, about: AlarmUpdate): () => void {
     return () => {
       this.action.clear();
       if (this.text) this.text.value = what === "assign" ? about.assigned : "";
@@ -342,7 +342,7 @@ export class PageAlarms extends LitElement {
     };
   }
 
-  private editorOpener(alarm: AlarmNews): () => void {
+  private editorOpener(alarm: AlarmUpdate): () => void {
     return () => {
       this.editing = this.editing?.alarm === alarm.alarm && this.editing.site === alarm.site ? null : { site: alarm.site, alarm: alarm.alarm };
     };

@@ -17,7 +17,7 @@ import type { TrackPoint } from "../../elements/map/track.js";
 import "../../elements/stop/stop-button.js";
 import "../../elements/stop/stop-state.js";
 import type { StopPhase } from "../../elements/stop/stop-labels.js";
-import type { InterlockNews } from "../../generated/wire.js";
+import type { InterlockUpdate } from "../../generated/wire.js";
 import type { ArgumentInfo, CommandInfo } from "../../wire/api-types.js";
 import type { GalleryEntry, GalleryState } from "./entry.js";
 
@@ -68,7 +68,7 @@ function argument(more: Partial<ArgumentInfo> & Pick<ArgumentInfo, "id" | "name"
   return { unit: "", minimum: null, maximum: null, max_length: 200, default: null, ...more };
 }
 
-const LOCK: InterlockNews = {
+const LOCK: InterlockUpdate = {
   t: "interlock_news",
   site: "observatory",
   interlock: "weather",
@@ -86,14 +86,14 @@ const LOCK: InterlockNews = {
   condition: "weather/wind",
   no_override: "",
 };
-const WAITING: InterlockNews = {
+const WAITING: InterlockUpdate = {
   ...LOCK,
   unsafe: false,
   longest_s: 0,
   overridable: false,
   no_override: "Rain: rain is never overridden",
 };
-const OVERRIDDEN: InterlockNews = { ...LOCK, overridden_by: "Grace", reason: "Testing the shutter" };
+const OVERRIDDEN: InterlockUpdate = { ...LOCK, overridden_by: "Grace", reason: "Testing the shutter" };
 
 const WANDER: CommandInfo = {
   id: "wander",

@@ -8,7 +8,7 @@ import { base } from "../../elements/base/base-style.js";
 import { alarmsContext, alarmSoundContext, apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { mayUse } from "../../state/rights.js";
 import { alarmPath } from "../../state/router.js";
-import type { AlarmNews } from "../../generated/wire.js";
+import type { AlarmUpdate } from "../../generated/wire.js";
 import { consume } from "@lit/context";
 import type { HubApi } from "../../wire/hub-api.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
@@ -125,7 +125,7 @@ export class AlarmBar extends LitElement {
     </div>`;
   }
 
-  private renderMessage(alarm: AlarmNews): TemplateResult {
+  private renderMessage(alarm: AlarmUpdate): TemplateResult {
     const row = this.sites.store?.siteRow(alarm.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
     return html`<a class="which" href=${alarmPath(alarm)}>${many ? `${row?.name ?? alarm.site}: ` : ""}${alarm.name}</a> – ${alarm.why}

@@ -18,7 +18,7 @@ import "../../elements/forms/field.js";
 import "../../elements/base/icon.js";
 import "../../elements/command/interlock.js";
 import { formatDuration } from "../../format/duration.js";
-import type { InterlockNews } from "../../generated/wire.js";
+import type { InterlockUpdate } from "../../generated/wire.js";
 import { interlocksContext, sitesContext } from "../../state/contexts.js";
 import type { Interlock } from "../../state/interlocks.js";
 
@@ -82,7 +82,7 @@ export class InterlockBar extends LitElement {
     `,
   ];
 
-  @state() private chosen: InterlockNews | null = null;
+  @state() private chosen: InterlockUpdate | null = null;
   @state() private unfolded = false;
   /** Once there was something to say of interlocks, the line keeps its place. */
   private placed = false;
@@ -142,7 +142,7 @@ export class InterlockBar extends LitElement {
     </div>`;
   }
 
-  private summary(news: InterlockNews): string {
+  private summary(news: InterlockUpdate): string {
     const row = this.sites.store?.siteRow(news.site);
     const many = (this.sites.store?.list.length ?? 0) > 1;
     const name = `${many ? `${row?.name ?? news.site}: ` : ""}${news.name}`;
@@ -220,7 +220,7 @@ export class InterlockBar extends LitElement {
     }
   };
 
-  private sendOverride(news: InterlockNews, seconds: number, reason: string, condition = ""): void {
+  private sendOverride(news: InterlockUpdate, seconds: number, reason: string, condition = ""): void {
     const { site, interlock } = news;
     this.link.connection?.send({ t: "override", site, interlock, seconds, reason, condition });
   }

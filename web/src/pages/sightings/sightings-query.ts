@@ -1,7 +1,7 @@
 /** Which sightings are shown, as the page's address and as the hub's question. Pure. */
 
 import { countText } from "../../format/object-names.js";
-import type { SightingNews } from "../../generated/wire.js";
+import type { SightingUpdate } from "../../generated/wire.js";
 import type { SiteDetail } from "../../wire/api-types.js";
 import type { Sighting } from "../../wire/sightings-api.js";
 
@@ -68,7 +68,7 @@ export function sightingsPageQuery(filter: SightingFilter, labels: readonly stri
 }
 
 /** What the hub tells while it happens, put into a row that is shown; null where none is of it. */
-export function withUpdate(rows: readonly Sighting[], news: SightingNews): readonly Sighting[] | null {
+export function withUpdate(rows: readonly Sighting[], news: SightingUpdate): readonly Sighting[] | null {
   const id = String(news.id);
   if (!rows.some((row) => row.id === id)) return null;
   const { many, confidence, began_us } = news;

@@ -6,7 +6,7 @@
  * an earlier picture are told apart from those of this one. See docs/decisions/0057.
  */
 
-import type { ShotBoxes, Thing } from "../../generated/wire.js";
+import type { CameraPictureBoxes, DetectedObject } from "../../generated/wire.js";
 import { BoxDelay } from "./box-delay.js";
 
 /** On a driver's picture, boxes of a picture this much earlier are gone (ms). */
@@ -23,7 +23,7 @@ const MOST_BOXES = 12;
 export type StandingBoxes = "same" | "earlier";
 
 export interface CurrentBoxes {
-  readonly things: readonly Thing[];
+  readonly things: readonly DetectedObject[];
   readonly standing: StandingBoxes;
 }
 
@@ -41,7 +41,7 @@ interface WaitingPicture<P, S> {
 
 export class BoxSync<P extends { close(): void }, S extends Timed> {
   private waiting: WaitingPicture<P, S>[] = [];
-  private boxes: ShotBoxes[] = [];
+  private boxes: CameraPictureBoxes[] = [];
   private arrivals: { readonly seq: number; readonly at: number }[] = [];
   private hold = new BoxDelay();
   private prompt = false;
@@ -74,7 +74,7 @@ export class BoxSync<P extends { close(): void }, S extends Timed> {
   }
 
   /** What is seen on a picture that came, will come, or was left out. */
-  addBoxes(boxes: ShotBoxes, now: number): void {
+  addBoxes(boxes: CameraPictureBoxes, now: number): void {
     this.heardAt = now;
     const arrival = this.arrivals.find(({ seq }) => seq === boxes.seq);
     if (arrival !== undefined) this.hold.recordLatency(now - arrival.at, now);
@@ -119,7 +119,7 @@ export class BoxSync<P extends { close(): void }, S extends Timed> {
     this.dropStaleBoxes();
   }
 
-  private standingBoxes(boxes: ShotBoxes, shown: { readonly shot: S; readonly at: number }, now: number): StandingBoxes | null {
+  private standingBoxes(boxes: CameraPictureBoxes, shown: { readonly shot: S; readonly at: number }, now: number): StandingBoxes | null {
     if (boxes.seq === shown.shot.seq) return "same";
     // While a picture stands still, what is seen on an earlier one gets older, too.
     const lag = (shown.shot.time_us - boxes.time_us) / 1000 + (now - shown.at);

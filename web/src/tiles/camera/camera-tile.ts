@@ -9,7 +9,7 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import "../../elements/camera/camera-view.js";
 import type { CameraLink, CameraView } from "../../elements/camera/camera-view.js";
-import type { Shot } from "../../generated/wire.js";
+import type { CameraPicture } from "../../generated/wire.js";
 import { MediaSocket, mediaPath, socketUrl } from "../../wire/media-socket.js";
 import { ContrastCheck } from "./contrast-check.js";
 import "./film-button.js";
@@ -88,14 +88,14 @@ export class CameraTile extends LitElement {
   private readonly contrast = new ContrastCheck();
   private film: H264Player | null = null;
   private forms: readonly string[] | null = null;
-  private last: Shot | null = null;
+  private last: CameraPicture | null = null;
   private inSight = true;
   private readonly sight = new IntersectionObserver((entries) => {
     this.inSight = entries.at(-1)?.isIntersecting ?? true;
     this.reportVisibility();
   });
   private readonly objects = new ObjectDetection(this, browserStorage());
-  private readonly inStep = new BoxSync<DecodedPicture, Shot>();
+  private readonly inStep = new BoxSync<DecodedPicture, CameraPicture>();
   private dueTimer: ReturnType<typeof setTimeout> | undefined;
   private arrivals: number[] = [];
   private timer: ReturnType<typeof setInterval> | undefined;
@@ -259,7 +259,7 @@ export class CameraTile extends LitElement {
     if (!this.paged) this.full = this.matches(":fullscreen");
   };
 
-  private decodeJpeg(shot: Shot): Promise<ImageBitmap> {
+  private decodeJpeg(shot: CameraPicture): Promise<ImageBitmap> {
     const type = MIME[shot.format];
     if (type === undefined) return Promise.reject(new TypeError(shot.format));
     // The bytes are a view on one frame of the socket, which is ours alone.
@@ -267,7 +267,7 @@ export class CameraTile extends LitElement {
   }
 
   /** Decoded, and so paid for: that it may wait for its boxes is nothing the hub could help with. */
-  private onDecoded(picture: DecodedPicture, shot: Shot): void {
+  private onDecoded(picture: DecodedPicture, shot: CameraPicture): void {
     const age = this.link.connection?.ageMsOf(shot.hub_us) ?? Number.NaN;
     this.inStep.addPicture(picture, shot, age, performance.now());
     this.drawDue();
@@ -282,7 +282,7 @@ export class CameraTile extends LitElement {
     if (dueAt !== null) this.dueTimer = setTimeout(this.drawDue, Math.max(0, dueAt - performance.now()));
   };
 
-  private drawPicture(picture: DecodedPicture, shot: Shot): void {
+  private drawPicture(picture: DecodedPicture, shot: CameraPicture): void {
     const now = performance.now();
     if (!this.contrast.showsPicture(picture, now)) {
       // The last good one stays and grows old: it turns grey, and the vehicle slows down.

@@ -1,15 +1,15 @@
 /** A film (H.264) from the socket to the canvas by WebCodecs; every picture is paid for once. */
 
-import type { Shot } from "../../generated/wire.js";
+import type { CameraPicture } from "../../generated/wire.js";
 
 export interface H264Options {
-  readonly draw: (frame: VideoFrame, shot: Shot) => void;
+  readonly draw: (frame: VideoFrame, shot: CameraPicture) => void;
   /** The film cannot be gone on with; a fresh one is needed. */
   readonly broken: () => void;
 }
 
 interface WaitingFrame {
-  readonly shot: Shot;
+  readonly shot: CameraPicture;
   readonly shown: () => void;
 }
 
@@ -36,7 +36,7 @@ export class H264Player {
 
   constructor(private readonly screening: H264Options) {}
 
-  receivePicture(shot: Shot, shown: () => void): void {
+  receivePicture(shot: CameraPicture, shown: () => void): void {
     if (this.closed) return;
     if (shot.key) this.configureDecoder(shot.codec);
     if (this.decoder === null) {

@@ -1,16 +1,16 @@
 /** Of the pictures that come, draws the newest; each one that came is paid for once. */
 
-import type { Shot } from "../../generated/wire.js";
+import type { CameraPicture } from "../../generated/wire.js";
 
 export interface JpegDrawing {
   /** Throws what cannot be decoded. */
-  readonly decode: (shot: Shot) => Promise<ImageBitmap>;
-  readonly draw: (bitmap: ImageBitmap, shot: Shot) => void;
-  readonly failed: (shot: Shot) => void;
+  readonly decode: (shot: CameraPicture) => Promise<ImageBitmap>;
+  readonly draw: (bitmap: ImageBitmap, shot: CameraPicture) => void;
+  readonly failed: (shot: CameraPicture) => void;
 }
 
 interface WaitingJpeg {
-  readonly shot: Shot;
+  readonly shot: CameraPicture;
   readonly shown: () => void;
 }
 
@@ -22,7 +22,7 @@ export class JpegPlayer {
 
   constructor(private readonly drawing: JpegDrawing) {}
 
-  receivePicture(shot: Shot, shown: () => void): void {
+  receivePicture(shot: CameraPicture, shown: () => void): void {
     if (this.closed) return;
     this.next?.shown();
     this.next = { shot, shown };

@@ -7,7 +7,7 @@ import type { DetectorState, ObjectsOverlay } from "../../elements/camera/object
 import "../../elements/camera/objects-overlay.js";
 import type { ObjectsChoicePanel as ChoicePanel, WantedObjects } from "../../elements/camera/objects-choice.js";
 import "../../elements/camera/objects-choice.js";
-import type { ShotBoxes, Thing } from "../../generated/wire.js";
+import type { CameraPictureBoxes, DetectedObject } from "../../generated/wire.js";
 import { sessionContext } from "../../state/contexts.js";
 import { AS_DESCRIBED, keepObjects, readObjects, type ObjectsChoice } from "../../state/objects-choice.js";
 import { seesOnlyPublic } from "../../state/rights.js";
@@ -24,15 +24,15 @@ export interface DetectionSubject {
   readonly detects: DetectOptions | null;
 }
 
-const NOTHING: readonly Thing[] = [];
+const NOTHING: readonly DetectedObject[] = [];
 
 export class ObjectDetection {
   private subject: DetectionSubject = { site: "", stream: "", detects: null };
   private choice: ObjectsChoice = AS_DESCRIBED;
   private readFor = "";
   private classes = new Set<string>();
-  private framedOf: readonly Thing[] = NOTHING;
-  private framedNow: readonly Thing[] = NOTHING;
+  private framedOf: readonly DetectedObject[] = NOTHING;
+  private framedNow: readonly DetectedObject[] = NOTHING;
   private open = false;
   private readonly strip = createRef<ObjectsOverlay>();
   private readonly panel = createRef<ChoicePanel>();
@@ -61,12 +61,12 @@ export class ObjectDetection {
     return this.subject.detects !== null && this.choice.on;
   }
 
-  receiveBoxes({ things }: ShotBoxes): void {
+  receiveBoxes({ things }: CameraPictureBoxes): void {
     for (const { label } of things) this.classes.add(label);
   }
 
   /** What is framed of these things; the same list for the same things. */
-  framedThings(things: readonly Thing[]): readonly Thing[] {
+  framedThings(things: readonly DetectedObject[]): readonly DetectedObject[] {
     const { detects } = this.subject;
     if (things !== this.framedOf) {
       this.framedOf = things;
@@ -80,7 +80,7 @@ export class ObjectDetection {
    *
    * @param quiet - since when nothing has come from the detector (ms); null while nothing ever came
    */
-  renderOverlay(things: readonly Thing[], quiet: number | null, driving: boolean): unknown {
+  renderOverlay(things: readonly DetectedObject[], quiet: number | null, driving: boolean): unknown {
     const { detects } = this.subject;
     if (detects === null) return nothing;
     const detector: DetectorState = quiet === null ? "waiting" : quiet > SILENT_MS ? "silent" : "telling";

@@ -2,7 +2,7 @@
 
 import type { ObjectCount } from "../../elements/camera/objects-overlay.js";
 import type { ObjectOption } from "../../elements/camera/objects-choice.js";
-import type { Thing } from "../../generated/wire.js";
+import type { DetectedObject } from "../../generated/wire.js";
 import { LEAST_SURE, type ObjectsChoice } from "../../state/objects-choice.js";
 
 /** What the site description looks for; see `DetectShape`. */
@@ -16,14 +16,14 @@ export function minimumConfidence(choice: ObjectsChoice, detects: DetectOptions)
   return Math.max(LEAST_SURE, choice.confidence ?? detects.confidence);
 }
 
-export function framedObjects(things: readonly Thing[], choice: ObjectsChoice, detects: DetectOptions): readonly Thing[] {
+export function framedObjects(things: readonly DetectedObject[], choice: ObjectsChoice, detects: DetectOptions): readonly DetectedObject[] {
   const classes = new Set(choice.classes ?? detects.classes);
   const sure = minimumConfidence(choice, detects);
   return things.filter(({ label, score }) => classes.has(label) && score >= sure);
 }
 
 /** How many of each, the most first. */
-export function countObjects(things: readonly Thing[]): readonly ObjectCount[] {
+export function countObjects(things: readonly DetectedObject[]): readonly ObjectCount[] {
   const many = new Map<string, number>();
   for (const { label } of things) many.set(label, (many.get(label) ?? 0) + 1);
   return [...many]

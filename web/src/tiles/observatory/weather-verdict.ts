@@ -3,7 +3,7 @@
  * numbers. It is never kinder than what is known: what is missing or old makes it *unknown*. Pure.
  */
 
-import type { InterlockNews } from "../../generated/wire.js";
+import type { InterlockUpdate } from "../../generated/wire.js";
 import { formatWithUnit } from "../../format/unit.js";
 import type { LimitInfo, RuleInfo, SignalInfo } from "../../wire/api-types.js";
 
@@ -132,7 +132,7 @@ function limitText(limit: LimitInfo, { unit, decimals }: SignalInfo, lasting: nu
 
 /** What decides, of these rules' news, and the lines by which. */
 export function verdictOf(
-  online: boolean, rules: readonly RuleInfo[], news: (rule: RuleInfo) => InterlockNews | undefined, lines: readonly LimitLine[],
+  online: boolean, rules: readonly RuleInfo[], news: (rule: RuleInfo) => InterlockUpdate | undefined, lines: readonly LimitLine[],
 ): WeatherVerdict {
   const none = { why: "", since_us: 0, rule: "" };
   if (!online) return { ...none, word: "unknown", why: "Nothing comes from the site: how the weather is, nobody knows here." };

@@ -3,19 +3,19 @@ import { CommandClient } from "../../../src/controllers/drive/command-client.js"
 import { DriveSession } from "../../../src/controllers/drive/drive-session.js";
 import { StopClient } from "../../../src/controllers/drive/stop-client.js";
 import { PUSH } from "../../../src/controllers/drive/stick.js";
-import type { LeaseNews, StopNews } from "../../../src/generated/wire.js";
+import type { LeaseUpdate, StopUpdate } from "../../../src/generated/wire.js";
 import { FakeLine } from "./fake-connection.js";
 
 const LIMITS = { maxSpeed: 0.2, maxReverse: 0.2, maxTurn: 2 };
 const AT = { site: "agv", device: "base" } as const;
 
-function lease(more: Partial<LeaseNews> = {}): LeaseNews {
+function lease(more: Partial<LeaseUpdate> = {}): LeaseUpdate {
   const nobodyAsks = { rival: "", asking: false, answer_ms: 0, forceable: false };
   return {
     t: "lease_news", ...AT, holder: "Ada", yours: true, epoch: 4, remains_ms: 3000, ...nobodyAsks, refused: "", ...more,
   };
 }
-function stopNews(more: Partial<StopNews> = {}): StopNews {
+function stopNews(more: Partial<StopUpdate> = {}): StopUpdate {
   return { t: "stop_news", ...AT, latched: true, confirmed: false, who: "Ada", time_us: 1, id: "", ...more };
 }
 function siteNews(online: boolean): Parameters<FakeLine["say"]>[0] {

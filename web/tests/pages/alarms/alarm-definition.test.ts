@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, fieldLabel } from "../../../src/pages/alarms/alarm-definition.js";
 import { historyAt, alarmStatus } from "../../../src/pages/alarms/alarm-labels.js";
-import type { AlarmNews } from "../../../src/generated/wire.js";
+import type { AlarmUpdate } from "../../../src/generated/wire.js";
 
 test("a form says a definition, with only the keys of its kind", () => {
   const said = definitionOf({ name: " Low ", kind: "limit", severity: "critical", signal: "power/voltage", below: "11,2", delay: "", expression: "x", record: "on" });
@@ -27,7 +27,7 @@ test("a short name is made of any name", () => {
 });
 
 test("what cannot be judged is never called well", () => {
-  const alarm = { phase: "normal", known: false } as AlarmNews;
+  const alarm = { phase: "normal", known: false } as AlarmUpdate;
   expect(alarmStatus(alarm, false)).toEqual(["unknown", "cannot be judged"]);
   expect(alarmStatus({ ...alarm, known: true }, true)).toEqual(["ok", "well, shelved"]);
   expect(alarmStatus({ ...alarm, phase: "active" }, false)[0]).toBe("bad");

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { SightingNews } from "../../../src/generated/wire.js";
+import type { SightingUpdate } from "../../../src/generated/wire.js";
 import { historyQuery, matchingLabel, NO_FILTER, sightingsPageQuery, readSightingFilter, withUpdate, writeSightingFilter } from "../../../src/pages/sightings/sightings-query.js";
 import type { SiteDetail } from "../../../src/wire/api-types.js";
 import type { Sighting } from "../../../src/wire/sightings-api.js";
@@ -28,7 +28,7 @@ test("the hub is asked in its own words, and for the next page by the last row o
 });
 
 test("news changes the row that it is about, and says where there is none", () => {
-  const news: SightingNews = { t: "sighting", site: "agv", id: 2, camera: "camera/front", label: "person", many: 3, confidence: 0.9, began_us: 100e6, ended_us: 180e6 };
+  const news: SightingUpdate = { t: "sighting", site: "agv", id: 2, camera: "camera/front", label: "person", many: 3, confidence: 0.9, began_us: 100e6, ended_us: 180e6 };
   expect(withUpdate([row(2), row(1)], news)).toEqual([row(2, { many: 3, confidence: 0.9, ended_us: 180e6 }), row(1)]);
   expect(withUpdate([row(2)], { ...news, ended_us: 0 })?.[0]?.ended_us).toBeNull();
   expect(withUpdate([row(1)], news)).toBeNull();

@@ -1,5 +1,5 @@
 import { beforeEach, expect, test } from "vitest";
-import type { ShotBoxes } from "../../../src/generated/wire.js";
+import type { CameraPictureBoxes } from "../../../src/generated/wire.js";
 import { BoxDelay } from "../../../src/tiles/camera/box-delay.js";
 import { BoxSync } from "../../../src/tiles/camera/box-sync.js";
 
@@ -17,7 +17,7 @@ class Picture {
   }
 }
 
-const boxes = (seq: number): ShotBoxes => ({
+const boxes = (seq: number): CameraPictureBoxes => ({
   t: "shot_boxes", seq, time_us: seq * FRAME_MS * 1000,
   things: [{ t: "thing", label: "dog", score: 0.9, left: seq / 1000, top: 0, right: 1, bottom: 1 }],
 });

@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import type { Shot } from "../../../src/generated/wire.js";
+import type { CameraPicture } from "../../../src/generated/wire.js";
 import { H264Player, supportsH264 } from "../../../src/tiles/camera/h264-player.js";
 
-const shot = (seq: number, key: boolean, codec = key ? "avc1.42C01E" : ""): Shot => ({
+const shot = (seq: number, key: boolean, codec = key ? "avc1.42C01E" : ""): CameraPicture => ({
   t: "shot", seq, time_us: 0, hub_us: 0, width: 1, height: 1, format: "h264", key, codec, small: false,
   data: new Uint8Array([seq]),
 });
@@ -35,7 +35,7 @@ const paid: number[] = [];
 let broken = 0;
 let film: H264Player;
 
-const show = (shot: Shot): void => {
+const show = (shot: CameraPicture): void => {
   film.receivePicture(shot, () => paid.push(shot.seq));
 };
 

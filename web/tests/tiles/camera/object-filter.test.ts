@@ -1,12 +1,12 @@
 import { expect, test } from "vitest";
-import type { Thing } from "../../../src/generated/wire.js";
+import type { DetectedObject } from "../../../src/generated/wire.js";
 import { AS_DESCRIBED } from "../../../src/state/objects-choice.js";
 import { objectOptions, countObjects, framedObjects, minimumConfidence } from "../../../src/tiles/camera/object-filter.js";
 
 const DETECTS = { classes: ["person", "dog"], confidence: 0.5 };
-const thing = (label: string, score: number): Thing => ({ t: "thing", label, score, left: 0, top: 0, right: 1, bottom: 1 });
+const thing = (label: string, score: number): DetectedObject => ({ t: "thing", label, score, left: 0, top: 0, right: 1, bottom: 1 });
 const THINGS = [thing("person", 0.9), thing("chair", 0.8), thing("dog", 0.5), thing("person", 0.45), thing("person", 0.6)];
-const names = (things: readonly Thing[]): string[] => things.map(({ label, score }) => `${label} ${String(score)}`);
+const names = (things: readonly DetectedObject[]): string[] => things.map(({ label, score }) => `${label} ${String(score)}`);
 
 test("without a choice, what the site description counts is framed", () => {
   expect(names(framedObjects(THINGS, AS_DESCRIBED, DETECTS))).toEqual(["person 0.9", "dog 0.5", "person 0.6"]);

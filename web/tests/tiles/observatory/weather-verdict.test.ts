@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { InterlockNews } from "../../../src/generated/wire.js";
+import type { InterlockUpdate } from "../../../src/generated/wire.js";
 import { limitLines, rulesAbout, verdictOf, type KnownValue, type WeatherVerdict } from "../../../src/tiles/observatory/weather-verdict.js";
 import type { LimitInfo, RuleInfo } from "../../../src/wire/api-types.js";
 import { signal, state } from "./described.js";
@@ -12,7 +12,7 @@ const rule = (limits: readonly LimitInfo[], lasting = 0): RuleInfo => ({
 });
 const WIND = rule([limit({ above: 45, until_below: 35 })], 2);
 const SIGNALS = [signal("wind", { unit: "km/h" }), state("rain", ["dry", "wet"])];
-const said = (more: Partial<InterlockNews> = {}): InterlockNews => ({
+const said = (more: Partial<InterlockUpdate> = {}): InterlockUpdate => ({
   t: "interlock_news", site: "s", interlock: "weather", name: "Weather", locked: false, unsafe: false, why: "", since_us: 0,
   clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
   condition: "", no_override: "", ...more,
@@ -20,7 +20,7 @@ const said = (more: Partial<InterlockNews> = {}): InterlockNews => ({
 const wind = (value: number, fresh = true): ((of: { id: string }) => KnownValue) => ({ id }) =>
   id === "wind" ? { fresh, value, word: "" } : { fresh, value: 0, word: "dry" };
 
-function judged(value: number, news: InterlockNews | undefined, fresh = true, online = true): WeatherVerdict {
+function judged(value: number, news: InterlockUpdate | undefined, fresh = true, online = true): WeatherVerdict {
   return verdictOf(online, [WIND], () => news, limitLines([WIND], "it", SIGNALS, wind(value, fresh)));
 }
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.live.pictures.picture_pacing import Ready
 from talaia.wire.browser import MEDIA_TO_BROWSER, CameraPicture, CameraPictureBoxes
-from talaia.wire.frames import PictureForm, KeyframeRequest, StreamSubscription
+from talaia.wire.frames import KeyframeRequest, PictureForm, StreamSubscription
 
 if TYPE_CHECKING:
     from collections.abc import Callable
