@@ -23,8 +23,8 @@ def test_a_site_from_the_founding_command_file_says_that_nothing_closes_its_roof
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     said = unguarded_notice(site_of(CLASSIC, "observatory"))
-    assert said.startswith("Dome, Telescope: nothing closes or parks by itself")
-    assert "there are no interlocks" in said
+    assert said.startswith("Dome and Telescope do not close or park by themselves")
+    assert "the description has no interlocks and no enclosure" in said
     file = tmp_path / "site.yaml"
     file.write_text(dump_site(site_of(CLASSIC, "observatory")))
     assert main([str(file)]) == 0
@@ -38,7 +38,7 @@ def test_examples_have_nothing_to_say(name: str) -> None:
 
 def test_interlocks_without_an_enclosure_close_no_roof() -> None:
     site = replace(read_site(ROOT / "examples" / "observatory" / "site.yaml"), enclosures={})
-    assert "its interlocks close no roof" in unguarded_notice(site)
+    assert "interlocks close no roof" in unguarded_notice(site)
 
 
 def test_an_enclosure_of_one_dome_does_not_silence_the_notice_of_another() -> None:
@@ -48,7 +48,7 @@ def test_an_enclosure_of_one_dome_does_not_silence_the_notice_of_another() -> No
     both = replace(site, devices={**site.devices, "dome2": other})
     assert unguarded_devices(both) == ("dome2",)
     said = unguarded_notice(both)
-    assert said.startswith("Second dome: nothing closes or parks by itself (no enclosure is about")
+    assert said.startswith("Second dome does not close or park by itself: no enclosure")
 
 
 def test_a_description_that_was_made_says_what_nothing_closes(

@@ -110,7 +110,7 @@ async def test_an_alarm_of_each_kind_is_made_in_the_page_and_raised(hub, chromiu
     )  # fmt: skip
     await make(
         page, "Slow", "Limit", Signal="power/voltage",
-        **{"Raised below (V)": "11", "After it was so for (s)": "0.2"}, **forever,
+        **{"Raised below (V)": "11", "Raised after (s)": "0.2"}, **forever,
     )  # fmt: skip
     await make(page, "Wandering", "State or text", Signal="base/wandering",
                **{"Raised in these": "on"}, **forever)  # fmt: skip

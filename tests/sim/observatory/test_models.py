@@ -331,6 +331,21 @@ def test_the_wall_camera_sees_the_sky_through_an_open_slit_by_day() -> None:
     assert sum(opened[middle : middle + 3]) > sum(shut[middle : middle + 3]) + 200
 
 
+def test_the_wall_camera_sees_each_shell_of_a_clamshell_by_itself_and_no_slit() -> None:
+    def sky(east: float, west: float) -> tuple[bool, bool, bool]:
+        """Whether there is sky at the left (east), in the middle, and at the right (west)."""
+        opening = max(east, west)
+        picture = cctv.draw(cctv.View(opening, 0, 10, 10, 1.0, shells=(east, west)))
+        at = [(100 * cctv.WIDTH + x) * 3 for x in (70, cctv.WIDTH // 2, 250)]
+        left, middle, right = (tuple(picture[i : i + 3]) == (126, 178, 235) for i in at)
+        return left, middle, right
+
+    assert sky(0, 0) == (False, False, False)
+    assert sky(1, 0) == (True, False, False)
+    assert sky(0, 1) == (False, True, True)
+    assert sky(1, 1) == (True, True, True)
+
+
 def test_closing_all_goes_on_to_the_dome_when_the_telescope_does_not_park() -> None:
     asked: list[tuple[str, str]] = []
 

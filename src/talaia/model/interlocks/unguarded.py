@@ -39,14 +39,17 @@ def unguarded_notice(site: Site) -> str:
     names = [site.devices[name].name for name in unguarded_devices(site)]
     if not names:
         return ""
+    many = len(names) > 1
+    who = f"{', '.join(names[:-1])} and {names[-1]} do" if many else f"{names[0]} does"
+    themselves, them = ("themselves", "them") if many else ("itself", "it")
     if site.enclosures:
-        lacks = "no enclosure is about it"
+        lacks = f"no enclosure of the description is about {them}"
     elif site.interlocks:
-        lacks = "its interlocks close no roof, no enclosure"
+        lacks = "the description's interlocks close no roof, and it has no enclosure"
     else:
-        lacks = "there are no interlocks, no enclosure"
+        lacks = "the description has no interlocks and no enclosure"
     return (
-        f"{', '.join(names)}: nothing closes or parks by itself ({lacks}): "
-        "rain, wind or a lost weather station change nothing; docs/how-to/interlocks.md says how "
-        "to add them"
+        f"{who} not close or park by {themselves}: {lacks}. In rain, in wind or without weather "
+        f"data only a person closes or parks {them}. docs/how-to/interlocks.md shows how to "
+        "change that."
     )

@@ -8,6 +8,8 @@ from typing import NamedTuple
 __all__ = ["HEIGHT", "WIDTH", "View", "draw"]
 
 WIDTH, HEIGHT = 320, 240
+# The row at which the dome stands on its wall.
+FOOT = 170
 Colour = tuple[int, int, int]
 
 
@@ -21,6 +23,7 @@ class View(NamedTuple):
         az: of the telescope (°).
         light: of the sky, 0 night to 1 day.
         lamp: the lamp inside is on.
+        shells: of a clamshell, which has no slit: east and west, each 0 closed to 1 open.
 
     """
 
@@ -30,6 +33,7 @@ class View(NamedTuple):
     az: float
     light: float
     lamp: bool = False
+    shells: tuple[float, float] | None = None
 
 
 def draw(view: View) -> bytes:
@@ -46,7 +50,10 @@ def draw(view: View) -> bytes:
         dome = _dome_half(y)
         if dome > 0:
             _span(row, WIDTH / 2 - dome, WIDTH / 2 + dome, _bytes((178, 176, 168), inside))
-            if half > 0 and y < 150:
+            if view.shells is not None:
+                east, west = (min(dome, _folded(y, each)) for each in view.shells)
+                _span(row, WIDTH / 2 - east, WIDTH / 2 + west, _bytes(sky, 1.0))
+            elif half > 0 and y < 150:
                 left = max(WIDTH / 2 - dome, centre - half)
                 right = min(WIDTH / 2 + dome, centre + half)
                 _span(row, left, right, _bytes(sky, 1.0))
@@ -76,10 +83,16 @@ def _telescope(rows: list[bytes], view: View, inside: float) -> None:
             rows[line] = bytes(row)
 
 
+def _folded(y: int, shell: float) -> float:
+    """Give how far aside the edge of a shell stands in a row; it turns about the foot's middle."""
+    angle = min(1.0, max(0.0, shell)) * math.pi / 2
+    return 0.0 if y >= FOOT else (FOOT - y) * math.tan(min(angle, 1.57))
+
+
 def _dome_half(y: int) -> float:
-    if y > 170:
+    if y > FOOT:
         return 0.0 if y > 200 else 150.0
-    return math.sqrt(max(0.0, 1.0 - ((170 - y) / 165.0) ** 2)) * 150.0
+    return math.sqrt(max(0.0, 1.0 - ((FOOT - y) / 165.0) ** 2)) * 150.0
 
 
 def _span(row: bytearray, left: float, right: float, colour: bytes) -> None:

@@ -497,22 +497,27 @@ class CctvServer(Server):
     outlet = OUTLETS.index("CCTV") + 1
     EVERY_S = 1.0
 
-    def __init__(self, place: Place) -> None:
-        """See a closed dome at night."""
+    def __init__(self, place: Place, *, slit: bool = True) -> None:
+        """See a closed roof at night; one without a slit is a clamshell."""
         super().__init__()
         self._place = place
-        self._seen = {"position": 0.0, "slit": 0.0, "alt": 10.0, "az": 10.0}
+        self._slit = slit
+        self._seen = {
+            "position": 0.0, "slit": 0.0, "east": 0.0, "west": 0.0, "alt": 10.0, "az": 10.0,
+        }  # fmt: skip
         self._light = 0.0
         self._lamp = False
         self._since = self.EVERY_S
         self.triggers = {"status": lambda: Ticket.done("live")}
         self.hears |= {
-            "/dome/position": (float, self._see("position")),
-            "/dome/azimuth": (float, self._see("slit")),
             "/telescope/altitude": (float, self._see("alt")),
             "/telescope/azimuth": (float, self._see("az")),
             "/pdu/on6": (bool, self._see_lamp),
         }
+        roof = {"position": "position", "azimuth": "slit"}
+        if not slit:
+            roof = {"position": "position", "east_position": "east", "west_position": "west"}
+        self.hears |= {f"/dome/{topic}": (float, self._see(seen)) for topic, seen in roof.items()}
 
     def _see(self, name: str) -> Callable[[float], None]:
         def take(value: float) -> None:
@@ -541,9 +546,11 @@ class CctvServer(Server):
             return None
         self._since = 0.0
         seen = self._seen
+        shells = None if self._slit else (seen["east"] / 100.0, seen["west"] / 100.0)
         view = cctv.View(
-            seen["position"] / 100.0, seen["slit"], seen["alt"], seen["az"], self._light, self._lamp
-        )
+            shutter=seen["position"] / 100.0, slit=seen["slit"], alt=seen["alt"], az=seen["az"],
+            light=self._light, lamp=self._lamp, shells=shells,
+        )  # fmt: skip
         return Frame(cctv.WIDTH, cctv.HEIGHT, "rgb8", cctv.WIDTH * 3, cctv.draw(view))
 
 
@@ -648,6 +655,6 @@ def make(
         case "pdu":
             return PowerServer(Power())
         case "cctv":
-            return CctvServer(place)
+            return CctvServer(place, slit=turns)
         case _:
             return GlobalServer(call, dome_turns=turns)

@@ -137,7 +137,7 @@ export class AlarmEditor extends LitElement {
   }
 
   private errorOf(name: string): string {
-    if (this.wrong === name) return "Expected a number.";
+    if (this.wrong === name) return name === "escalate" ? "Expected accounts with seconds: anna 0, ben 300." : "Expected a number.";
     if (this.preview?.where === name || (name === "is_one_of" && this.preview?.where === "is")) return this.preview.problem ?? "";
     return "";
   }

@@ -41,6 +41,16 @@ export class PageDevice extends LitElement {
     base,
     sheets,
     css`
+      .unguarded {
+        display: flex;
+        gap: var(--t-space-2);
+        margin: 0;
+        max-inline-size: 60rem;
+      }
+      .unguarded t-icon {
+        flex: none;
+        color: var(--t-warn);
+      }
       .among {
         display: flex;
         flex-wrap: wrap;
@@ -156,13 +166,15 @@ export class PageDevice extends LitElement {
       ${this.renderSignals(device, detail)}`;
   }
 
-  /** A roof or telescope that nothing closes or parks by itself says so, calmly. */
+  /** A roof or telescope that does not close or park by itself says so, calmly. */
   private renderUnguarded(device: DeviceInfo): unknown {
     if (!device.unguarded) return nothing;
-    return html`<p class="muted" role="note">
-      <t-icon name="info"></t-icon> Nothing closes or parks by itself here: no enclosure rule is about it, so rain,
-      wind or a lost weather station change nothing. Whoever keeps its description adds interlocks and an enclosure
-      to it (docs: <em>Make a robot safe by itself</em>).
+    return html`<p class="unguarded" role="note">
+      <t-icon name="info"></t-icon>
+      <span>
+        This does not close or park by itself. In rain, in wind or without weather data only a person closes or parks it. Whoever
+        keeps the site's description can change that with interlocks and an enclosure (docs: <em>Make a robot safe by itself</em>).
+      </span>
     </p>`;
   }
 

@@ -42,6 +42,16 @@ export class PageDevices extends LitElement {
     base,
     sheets,
     css`
+      .unguarded {
+        display: flex;
+        gap: var(--t-space-2);
+        margin: 0;
+        max-inline-size: 60rem;
+      }
+      .unguarded t-icon {
+        flex: none;
+        color: var(--t-warn);
+      }
       .tools {
         display: flex;
         flex-wrap: wrap;
@@ -190,14 +200,19 @@ export class PageDevices extends LitElement {
     );
   }
 
-  /** Domes and telescopes that nothing closes or parks by itself, said once for their site. */
+  /** Domes and telescopes that do not close or park by themselves, said once for their site. */
   private renderUnguarded(site: string): unknown {
     const detail = this.details.value?.find((detail) => detail.site === site);
     const names = detail?.devices.filter((device) => device.unguarded).map((device) => device.name) ?? [];
     if (names.length === 0) return nothing;
-    return html`<p class="muted" role="note">
-      <t-icon name="info"></t-icon> ${names.join(", ")}: nothing closes or parks by itself. Rain, wind or a lost weather
-      station change nothing there (docs: <em>Make a robot safe by itself</em>).
+    const many = names.length > 1;
+    const who = many ? `${names.slice(0, -1).join(", ")} and ${names.at(-1) ?? ""} do` : `${names[0] ?? ""} does`;
+    return html`<p class="unguarded" role="note">
+      <t-icon name="info"></t-icon>
+      <span>
+        ${who} not close or park by ${many ? "themselves" : "itself"}. In rain, in wind or without weather data only a person closes
+        or parks ${many ? "them" : "it"} (docs: <em>Make a robot safe by itself</em>).
+      </span>
     </p>`;
   }
 

@@ -142,9 +142,18 @@ export class Header extends LitElement {
         color: var(--t-muted);
         font-size: var(--t-size-s);
       }
-      @media (max-width: 75rem) {
+      @media (max-width: 85rem) {
         .name {
           display: none;
+        }
+      }
+      @media (min-width: 60.01rem) and (max-width: 85rem) {
+        /* A site's name is worth more than ours. */
+        .brand.small .word {
+          display: none;
+        }
+        select {
+          min-inline-size: 7rem;
         }
       }
       @media (max-width: 52rem) {
