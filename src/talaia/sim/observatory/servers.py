@@ -503,8 +503,13 @@ class CctvServer(Server):
         self._place = place
         self._slit = slit
         self._seen = {
-            "position": 0.0, "slit": 0.0, "east": 0.0, "west": 0.0, "alt": 10.0, "az": 10.0,
-        }  # fmt: skip
+            "position": 0.0,
+            "slit": 0.0,
+            "east": 0.0,
+            "west": 0.0,
+            "alt": 10.0,
+            "az": 10.0,
+        }
         self._light = 0.0
         self._lamp = False
         self._since = self.EVERY_S
@@ -548,9 +553,14 @@ class CctvServer(Server):
         seen = self._seen
         shells = None if self._slit else (seen["east"] / 100.0, seen["west"] / 100.0)
         view = cctv.View(
-            shutter=seen["position"] / 100.0, slit=seen["slit"], alt=seen["alt"], az=seen["az"],
-            light=self._light, lamp=self._lamp, shells=shells,
-        )  # fmt: skip
+            shutter=seen["position"] / 100.0,
+            slit=seen["slit"],
+            alt=seen["alt"],
+            az=seen["az"],
+            light=self._light,
+            lamp=self._lamp,
+            shells=shells,
+        )
         return Frame(cctv.WIDTH, cctv.HEIGHT, "rgb8", cctv.WIDTH * 3, cctv.draw(view))
 
 
