@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 import uvicorn
 import uvloop
 
+from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.server.accept_queue import QUEUE, Doorway
@@ -133,6 +134,7 @@ def main(argv: Sequence[str]) -> int:
     # A thread that reads a description or writes the history may hold the interpreter this long
     # before a driving frame gets it; Python's own 5 ms would be more than the whole way down.
     sys.setswitchinterval(0.0005)
+    keep_little_free_memory()
     try:
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
             runner.run(_serve(_settings(options)))

@@ -33,6 +33,8 @@ SELDOM = 6
 # So long hub and gateway have to answer; an answer that is late is read the next time.
 ANSWER_S = 1.0
 TOLD_EVERY_S = 300.0
+# From here on there are several lives, each long enough to be judged.
+LONG_H = 6.0
 # Beside the alarm that the world has of its own, which its description ends with.
 ALARM = """\
   fast:
@@ -41,8 +43,11 @@ ALARM = """\
 
 
 def kills(hours: float) -> list[tuple[float, str]]:
-    """Give when whom to kill (s): long lives where there is time, else within the warm-up."""
-    if hours < 1:
+    """Give when whom to kill (s): long lives where there is time, else within the warm-up.
+
+    A life is judged after its first half hour; what is left of one hour is too short for that.
+    """
+    if hours < LONG_H:
         return [(hours * 3600 * 0.05, "hub"), (hours * 3600 * 0.1, "gateway")]
     period = max(1.0, hours / 6) * 3600
     times = int(hours * 3600 / period)
