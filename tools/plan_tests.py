@@ -22,7 +22,8 @@ CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os
 MOST_AT_ONCE = 2 * CORES
 # Groups do not compute evenly: with no more than the cores asked for, these are often idle.
 MOST_LOAD = 1.25 * CORES
-GROUP_S = 60.0
+# Each process takes some seconds of a core before its first test.
+GROUP_S = 110.0
 
 # The quick ring: files that start no server, no browser, no ROS and no database. All files of
 # these folders, and each file that says `pytestmark = pytest.mark.pure`.

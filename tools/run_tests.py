@@ -4,7 +4,7 @@
     .venv/bin/python tools/run_tests.py --quick      the pure ones: under two minutes
     .venv/bin/python tools/run_tests.py ARGUMENTS    pytest alone, with these arguments
 
-Files of one folder make a group, up to about a minute of expected time (`tests/durations.json`,
+Files of one folder make a group, up to two minutes of expected time (`tests/durations.json`,
 written by ``--save-durations``); each group is a pytest process. `plan_tests` says which run beside
 each other. Failures are printed at once, and every ten seconds where the run is.
 

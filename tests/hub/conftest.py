@@ -27,7 +27,7 @@ from talaia.hub.history.queries.series import Series
 from talaia.hub.run import server_of
 from talaia.hub.settings import Settings
 from talaia.hub.store.accounts.people import People
-from talaia.hub.store.sites.site_registry import SiteRegistry
+from talaia.hub.store.sites.site_registry import add_key
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
 from talaia.wire.columns import Columns, pack
@@ -277,9 +277,12 @@ class RunningHub:
 
     async def populate(self) -> None:
         hashed = await Passwords(4).hash(PASSWORD)
-        for role in ("guest", "operator", "admin"):
-            await self.people.add(role, hashed, role)
-        self.keys["agv"] = await SiteRegistry(self.hub.core.database, SystemClock()).new_key("agv")
+        # In one transaction: each waits for the disk.
+        async with self.hub.core.database.write() as connection:
+            for role in ("guest", "operator", "admin"):
+                await self.people._insert(connection, role, hashed, role)
+            now_us = SystemClock().wall_ns() // 1000
+            _, self.keys["agv"], _ = await add_key(connection, "agv", "", now_us)
 
     async def client(self, name: str = "") -> httpx.AsyncClient:
         """Open an HTTP client, signed in as ``name`` unless it is empty."""
