@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.gateway import persistence
+from talaia.gateway.driving import persistent_state
 from talaia.gateway.driving.stop_latch import LatchedStop
 from talaia.gateway.samples.batching import records_of
 from talaia.gateway.spool import journal
@@ -505,8 +506,8 @@ def test_stops_and_epochs_are_written_on_a_full_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     epochs, stops = (
-        persistence.Epochs(tmp_path / "epochs.json"),
-        persistence.KeptStops(tmp_path / "stops.json"),
+        persistent_state.Epochs(tmp_path / "epochs.json"),
+        persistent_state.KeptStops(tmp_path / "stops.json"),
     )
 
     def full(path: Path, data: bytes) -> None:
@@ -517,5 +518,5 @@ def test_stops_and_epochs_are_written_on_a_full_disk(
     stops.write("base", latched)
     given = [epochs.next() for _ in range(2500)]
     assert given == sorted(set(given))
-    assert persistence.KeptStops(tmp_path / "stops.json").get("base") == latched
-    assert persistence.Epochs(tmp_path / "epochs.json").next() > given[-1]
+    assert persistent_state.KeptStops(tmp_path / "stops.json").get("base") == latched
+    assert persistent_state.Epochs(tmp_path / "epochs.json").next() > given[-1]

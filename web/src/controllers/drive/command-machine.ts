@@ -39,8 +39,8 @@ export interface CommandRequest {
   readonly blockedBy: string;
 }
 
-/** The fields of `CommandNews` that decide. */
-export interface CommandUpdate {
+/** The fields of `CommandUpdate` that decide. */
+export interface CommandReport {
   readonly id: string;
   readonly phase: Exclude<RequestStage, "sent" | "offline">;
   readonly message: string;
@@ -100,7 +100,7 @@ export class CommandMachine {
     }
   }
 
-  applyUpdate(word: CommandUpdate): void {
+  applyUpdate(word: CommandReport): void {
     const { phase, message, progress, blocked_by: blockedBy = "" } = word;
     this.updateRequest(word.id, { phase, message, progress, blockedBy });
   }

@@ -33,7 +33,7 @@ const ALL = KINDS.map(({ kind }) => kind);
 export const FIELDS: readonly AlarmField[] = [
   { labelControl: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
   { labelControl: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
-  { labelControl: "label", label: "What is seen", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
+  { labelControl: "label", label: "Detected object", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
   { labelControl: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
   { labelControl: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
   { labelControl: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
