@@ -10,7 +10,7 @@ detectors, and as quiet at the beginning as each is at the hub). The threshold i
 best total, as the benchmark has it.
 
 Last, the hub's share of a core for a thousand signals at 1 Hz: a hundred of them are fed to its
-own `Watching`, with all that stands between a batch and a score that pages and history get.
+own `AnomalyService`, with all that stands between a batch and a score that pages and history get.
 
 The settings were chosen looking at every other file (A); the threshold found there is also
 scored on the files between them (B). A limit that is missed makes the exit code 1.
@@ -32,10 +32,10 @@ import nab
 import numpy as np
 
 from talaia.clock import SystemClock
-from talaia.hub.anomaly.base import Detector
-from talaia.hub.anomaly.episodes import Episodes, Turn
+from talaia.hub.anomaly.base import AnomalyDetector
+from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 from talaia.hub.anomaly.kinds import KINDS
-from talaia.hub.live.detection.anomaly_service import Watching
+from talaia.hub.live.detection.anomaly_service import AnomalyService
 from talaia.hub.live.pages.fanout import Fanout
 from talaia.hub.live.sites import Sites
 from talaia.model.yaml_text.load import load_site
@@ -69,7 +69,7 @@ class Row(NamedTuple):
     microseconds: float
 
 
-class Peer(Detector, kw_only=True):
+class Peer(AnomalyDetector, kw_only=True):
     """PyPI's KNN-CAD with a fixed probation, where it is installed; for comparison."""
 
     def __post_init__(self) -> None:
@@ -91,7 +91,9 @@ class Peer(Detector, kw_only=True):
 _PEER: object = None
 
 
-def run(kind: type[Detector], series: Sequence[nab.Series]) -> tuple[dict[str, np.ndarray], float]:
+def run(
+    kind: type[AnomalyDetector], series: Sequence[nab.Series]
+) -> tuple[dict[str, np.ndarray], float]:
     """Give all scores of a detector, and the time a sample takes (µs)."""
     scores, began, count = {}, time.process_time(), 0
     for one in series:
@@ -118,10 +120,10 @@ def told(
         episodes = Episodes(bar=bar, quiet=quiet, learning=learning)
         kept = np.zeros(len(mine))
         for at, (moment, score) in enumerate(zip(one.times.tolist(), mine.tolist(), strict=True)):
-            turn = episodes.take(moment, score)
-            if turn is Turn.BEGAN:
+            turn = episodes.update_score(moment, score)
+            if turn is EpisodeTurn.BEGAN:
                 kept[at] = score
-            elif turn is Turn.ENDED:
+            elif turn is EpisodeTurn.ENDED:
                 episodes.close()
         left[one.name] = kept
     return left
@@ -133,7 +135,7 @@ def bars(series: Sequence[nab.Series], scores: dict[str, np.ndarray]) -> np.ndar
     return np.unique(np.quantile(counting, 1.0 - PARTS))
 
 
-def measure(name: str, kind: type[Detector], series: Sequence[nab.Series]) -> Row:
+def measure(name: str, kind: type[AnomalyDetector], series: Sequence[nab.Series]) -> Row:
     """Score one detector on all files, and on each half with the threshold of the first."""
     scores, microseconds = run(kind, series)
     halves = (series, series[0::2], series[1::2])
@@ -198,7 +200,7 @@ async def core_for_a_thousand() -> float:
     )
     sites, clock, nowhere = Sites(), SystemClock(), Nowhere()
     live = sites.describe(site, "c")
-    watching = Watching(sites, nowhere, nowhere, Fanout(sites, clock), clock)
+    watching = AnomalyService(sites, nowhere, nowhere, Fanout(sites, clock), clock)
     running = asyncio.create_task(watching.run())
     chance, began = np.random.default_rng(1), 0.0
     for second in range(LEARNED + LOOKED):
@@ -206,7 +208,7 @@ async def core_for_a_thousand() -> float:
             began = time.process_time()
         at = np.full(SIGNALS, (1_700_000_000 + second) * 1_000_000)
         values = chance.normal(0.0, 1.0, SIGNALS)
-        watching.put(live, Columns(np.arange(SIGNALS, dtype=np.uint16), at, values, {}))
+        watching.enqueue_samples(live, Columns(np.arange(SIGNALS, dtype=np.uint16), at, values, {}))
         while watching.waiting:
             await asyncio.sleep(0)
     took = time.process_time() - began

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.clock import SystemClock
-from talaia.hub.history.blocks.block import Samples, encode
+from talaia.hub.history.blocks.block import BlockSamples, encode
 from talaia.hub.history.engine import open_engine
-from talaia.hub.history.limits import Limits
+from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.history.writing.bulk_writes import insert_rows
 from talaia.hub.history.writing.compaction import Newest, Sealed, seal
@@ -59,7 +59,7 @@ def build(url: str, signals: int, days: int) -> None:
     engine = open_engine(url, writes=True)
     metadata.create_all(engine, list(tables.HISTORY_TABLES))
     day = _day()
-    made = seal(1, 0, 1, 0, day, Limits().largest, was_saved=False)
+    made = seal(1, 0, 1, 0, day, HistoryLimits().largest, was_saved=False)
     # Where in the day each block begins, to give the bodies of other days their own times.
     starts = np.cumsum([0, *(row["samples"] for row in made.blocks)]).tolist()
     parts = [day.part(first, past) for first, past in pairwise(starts)]
@@ -75,12 +75,12 @@ def build(url: str, signals: int, days: int) -> None:
     engine.dispose()
 
 
-def _day() -> Samples:
+def _day() -> BlockSamples:
     random = np.random.default_rng(7)
     at = np.arange(SAMPLES_A_DAY)
     time_us = FIRST_DAY_US + at * 10_000 + random.integers(0, 300, at.size)
     value = np.round(np.sin(at / 10_000) + random.normal(0, 0.1, at.size), 3)
-    return Samples(time_us, value, {})
+    return BlockSamples(time_us, value, {})
 
 
 def _channel(number: int) -> dict[str, object]:
@@ -93,7 +93,7 @@ def _channel(number: int) -> dict[str, object]:
 def _write(
     engine: Engine,
     made: Sealed,
-    parts: Sequence[Samples],
+    parts: Sequence[BlockSamples],
     channel: int,
     number: int,
     shift_us: int,

@@ -9,7 +9,7 @@ import pytest
 
 from talaia.extensions.installed import installed
 from talaia.hub.anomaly.guarded import GuardedDetector
-from talaia.hub.anomaly.runner import Began, Watched
+from talaia.hub.anomaly.runner import AnomalyBegan, DetectorRunner
 from talaia.model.alarms.anomaly import DetectorKind, Watch
 from talaia.model.checks.site_checks import check
 from talaia.model.yaml_text.load import dump_site, load_site
@@ -72,18 +72,18 @@ def test_a_detector_that_is_named_wrongly_is_found(entry: str, problem: str) -> 
 
 
 def test_a_slow_drift_is_told_with_its_reason_and_survives_a_restart(beside: Path) -> None:
-    watched = Watched("power/voltage", "V", CUSUM)
+    watched = DetectorRunner("power/voltage", "V", CUSUM)
     assert (watched.word, watched.kind.name) == ("cusum", "slow drift (CUSUM)")
     now = 0
     for step in range(200):
         now += 1_000_000
         assert watched.see(now, 12.0 + 0.1 * (-1) ** step) is None
-    again = Watched("power/voltage", "V", CUSUM, watched.keep())
+    again = DetectorRunner("power/voltage", "V", CUSUM, watched.keep())
     turns = []
     for _ in range(30):
         now += 1_000_000
         turns.append(again.see(now, 12.15))
-    began = [each for each in turns if isinstance(each, Began)]
+    began = [each for each in turns if isinstance(each, AnomalyBegan)]
     assert len(began) == 1
     assert began[0].why == "it has stayed above its mean of 12 V for long"
     assert again.forgive()
@@ -91,12 +91,12 @@ def test_a_slow_drift_is_told_with_its_reason_and_survives_a_restart(beside: Pat
 
 def broken_detector(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, see: str
-) -> Watched:
+) -> DetectorRunner:
     write_package(tmp_path, name, "talaia.detectors", name, DETECTOR.format(see=see))
     monkeypatch.syspath_prepend(str(tmp_path))
     installed.cache_clear()
     watch = Watch(detector=DetectorKind.EXTENSION, extension=name)
-    return Watched("power/voltage", "V", watch)
+    return DetectorRunner("power/voltage", "V", watch)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_a_detector_that_fails_is_named_and_asked_no_more(
     beside: Path,
 ) -> None:  # fmt: skip
     watched = broken_detector(tmp_path, monkeypatch, name, see)
-    other = Watched("power/voltage", "V", CUSUM)
+    other = DetectorRunner("power/voltage", "V", CUSUM)
     for at in range(10):
         assert watched.see(at + 1, 1.0) is None
         other.see(at + 1, 1.0)
@@ -141,7 +141,7 @@ def test_a_detector_that_is_slow_is_asked_no_more(
 
 def test_a_detector_that_is_not_installed_here_is_named_and_sees_nothing(beside: Path) -> None:
     watch = Watch(detector=DetectorKind.EXTENSION, extension="elsewhere")
-    watched = Watched("power/voltage", "V", watch)
+    watched = DetectorRunner("power/voltage", "V", watch)
     assert watched.see(1, 1e9) is None
     assert watched.kind.name == "not installed at this hub"
     (broken,) = installed().broken()

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.hub.notify.message import Message
-from talaia.hub.notify.senders import Outcome, Sender, Went
+from talaia.hub.notify.message import AlarmMessage
+from talaia.hub.notify.senders import DeliveryResult, Outcome, Sender
 from talaia.hub.store.alarms.notification_channels import Way, WayKind
 
 from .broken_packages import write_package
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
-SAID = Message(
+SAID = AlarmMessage(
     "the-key", "AGV: Battery low", "Voltage is 10 V\r\nQUIT :no\x01", "critical", ("agv",)
 )
 NOTIFIER = """
@@ -66,7 +66,7 @@ async def server(beside: Path) -> AsyncIterator[IrcServer]:
     listening.close()
 
 
-async def send(name: str, keys: Mapping[str, str], networks=LOOPBACK) -> Went:
+async def send(name: str, keys: Mapping[str, str], networks=LOOPBACK) -> DeliveryResult:
     way = Way(1, "way", WayKind.EXTENSION, {"extension": name}, ("keys",))
     return await Sender(networks).send(way, {"keys": json.dumps(keys)}, "", SAID)
 
@@ -79,7 +79,7 @@ def keys_for(server: IrcServer, **more: str) -> dict[str, str]:
 
 
 async def test_a_message_arrives_in_the_channel_and_is_no_command_there(server: IrcServer) -> None:
-    assert await send("irc", keys_for(server)) == Went(Outcome.SENT)
+    assert await send("irc", keys_for(server)) == DeliveryResult(Outcome.SENT)
     assert server.lines == [
         "NICK talaia",
         "USER talaia 0 * :Talaia",
@@ -143,4 +143,6 @@ async def test_a_notifier_that_fails_is_told_and_harms_nobody(
 
 async def test_one_that_is_not_installed_any_more_is_told(beside: Path) -> None:
     went = await send("gone", {})
-    assert went == Went(Outcome.FAILED, "the extension 'gone' is not installed at this hub")
+    assert went == DeliveryResult(
+        Outcome.FAILED, "the extension 'gone' is not installed at this hub"
+    )

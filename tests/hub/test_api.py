@@ -178,7 +178,9 @@ async def test_events_are_for_those_who_may_view(hub, gateway) -> None:
 
 async def test_events_of_a_window_are_those_and_no_others(hub, gateway) -> None:
     audit = hub.hub.audit.log
-    times = [audit.note(kind, site="agv", device="base").time_us for kind in ("a", "b", "c")]
+    times = [
+        audit.append_record(kind, site="agv", device="base").time_us for kind in ("a", "b", "c")
+    ]
     await audit.written()
     client = await hub.client("operator")
 
@@ -202,10 +204,10 @@ async def test_who_may_view_one_device_gets_its_events_however_many_others_there
     audit = hub.hub.audit.log
     # "old" is no device any more.
     for at in range(4):
-        audit.note(f"low {at}", site="agv", device=("power", "old")[at % 2])
+        audit.append_record(f"low {at}", site="agv", device=("power", "old")[at % 2])
     for _ in range(20):
-        audit.note("driving", site="agv", device="base")
-        audit.note("gateway connected", site="agv")
+        audit.append_record("driving", site="agv", device="base")
+        audit.append_record("gateway connected", site="agv")
     await audit.written()
     client = await hub.client("ada")
 

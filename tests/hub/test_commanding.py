@@ -6,7 +6,7 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from talaia.hub.store.audit import Audit, Filter
+from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.wire import browser as page_wire, frames
 from talaia.wire.frames import CommandPhase, LeaseOp
 
@@ -323,7 +323,7 @@ async def test_what_was_done_is_written_down_in_an_unbroken_chain(hub, gateway) 
     await gateway.hear(frames.StopRequest)
     audit: Audit = hub.hub.audit.log
     await audit.written()
-    kinds = {row.entry.kind for row in (await audit.find(Filter(site="agv"), 100))[0]}
+    kinds = {row.entry.kind for row in (await audit.find(AuditFilter(site="agv"), 100))[0]}
     assert {"gateway connected", "lease taken", "stop pressed"} <= kinds
     assert (await audit.verify()).broken == 0
 

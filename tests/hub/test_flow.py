@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from hypothesis import given, settings, strategies as st
 
-from talaia.hub.live.pictures.picture_pacing import Flow, Ready
+from talaia.hub.live.pictures.picture_pacing import PicturePacing, Ready
 from talaia.wire.frames import PictureForm
 
 PERIOD_US = 33_333
@@ -31,9 +31,9 @@ class Age(NamedTuple):
 
 
 class Line:
-    """A camera, a hub's `Flow`, a line of a speed and a way, and a page that draws at once."""
+    """A camera, a hub's `PicturePacing`, a line of a speed and a way, and a page that draws."""
 
-    def __init__(self, flow: Flow, speed: float, way_us: int) -> None:
+    def __init__(self, flow: PicturePacing, speed: float, way_us: int) -> None:
         """``speed`` in bytes/s, ``way_us`` one way."""
         self.flow, self.speed, self.way_us = flow, speed, way_us
         self.now_us = 0
@@ -90,7 +90,7 @@ class Line:
         self._send()
 
     def _send(self) -> None:
-        while (frame := self.flow.take(self.now_us)) is not None:
+        while (frame := self.flow.next_picture(self.now_us)) is not None:
             taken_us, form, key, _ = self._of[int(frame)]
             weight = WEIGHTS[form][0 if key else 1]
             self._free_us = max(self._free_us, self.now_us) + round(weight / self.speed * 1e6)
@@ -114,7 +114,7 @@ def settled(line: Line, after_s: float) -> list[Age]:
 
 
 def test_a_good_connection_has_every_picture_of_the_camera_s_size_at_once() -> None:
-    line = Line(Flow(["h264", "jpeg"]), 10_000_000, 2_000)
+    line = Line(PicturePacing(["h264", "jpeg"]), 10_000_000, 2_000)
     line.run(10)
     assert {each.form for each in line.drawn} == {PictureForm.H264}
     assert len(line.drawn) >= 285
@@ -122,7 +122,7 @@ def test_a_good_connection_has_every_picture_of_the_camera_s_size_at_once() -> N
 
 
 def test_a_far_page_on_a_wide_line_keeps_the_large_film() -> None:
-    line = Line(Flow(["h264"]), 10_000_000, 150_000)
+    line = Line(PicturePacing(["h264"]), 10_000_000, 150_000)
     line.run(10)
     assert {each.form for each in line.drawn} == {PictureForm.H264}
     assert len(line.drawn) >= 250
@@ -130,7 +130,7 @@ def test_a_far_page_on_a_wide_line_keeps_the_large_film() -> None:
 
 def test_on_one_megabit_pictures_stay_fresher_than_300_ms() -> None:
     for able in (["h264", "jpeg"], ["jpeg"]):
-        line = Line(Flow(able), 125_000, 20_000)
+        line = Line(PicturePacing(able), 125_000, 20_000)
         line.run(60)
         late = settled(line, 3)
         assert max(each.age_us for each in late) < 300_000
@@ -142,7 +142,7 @@ def test_on_one_megabit_pictures_stay_fresher_than_300_ms() -> None:
 
 
 def test_one_hiccup_of_a_machine_costs_a_moment_and_not_the_large_film() -> None:
-    line = Line(Flow(["h264"]), 10_000_000, 2_000)
+    line = Line(PicturePacing(["h264"]), 10_000_000, 2_000)
     line.run(5)
     line._free_us = line.now_us + 250_000
     line.run(5)
@@ -152,7 +152,7 @@ def test_one_hiccup_of_a_machine_costs_a_moment_and_not_the_large_film() -> None
 
 
 def test_a_line_that_carries_next_to_nothing_still_brings_single_fresh_pictures() -> None:
-    line = Line(Flow(["h264"]), 12_000, 50_000)
+    line = Line(PicturePacing(["h264"]), 12_000, 50_000)
     line.run(60)
     late = settled(line, 10)
     assert len(late) > 20
@@ -161,7 +161,7 @@ def test_a_line_that_carries_next_to_nothing_still_brings_single_fresh_pictures(
 
 
 def test_a_line_that_gets_better_brings_the_large_film_back() -> None:
-    line = Line(Flow(["h264"]), 60_000, 5_000)
+    line = Line(PicturePacing(["h264"]), 60_000, 5_000)
     line.run(20)
     assert line.flow.form is PictureForm.H264_SMALL
     line.speed = 10_000_000
@@ -170,7 +170,7 @@ def test_a_line_that_gets_better_brings_the_large_film_back() -> None:
 
 
 def test_a_page_that_is_hidden_has_a_picture_a_second_and_then_all_again() -> None:
-    line = Line(Flow(["h264"]), 10_000_000, 2_000)
+    line = Line(PicturePacing(["h264"]), 10_000_000, 2_000)
     line.run(2)
     line.flow.glance(still=True)
     line.run(5)
@@ -183,11 +183,11 @@ def test_a_page_that_is_hidden_has_a_picture_a_second_and_then_all_again() -> No
 
 
 def test_pictures_of_a_gateway_that_names_no_forms_are_for_everyone() -> None:
-    flow = Flow(["h264"])
+    flow = PicturePacing(["h264"])
     assert flow.wants([])
     assert not flow.wants(["jpeg"])
     flow.offer(Ready(seq=1, key=True, film=False, size=10, frame="1"), 0)
-    assert flow.take(0) == "1"
+    assert flow.next_picture(0) == "1"
 
 
 @given(
@@ -200,7 +200,7 @@ def test_pictures_of_a_gateway_that_names_no_forms_are_for_everyone() -> None:
 def test_whatever_the_line_no_film_is_spoilt_little_waits_and_it_never_stops(
     speed: float, way: int, able: list[str], later: float
 ) -> None:
-    line = Line(Flow(able), speed, way)
+    line = Line(PicturePacing(able), speed, way)
     line.run(6)
     line.speed = later
     line.run(6)

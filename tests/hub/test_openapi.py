@@ -3,7 +3,7 @@
 import pytest
 
 from talaia.hub.api.openapi import describe_api
-from talaia.hub.policy import BY_SCRIPT, ROUTES, Need
+from talaia.hub.policy import BY_SCRIPT, ROUTES, AccessNeed
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def test_token_is_named_where_it_is_taken_and_nowhere_else(said) -> None:
     for route, each in operations(said).items():
         taken = {scheme for way in each["security"] for scheme in way}
         need = ROUTES[route]
-        if need is Need.OPEN:
+        if need is AccessNeed.OPEN:
             assert not taken, route
         else:
             assert taken == ({"session", "token"} if need in BY_SCRIPT else {"session"}), route
@@ -39,7 +39,7 @@ def test_token_is_named_where_it_is_taken_and_nowhere_else(said) -> None:
 def test_every_refusal_has_the_one_form(said) -> None:
     for route, each in operations(said).items():
         refusals = {int(status): answer for status, answer in each["responses"].items()}
-        if ROUTES[route] is not Need.OPEN:
+        if ROUTES[route] is not AccessNeed.OPEN:
             assert {401, 403, 429, 503} <= set(refusals), route
         for status, answer in refusals.items():
             if status >= 400:

@@ -26,7 +26,7 @@ def drained(outbox: Outbox) -> dict[int, list[tuple[int, float]]]:
     """Take everything; give the samples of each subscription."""
     got: dict[int, list[tuple[int, float]]] = {}
     while outbox:
-        for frame in outbox.take():
+        for frame in outbox.next_frames():
             message = TO_BROWSER.decode(frame)
             assert isinstance(message, Values)
             piece = unpack(
@@ -132,12 +132,12 @@ def test_what_waits_never_weighs_more_than_the_budget(steps) -> None:
         if step[0] == "values":
             outbox.values(step[1], columns(*step[2]))
         elif step[0] == "note":
-            outbox.note(b"n" * step[1])
+            outbox.enqueue_frame(b"n" * step[1])
         else:
             outbox.state(step[1], b"s" * step[2])
         assert outbox.weight <= budget
     while outbox:
-        outbox.take()
+        outbox.next_frames()
     assert outbox.weight == 0
 
 
@@ -158,7 +158,7 @@ def test_week_of_data_for_a_browser_that_never_reads_stays_within_eight_mebibyte
 def test_browser_that_keeps_up_gets_the_bytes_that_all_get() -> None:
     outbox = Outbox(TO_BROWSER.encode)
     outbox.values(1, columns((0, 1.0)), b"shared")
-    assert outbox.take() == [b"shared"]
+    assert outbox.next_frames() == [b"shared"]
     outbox.values(1, columns((0, 1.0)), b"shared")
     outbox.values(1, columns((0, 2.0)), b"also shared")
     assert drained(outbox)[1] == [(0, 1.0), (0, 2.0)]
@@ -168,11 +168,11 @@ def test_newest_state_takes_the_place_of_the_older_one_and_goes_before_values() 
     outbox = Outbox(TO_BROWSER.encode)
     outbox.values(1, columns((0, 1.0)), b"values")
     outbox.state("lease", b"old")
-    outbox.note(b"note")
+    outbox.enqueue_frame(b"note")
     outbox.state("lease", b"new")
-    assert outbox.take() == [b"note", b"new"]
-    assert outbox.take() == [b"values"]
-    assert outbox.take() == []
+    assert outbox.next_frames() == [b"note", b"new"]
+    assert outbox.next_frames() == [b"values"]
+    assert outbox.next_frames() == []
 
 
 def test_samples_further_apart_than_a_batch_holds_are_cut_in_two() -> None:

@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 from talaia.hub.api.server.request_guard import host_name, same_origin
 from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
 from talaia.hub.live.gateways.clock_offset import ClockOffset
-from talaia.hub.live.gateways.send_lanes import Lanes
+from talaia.hub.live.gateways.send_lanes import SendLanes
 from talaia.hub.live.last_values import Latest
 from talaia.wire import frames
 from talaia.wire.columns import Columns
@@ -33,13 +33,13 @@ def drive(session: str, seq: int) -> frames.DriveFrame:
 
 
 def test_stop_overtakes_everything_and_driving_overtakes_the_rest() -> None:
-    lanes = Lanes()
+    lanes = SendLanes()
     ack = frames.Ack(boot="b", below=1)
     command = frames.CommandRequest(id="1", device="base", command="go", ttl_ms=1.0, who="ada")
     stop = frames.StopRequest(device="base", id="1", who="ada")
     for message in (ack, command, drive("a", 1), stop):
-        lanes.put(message)
-    taken = [lanes.take() for _ in range(4)]
+        lanes.enqueue_message(message)
+    taken = [lanes.next_message() for _ in range(4)]
     assert [type(each) for each in taken] == [
         frames.StopRequest,
         frames.DriveFrame,
@@ -50,26 +50,27 @@ def test_stop_overtakes_everything_and_driving_overtakes_the_rest() -> None:
 
 
 def test_newer_driving_frame_takes_the_place_of_an_older_one_of_its_driver() -> None:
-    lanes = Lanes()
+    lanes = SendLanes()
     for message in (drive("a", 1), drive("b", 1), drive("a", 2)):
-        lanes.put(message)
-    assert [lanes.take(), lanes.take()] == [drive("b", 1), drive("a", 2)]
+        lanes.enqueue_message(message)
+    assert [lanes.next_message(), lanes.next_message()] == [drive("b", 1), drive("a", 2)]
     assert not lanes
 
 
 def test_letting_go_is_not_passed_over_for_the_press_that_follows() -> None:
-    lanes = Lanes()
+    lanes = SendLanes()
     for seq, linear in ((1, 0.3), (2, 0.0), (3, 0.0), (4, 0.3), (5, 0.3)):
-        lanes.put(msgspec.structs.replace(drive("a", seq), linear=linear, angular=0.0))
-    waiting = [lanes.take(), lanes.take()]
+        lanes.enqueue_message(msgspec.structs.replace(drive("a", seq), linear=linear, angular=0.0))
+    waiting = [lanes.next_message(), lanes.next_message()]
     assert [(each.seq, each.linear) for each in waiting] == [(3, 0.0), (5, 0.3)]
     assert not lanes
 
 
 def test_gateway_that_takes_nothing_is_found_out() -> None:
-    lanes = Lanes()
+    lanes = SendLanes()
     asked = [
-        lanes.put(frames.StopRequest(device="base", id=str(at), who="ada")) for at in range(5000)
+        lanes.enqueue_message(frames.StopRequest(device="base", id=str(at), who="ada"))
+        for at in range(5000)
     ]
     assert asked[0]
     assert not asked[-1]

@@ -13,7 +13,7 @@ from talaia.hub.policy import (
     SOCKETS,
     TO_BROWSER,
     TO_GATEWAY,
-    Need,
+    AccessNeed,
     allows,
     need_of_message,
     need_of_route,
@@ -47,25 +47,25 @@ PEOPLE = {
 EVERYONE = set(PEOPLE)
 SIGNED_IN = EVERYONE - {"nobody"}
 MEETS = {
-    Need.OPEN: (EVERYONE, EVERYONE, EVERYONE, EVERYONE),
-    Need.SESSION: (SIGNED_IN, SIGNED_IN, SIGNED_IN, SIGNED_IN),
-    Need.OWN: (SIGNED_IN, SIGNED_IN, SIGNED_IN, SIGNED_IN),
-    Need.SEE: (SIGNED_IN, {"barn operator", "operator", "admin"}, SIGNED_IN, set()),
-    Need.VIEW: (
+    AccessNeed.OPEN: (EVERYONE, EVERYONE, EVERYONE, EVERYONE),
+    AccessNeed.SESSION: (SIGNED_IN, SIGNED_IN, SIGNED_IN, SIGNED_IN),
+    AccessNeed.OWN: (SIGNED_IN, SIGNED_IN, SIGNED_IN, SIGNED_IN),
+    AccessNeed.SEE: (SIGNED_IN, {"barn operator", "operator", "admin"}, SIGNED_IN, set()),
+    AccessNeed.VIEW: (
         {"operator", "admin"},
         {"barn operator", "operator", "admin"},
         {"operator", "admin"},
         set(),
     ),
-    Need.USE: (
+    AccessNeed.USE: (
         {"operator", "admin"},
         {"barn operator", "operator", "admin"},
         {"operator", "admin"},
         set(),
     ),
-    Need.ADMIN: ({"admin"}, {"admin"}, {"admin"}, {"admin"}),
-    Need.GATEWAY: (set(), set(), set(), set()),
-    Need.NEVER: (set(), set(), set(), set()),
+    AccessNeed.ADMIN: ({"admin"}, {"admin"}, {"admin"}, {"admin"}),
+    AccessNeed.GATEWAY: (set(), set(), set(), set()),
+    AccessNeed.NEVER: (set(), set(), set(), set()),
 }
 OBJECTS = ((SITE, "gate"), (SITE, "barn"), (SITE, ""), (None, ""))
 
@@ -110,11 +110,11 @@ def test_what_has_no_line_is_denied_to_everyone() -> None:
     class Strange(frames.Message, frozen=True, tag="strange"):
         pass
 
-    assert need_of_message(FROM_BROWSER, Strange()) is Need.NEVER
-    assert need_of_route("POST", "/api/sites") is Need.NEVER
+    assert need_of_message(FROM_BROWSER, Strange()) is AccessNeed.NEVER
+    assert need_of_route("POST", "/api/sites") is AccessNeed.NEVER
 
 
-@pytest.mark.parametrize("need", Need)
+@pytest.mark.parametrize("need", AccessNeed)
 @pytest.mark.parametrize("at", range(len(OBJECTS)))
 def test_each_need_is_met_by_exactly_these(need, at) -> None:
     site, device = OBJECTS[at]
@@ -123,5 +123,5 @@ def test_each_need_is_met_by_exactly_these(need, at) -> None:
 
 
 def test_device_that_is_not_there_is_nobodys() -> None:
-    for need in (Need.SEE, Need.VIEW, Need.USE, Need.ADMIN):
+    for need in (AccessNeed.SEE, AccessNeed.VIEW, AccessNeed.USE, AccessNeed.ADMIN):
         assert not allows(need, PEOPLE["admin"], SITE, "cellar")

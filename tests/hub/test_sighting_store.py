@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from talaia.clock import HandClock
-from talaia.hub.store.audit import Audit, Entry, Filter
+from talaia.hub.store.audit import Audit, AuditEntry, AuditFilter
 from talaia.hub.store.sites.sightings import Sighted, SightingsAsked, SightingStore
 
 PICTURE = bytes(range(256)) * 200
@@ -14,8 +14,8 @@ OVER = SEEN._replace(ended_us=200, many=3, confidence=0.9, told_us=6, picture=b"
 CAMERAS = ("camera/front",)
 
 
-def note(sighted: Sighted) -> Entry:
-    return Entry(1_000, "sighting", site=sighted.site, device="camera", message=sighted.label)
+def note(sighted: Sighted) -> AuditEntry:
+    return AuditEntry(1_000, "sighting", site=sighted.site, device="camera", message=sighted.label)
 
 
 @pytest.fixture
@@ -24,18 +24,18 @@ def store(database) -> SightingStore:
 
 
 async def test_a_sighting_is_one_row_and_one_line_however_often_it_is_told(database, store):
-    (begun,) = await store.put([SEEN], note)
+    (begun,) = await store.save_sightings([SEEN], note)
     assert (begun.again, begun.entry, begun.kept.pictured) == (False, None, True)
     assert [each.id for each in await store.open()] == [begun.kept.id]
-    (over,) = await store.put([OVER], note)
+    (over,) = await store.save_sightings([OVER], note)
     assert (over.kept.id, over.again, over.kept.pictured) == (begun.kept.id, False, True)
     assert over.kept.noted_us == over.entry.time_us == 1_000
-    assert await store.put([OVER._replace(told_us=9)], note) == []
-    (later,) = await store.put([OVER._replace(ended_us=300)], note)
+    assert await store.save_sightings([OVER._replace(told_us=9)], note) == []
+    (later,) = await store.save_sightings([OVER._replace(ended_us=300)], note)
     assert (later.again, later.entry) == (True, None)
     assert await store.open() == []
     audit = Audit(database, HandClock())
-    rows, _ = await audit.find(Filter(kind="sighting"), 10)
+    rows, _ = await audit.find(AuditFilter(kind="sighting"), 10)
     assert len(rows) == 1
     assert (await audit.verify()).broken == 0
     assert await store.picture("agv", begun.kept.id) == ("camera/front", PICTURE)
@@ -44,7 +44,7 @@ async def test_a_sighting_is_one_row_and_one_line_however_often_it_is_told(datab
 
 async def test_lines_of_one_moment_lead_each_to_its_own_sighting(store):
     dog = OVER._replace(label="dog")
-    first, second = await store.put([OVER, dog], note)
+    first, second = await store.save_sightings([OVER, dog], note)
     times = {first.entry.time_us, second.entry.time_us}
     assert times == {1_000, 1_001}
     found = await store.noted("agv", times)
@@ -54,7 +54,7 @@ async def test_lines_of_one_moment_lead_each_to_its_own_sighting(store):
 
 async def test_names_are_told_apart_by_case_and_pages_follow_each_other(store):
     rows = [OVER._replace(began_us=at, ended_us=at + 1) for at in (10, 30, 20, 30_000)]
-    await store.put([*rows, OVER._replace(began_us=30, label="PERSON")], note)
+    await store.save_sightings([*rows, OVER._replace(began_us=30, label="PERSON")], note)
     assert await store.seen("agv") == sorted(
         [("camera/front", "PERSON"), ("camera/front", "person")]
     ) or await store.seen("agv") == [("camera/front", "person"), ("camera/front", "PERSON")]
@@ -69,7 +69,7 @@ async def test_names_are_told_apart_by_case_and_pages_follow_each_other(store):
 
 async def test_the_oldest_go_and_what_is_in_sight_stays(store):
     rows = [OVER._replace(began_us=at, ended_us=at + 1, told_us=at) for at in (10, 20, 30)]
-    await store.put([SEEN._replace(began_us=1, told_us=1), *rows], note)
+    await store.save_sightings([SEEN._replace(began_us=1, told_us=1), *rows], note)
     assert await store.trim(11, 100) == 1
     assert await store.trim(0, 2) == 1
     found, _ = await store.find("agv", SightingsAsked(cameras=CAMERAS), 10)

@@ -260,7 +260,7 @@ async def test_what_a_killed_hub_saw_itself_is_over_when_it_is_begun_anew(settin
     async with RunningHub(settings, history) as hub:
         await hub.populate()
         await (await hub.gateway()).hello(WATCHED)
-        await hub.hub.sightings.store.put([told], lambda _: None)
+        await hub.hub.sightings.store.save_sightings([told], lambda _: None)
     async with RunningHub(settings, history) as hub:
         await hub.hub.sightings.journal.settle()
         assert [each["ended_us"] for each in await listed(hub)] == [BEGAN + MINUTE]
@@ -297,7 +297,7 @@ async def test_while_the_database_is_away_sightings_wait_with_their_pictures(
             raise StoreDown("the database does not answer", "")
         return await put(told, note)
 
-    monkeypatch.setattr(store, "put", fails)
+    monkeypatch.setattr(store, "save_sightings", fails)
     await gateway.say(seen(thumbnail=jpeg()))
     await tried.wait()
     # Said while the one before is being written.
@@ -321,7 +321,7 @@ async def test_what_the_database_does_not_take_holds_up_nothing(hub, gateway, mo
             raise DataError("INSERT", {}, ValueError("not this"))
         return await put(told, note)
 
-    monkeypatch.setattr(store, "put", refuses)
+    monkeypatch.setattr(store, "save_sightings", refuses)
     await gateway.say(seen())
     await asked.wait()
     await gateway.say(seen(began_us=BEGAN + 1))

@@ -23,11 +23,11 @@ from talaia.hub.errors import NameTaken, StoreDown, StoreError, UnknownPerson
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.store import migrations
-from talaia.hub.store.accounts.mfa import Factors
+from talaia.hub.store.accounts.mfa import SecondFactors
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
-from talaia.hub.store.audit import Audit, Filter
+from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.hub.store.database import Database, _last_migration
 from talaia.hub.store.database_url import reach
 from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -340,7 +340,7 @@ def test_tls_to_a_server_is_asked_for_in_one_way_for_every_driver() -> None:
 
 async def written(audit: Audit, *kinds: str) -> None:
     for kind in kinds:
-        audit.note(kind, site="agv", message="line one\nline two")
+        audit.append_record(kind, site="agv", message="line one\nline two")
     audit.stop()
     await audit.run()
 
@@ -349,7 +349,7 @@ async def test_notes_are_written_in_order_and_chained(database) -> None:
     await written(Audit(database, SystemClock()), "a", "b", "c")
     await written(Audit(database, SystemClock()), "d")
     audit = Audit(database, SystemClock())
-    assert [row.entry.kind for row in (await audit.find(Filter(site="agv"), 3))[0]] == [
+    assert [row.entry.kind for row in (await audit.find(AuditFilter(site="agv"), 3))[0]] == [
         "d",
         "c",
         "b",
@@ -371,7 +371,7 @@ async def test_changed_or_missing_row_breaks_the_chain(database, tampering) -> N
 
 async def test_note_never_waits_and_is_cut_to_its_column(database) -> None:
     audit = Audit(database, SystemClock())
-    entry = audit.note("k" * 500, message="m" * 5000)
+    entry = audit.append_record("k" * 500, message="m" * 5000)
     assert (len(entry.kind), len(entry.message)) == (200, 2000)
     writing = asyncio.create_task(audit.run())
     await audit.written()
@@ -420,14 +420,14 @@ async def test_lost_second_factor_is_removed_from_the_command_line(settings, dat
     await accounts.create_user(settings, "ada", "three unrelated words", "admin")
     assert not await accounts.remove_factor(settings, "ada")
     clock, database = SystemClock(), Database(database_url)
-    factors = Factors(database, clock, lambda: Seal(b"k" * 32))
+    factors = SecondFactors(database, clock, lambda: Seal(b"k" * 32))
     person = await People(database, clock).find("ada")
     totp = pyotp.TOTP(await factors.offer(person.id))
     assert await factors.confirm(person.id, totp.at(clock.wall_ns() // 10**9))
     assert (await People(database, clock).find("ada")).factor
     assert await accounts.remove_factor(settings, "ADA")
     assert not (await People(database, clock).find("ada")).factor
-    rows, _ = await Audit(database, clock).find(Filter(), 10)
+    rows, _ = await Audit(database, clock).find(AuditFilter(), 10)
     assert [row.entry.kind for row in rows][:2] == ["person's second factor removed"] * 2
     assert {row.entry.who for row in rows} == {"(command line)"}
     await database.close()

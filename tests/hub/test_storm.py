@@ -12,14 +12,14 @@ from patience import PATIENCE_S
 from sqlalchemy import select
 
 from talaia.clock import HandClock
-from talaia.hub.api.server.accept_queue import Doorway
+from talaia.hub.api.server.accept_queue import AcceptQueue
 from talaia.hub.certificate import own_certificate
 from talaia.hub.errors import HubBusy, StoreDown
 from talaia.hub.live.gateways import link_service as life
-from talaia.hub.live.gateways.join_queue import Admission
+from talaia.hub.live.gateways.join_queue import JoinQueue
 from talaia.hub.live.gc_schedule import collect_at_rest, wants
 from talaia.hub.settings import Settings
-from talaia.hub.store.sites.gateway_presence import Attendance
+from talaia.hub.store.sites.gateway_presence import GatewayPresence
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import gateways, sites
 from talaia.wire.browser import LeaseUpdate, SiteUpdate
@@ -54,7 +54,7 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
         nonlocal inside, most
         inside += 1
         most = max(most, inside)
-        if inside == Admission.AT_ONCE:
+        if inside == JoinQueue.AT_ONCE:
             full.set()
         await gate.wait()
         inside -= 1
@@ -63,7 +63,7 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
     monkeypatch.setattr(history, "stored_below", counted)
     registry = SiteRegistry(hub.hub.core.database, hub.hub.core.clock)
     crowd = []
-    for number in range(Admission.AT_ONCE + 2):
+    for number in range(JoinQueue.AT_ONCE + 2):
         site = f"hut{number}"
         crowd.append(await hub.gateway(key=await registry.new_key(site)))
         text = KEPT_AT_A_HUT.format(site=site)
@@ -75,24 +75,24 @@ async def test_only_a_few_gateways_have_the_database_at_once_and_all_get_in(
     gate.set()
     for each in crowd:
         await each.hear(Welcome)
-    assert most == Admission.AT_ONCE
+    assert most == JoinQueue.AT_ONCE
 
 
 async def test_gateway_too_many_is_told_to_come_again(hub, monkeypatch) -> None:
-    monkeypatch.setattr(Admission, "MOST_WAITING", 0)
+    monkeypatch.setattr(JoinQueue, "MOST_WAITING", 0)
     with pytest.raises(websockets.InvalidStatus) as refused:
         await hub.gateway()
     assert refused.value.response.status_code == 503
     monkeypatch.undo()
     gateway = await hub.gateway()
-    monkeypatch.setattr(Admission, "MOST_WAITING", 0)
+    monkeypatch.setattr(JoinQueue, "MOST_WAITING", 0)
     await gateway.say(Hello(site="agv", boot="b", description=DESCRIPTION, catalogue="c"))
     assert "try again" in (await gateway.hear(Bye)).reason
     assert await gateway.closed() == life.TRY_LATER
 
 
 async def test_turns_are_had_in_the_order_they_were_asked_for() -> None:
-    admission, order = Admission(), []
+    admission, order = JoinQueue(), []
 
     async def come(number: int) -> None:
         async with admission.turn():
@@ -146,7 +146,7 @@ async def test_what_could_not_be_written_of_who_was_there_is_written_the_next_ti
             attendance.linked(known.id, "s", "new", "b")
             raise StoreDown("no")
 
-    attendance = Attendance(Down(), clock)
+    attendance = GatewayPresence(Down(), clock)
     attendance.linked(known.id, "s", "old", "a")
     with pytest.raises(StoreDown):
         await attendance.write()
@@ -170,7 +170,7 @@ async def door(tmp_path):
     server = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     server.load_cert_chain(made.cert, made.key)
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        doorway = Doorway(listener, Echo, server)
+        doorway = AcceptQueue(listener, Echo, server)
         doorway.open()
         trust = ssl.create_default_context(cafile=str(made.cert))
         trust.check_hostname = False
@@ -243,7 +243,7 @@ async def test_somebody_has_control_from_the_grant_to_its_end(hub, gateway) -> N
 
 
 async def test_admission_that_is_full_says_so_and_forgets_nobody() -> None:
-    admission = Admission()
+    admission = JoinQueue()
     admission.MOST_WAITING = 0
     with pytest.raises(HubBusy):
         async with admission.turn():

@@ -9,7 +9,7 @@ from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.hub.api.schemas.anomaly_schemas import AnomalyList
-from talaia.hub.live.detection.anomaly_service import Watching
+from talaia.hub.live.detection.anomaly_service import AnomalyService
 from talaia.wire.browser import AnomalyUpdate, EventUpdate, Subscribe, Subscribed, Values
 from talaia.wire.columns import unpack
 
@@ -102,7 +102,7 @@ async def test_what_was_learned_survives_the_hub(hub, watched) -> None:
     kept = await watching._learned.of("agv")
     assert set(kept) == {("base/speed", "limits"), ("base/speed", "iqr")}
     live = hub.hub.core.sites.get("agv")
-    after = Watching(
+    after = AnomalyService(
         hub.hub.core.sites, hub.history, watching._learned, hub.hub.core.fanout, SystemClock()
     )
     await after._wake(live, after._watch(live))

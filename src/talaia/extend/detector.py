@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from talaia.extensions.declared import DetectorExtension, ExtensionKeys
-from talaia.hub.anomaly.base import Detector
+from talaia.hub.anomaly.base import AnomalyDetector
 
-__all__ = ["Detector", "DetectorExtension", "ExtensionKeys"]
+__all__ = ["AnomalyDetector", "DetectorExtension", "ExtensionKeys"]

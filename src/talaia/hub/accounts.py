@@ -9,7 +9,7 @@ from talaia.clock import SystemClock
 from talaia.hub.auth.passwords import Passwords, check_name, check_password
 from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.errors import CannotStart, UnknownPerson
-from talaia.hub.store.accounts.mfa import Factors
+from talaia.hub.store.accounts.mfa import SecondFactors
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from talaia.hub.settings import Settings
 
 __all__ = [
+    "append_audit_record",
     "create_gateway",
     "create_user",
     "gateway_site",
     "make_data_folder",
-    "note",
     "remove_factor",
     "set_password",
 ]
@@ -48,7 +48,7 @@ async def create_user(settings: Settings, name: str, password: str, role: str) -
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).add(name, hashed, role)
-        await note(database, "person added", f"{name} ({role})")
+        await append_audit_record(database, "person added", f"{name} ({role})")
 
 
 async def set_password(settings: Settings, name: str, password: str) -> None:
@@ -63,7 +63,7 @@ async def set_password(settings: Settings, name: str, password: str) -> None:
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).set_password(name, hashed)
-        await note(database, "person changed", f"{name}: new password")
+        await append_audit_record(database, "person changed", f"{name}: new password")
 
 
 async def remove_factor(settings: Settings, name: str) -> bool:
@@ -81,9 +81,11 @@ async def remove_factor(settings: Settings, name: str) -> bool:
         if person is None:
             raise UnknownPerson(f"there is no person named {name!r}")
         key = settings.data / SEAL_FILE
-        removed = await Factors(database, SystemClock(), lambda: seal_of(key)).remove(person.id)
+        removed = await SecondFactors(database, SystemClock(), lambda: seal_of(key)).remove(
+            person.id
+        )
         await Sessions(database, SystemClock(), settings).end_all(person.id)
-        await note(database, "person's second factor removed", name)
+        await append_audit_record(database, "person's second factor removed", name)
     return removed
 
 
@@ -96,7 +98,7 @@ async def create_gateway(settings: Settings, site: str) -> str:
     """
     async with _opened(settings) as database:
         key = await SiteRegistry(database, SystemClock()).new_key(site)
-        await note(database, "gateway key made", "", site)
+        await append_audit_record(database, "gateway key made", "", site)
     return key
 
 
@@ -128,10 +130,10 @@ def make_data_folder(settings: Settings) -> None:
         ) from error
 
 
-async def note(database: Database, kind: str, message: str, site: str = "") -> None:
+async def append_audit_record(database: Database, kind: str, message: str, site: str = "") -> None:
     """Write down what was done past the pages; whoever may do it has the data folder or the URL."""
     audit = Audit(database, SystemClock())
-    audit.note(kind, who=_WHO, message=message, site=site)
+    audit.append_record(kind, who=_WHO, message=message, site=site)
     audit.stop()
     await audit.run()
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import Depends, FastAPI
 
 from talaia.hub.api.problems import answer_problems
-from talaia.hub.api.server.request_guard import Shield
+from talaia.hub.api.server.request_guard import RequestGuard
 from talaia.hub.features.alarms import AlarmsFeature
 from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
@@ -130,7 +130,7 @@ class Hub:
             self.gateway_links, self.imports, self.extensions, self.storage, self.pages,
         )  # fmt: skip
         self.app = self._application()
-        self.asgi: ASGIApp = Shield(self.app, settings)
+        self.asgi: ASGIApp = RequestGuard(self.app, settings)
 
     @asynccontextmanager
     async def running(self, _app: FastAPI | None = None) -> AsyncIterator[None]:

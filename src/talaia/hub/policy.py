@@ -30,14 +30,14 @@ __all__ = [
     "SOCKETS",
     "TO_BROWSER",
     "TO_GATEWAY",
-    "Need",
+    "AccessNeed",
     "allows",
     "need_of_message",
     "need_of_route",
 ]
 
 
-class Need(Enum):
+class AccessNeed(Enum):
     """What it takes."""
 
     # Nothing: nobody has to be signed in.
@@ -59,212 +59,212 @@ class Need(Enum):
 
 
 # By the feature that brings the route (`talaia.hub.features`).
-ROUTES_OF: Mapping[str, Mapping[tuple[str, str], Need]] = {
+ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     "audit": {
-        ("GET", "/api/audit"): Need.ADMIN,
-        ("GET", "/api/audit/export"): Need.ADMIN,
-        ("GET", "/api/audit/verify"): Need.ADMIN,
+        ("GET", "/api/audit"): AccessNeed.ADMIN,
+        ("GET", "/api/audit/export"): AccessNeed.ADMIN,
+        ("GET", "/api/audit/verify"): AccessNeed.ADMIN,
     },
     "gateways": {
-        ("GET", "/api/gateways"): Need.ADMIN,
-        ("POST", "/api/gateways/codes"): Need.ADMIN,
-        ("DELETE", "/api/gateways/codes/{code}"): Need.ADMIN,
-        ("POST", "/api/gateways/{gateway}/revoke"): Need.ADMIN,
-        ("POST", "/api/gateways/{gateway}/reconnect"): Need.ADMIN,
+        ("GET", "/api/gateways"): AccessNeed.ADMIN,
+        ("POST", "/api/gateways/codes"): AccessNeed.ADMIN,
+        ("DELETE", "/api/gateways/codes/{code}"): AccessNeed.ADMIN,
+        ("POST", "/api/gateways/{gateway}/revoke"): AccessNeed.ADMIN,
+        ("POST", "/api/gateways/{gateway}/reconnect"): AccessNeed.ADMIN,
         # Whoever has a code; it is one-time, short-lived, and tries are counted by address.
-        ("POST", "/api/enrol"): Need.OPEN,
+        ("POST", "/api/enrol"): AccessNeed.OPEN,
     },
     "people": {
-        ("POST", "/api/login"): Need.OPEN,
-        ("POST", "/api/setup"): Need.OPEN,
-        ("POST", "/api/logout"): Need.OWN,
-        ("GET", "/api/me"): Need.SESSION,
-        ("POST", "/api/me/password"): Need.OWN,
-        ("GET", "/api/me/sessions"): Need.OWN,
-        ("DELETE", "/api/me/sessions"): Need.OWN,
-        ("DELETE", "/api/me/sessions/{session}"): Need.OWN,
-        ("POST", "/api/me/factor"): Need.OWN,
-        ("POST", "/api/me/factor/confirm"): Need.OWN,
-        ("POST", "/api/me/factor/remove"): Need.OWN,
-        ("GET", "/api/me/tokens"): Need.OWN,
-        ("POST", "/api/me/tokens"): Need.OWN,
-        ("DELETE", "/api/me/tokens/{token}"): Need.OWN,
-        ("GET", "/api/people"): Need.ADMIN,
-        ("POST", "/api/people"): Need.ADMIN,
-        ("PATCH", "/api/people/{person}"): Need.ADMIN,
-        ("DELETE", "/api/people/{person}"): Need.ADMIN,
-        ("DELETE", "/api/people/{person}/sessions"): Need.ADMIN,
-        ("DELETE", "/api/people/{person}/factor"): Need.ADMIN,
-        ("GET", "/api/roles"): Need.ADMIN,
-        ("POST", "/api/roles"): Need.ADMIN,
-        ("PUT", "/api/roles/{role}"): Need.ADMIN,
-        ("DELETE", "/api/roles/{role}"): Need.ADMIN,
+        ("POST", "/api/login"): AccessNeed.OPEN,
+        ("POST", "/api/setup"): AccessNeed.OPEN,
+        ("POST", "/api/logout"): AccessNeed.OWN,
+        ("GET", "/api/me"): AccessNeed.SESSION,
+        ("POST", "/api/me/password"): AccessNeed.OWN,
+        ("GET", "/api/me/sessions"): AccessNeed.OWN,
+        ("DELETE", "/api/me/sessions"): AccessNeed.OWN,
+        ("DELETE", "/api/me/sessions/{session}"): AccessNeed.OWN,
+        ("POST", "/api/me/factor"): AccessNeed.OWN,
+        ("POST", "/api/me/factor/confirm"): AccessNeed.OWN,
+        ("POST", "/api/me/factor/remove"): AccessNeed.OWN,
+        ("GET", "/api/me/tokens"): AccessNeed.OWN,
+        ("POST", "/api/me/tokens"): AccessNeed.OWN,
+        ("DELETE", "/api/me/tokens/{token}"): AccessNeed.OWN,
+        ("GET", "/api/people"): AccessNeed.ADMIN,
+        ("POST", "/api/people"): AccessNeed.ADMIN,
+        ("PATCH", "/api/people/{person}"): AccessNeed.ADMIN,
+        ("DELETE", "/api/people/{person}"): AccessNeed.ADMIN,
+        ("DELETE", "/api/people/{person}/sessions"): AccessNeed.ADMIN,
+        ("DELETE", "/api/people/{person}/factor"): AccessNeed.ADMIN,
+        ("GET", "/api/roles"): AccessNeed.ADMIN,
+        ("POST", "/api/roles"): AccessNeed.ADMIN,
+        ("PUT", "/api/roles/{role}"): AccessNeed.ADMIN,
+        ("DELETE", "/api/roles/{role}"): AccessNeed.ADMIN,
     },
     "history": {
         # Each channel is looked at besides; what may not be seen is as if it were not there.
-        ("GET", "/api/sites/{site}/history"): Need.SEE,
-        ("GET", "/api/sites/{site}/last"): Need.SEE,
-        ("GET", "/api/sites/{site}/statistics"): Need.SEE,
-        ("GET", "/api/sites/{site}/outliers"): Need.SEE,
-        ("GET", "/api/sites/{site}/stored"): Need.SEE,
-        ("GET", "/api/sites/{site}/export"): Need.SEE,
+        ("GET", "/api/sites/{site}/history"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/last"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/statistics"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/outliers"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/stored"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/export"): AccessNeed.SEE,
     },
     "alarms": {
         # Each alarm's device is looked at besides; what may not be seen is as if it were not there.
-        ("GET", "/api/sites/{site}/alarms"): Need.SEE,
-        ("GET", "/api/sites/{site}/alarms/{alarm}/history"): Need.SEE,
-        ("POST", "/api/sites/{site}/alarms/{alarm}/act"): Need.SEE,
+        ("GET", "/api/sites/{site}/alarms"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/alarms/{alarm}/history"): AccessNeed.SEE,
+        ("POST", "/api/sites/{site}/alarms/{alarm}/act"): AccessNeed.SEE,
         # Of the whole site: an alarm may look at any of its signals.
-        ("POST", "/api/sites/{site}/alarm-preview"): Need.ADMIN,
-        ("PUT", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
-        ("DELETE", "/api/sites/{site}/alarms/{alarm}"): Need.ADMIN,
+        ("POST", "/api/sites/{site}/alarm-preview"): AccessNeed.ADMIN,
+        ("PUT", "/api/sites/{site}/alarms/{alarm}"): AccessNeed.ADMIN,
+        ("DELETE", "/api/sites/{site}/alarms/{alarm}"): AccessNeed.ADMIN,
     },
     "notifications": {
         # Names and kinds only: a person chooses among them. What they are set to is an
         # admin's matter.
-        ("GET", "/api/me/ways"): Need.OWN,
-        ("GET", "/api/me/rules"): Need.OWN,
-        ("POST", "/api/me/rules"): Need.OWN,
-        ("PUT", "/api/me/rules/{rule}"): Need.OWN,
-        ("DELETE", "/api/me/rules/{rule}"): Need.OWN,
-        ("POST", "/api/me/rules/{rule}/test"): Need.OWN,
-        ("GET", "/api/me/push"): Need.OWN,
-        ("POST", "/api/me/push"): Need.OWN,
-        ("DELETE", "/api/me/push/{browser}"): Need.OWN,
-        ("GET", "/api/ways"): Need.ADMIN,
-        ("POST", "/api/ways"): Need.ADMIN,
-        ("PUT", "/api/ways/{way}"): Need.ADMIN,
-        ("DELETE", "/api/ways/{way}"): Need.ADMIN,
-        ("POST", "/api/ways/{way}/test"): Need.ADMIN,
+        ("GET", "/api/me/ways"): AccessNeed.OWN,
+        ("GET", "/api/me/rules"): AccessNeed.OWN,
+        ("POST", "/api/me/rules"): AccessNeed.OWN,
+        ("PUT", "/api/me/rules/{rule}"): AccessNeed.OWN,
+        ("DELETE", "/api/me/rules/{rule}"): AccessNeed.OWN,
+        ("POST", "/api/me/rules/{rule}/test"): AccessNeed.OWN,
+        ("GET", "/api/me/push"): AccessNeed.OWN,
+        ("POST", "/api/me/push"): AccessNeed.OWN,
+        ("DELETE", "/api/me/push/{browser}"): AccessNeed.OWN,
+        ("GET", "/api/ways"): AccessNeed.ADMIN,
+        ("POST", "/api/ways"): AccessNeed.ADMIN,
+        ("PUT", "/api/ways/{way}"): AccessNeed.ADMIN,
+        ("DELETE", "/api/ways/{way}"): AccessNeed.ADMIN,
+        ("POST", "/api/ways/{way}/test"): AccessNeed.ADMIN,
     },
     "anomalies": {
         # Each signal is looked at besides; what may not be seen is as if it were not there.
-        ("GET", "/api/sites/{site}/anomalies"): Need.SEE,
-        ("POST", "/api/sites/{site}/anomalies/forgiven"): Need.USE,
+        ("GET", "/api/sites/{site}/anomalies"): AccessNeed.SEE,
+        ("POST", "/api/sites/{site}/anomalies/forgiven"): AccessNeed.USE,
     },
     "sightings": {
         # Each camera is looked at besides; what may not be seen is as if it were not there.
-        ("GET", "/api/sites/{site}/sightings"): Need.SEE,
-        ("GET", "/api/sites/{site}/sightings/labels"): Need.SEE,
-        ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): Need.SEE,
+        ("GET", "/api/sites/{site}/sightings"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/sightings/labels"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/sightings/{sighting}/picture"): AccessNeed.SEE,
     },
     "archive": {
         # Names of stars and galaxies; nothing of the site.
-        ("GET", "/api/sites/{site}/sky"): Need.SEE,
+        ("GET", "/api/sites/{site}/sky"): AccessNeed.SEE,
         # Each picture's camera is looked at besides; what may not be seen is as if it were
         # not there.
-        ("GET", "/api/sites/{site}/frames"): Need.SEE,
-        ("GET", "/api/sites/{site}/nights"): Need.SEE,
-        ("GET", "/api/sites/{site}/frames/{frame}"): Need.SEE,
-        ("GET", "/api/sites/{site}/frames/{frame}/file"): Need.SEE,
-        ("GET", "/api/sites/{site}/frames/{frame}/preview"): Need.SEE,
+        ("GET", "/api/sites/{site}/frames"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/nights"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/frames/{frame}"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/frames/{frame}/file"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/frames/{frame}/preview"): AccessNeed.SEE,
     },
     "recordings": {
         # Of the whole site: raw topics hold what no single device's right opens.
-        ("GET", "/api/sites/{site}/recordings"): Need.VIEW,
-        ("GET", "/api/sites/{site}/recordings/{recording}/file"): Need.VIEW,
-        ("POST", "/api/sites/{site}/recordings"): Need.USE,
-        ("DELETE", "/api/sites/{site}/recordings/{recording}"): Need.ADMIN,
+        ("GET", "/api/sites/{site}/recordings"): AccessNeed.VIEW,
+        ("GET", "/api/sites/{site}/recordings/{recording}/file"): AccessNeed.VIEW,
+        ("POST", "/api/sites/{site}/recordings"): AccessNeed.USE,
+        ("DELETE", "/api/sites/{site}/recordings/{recording}"): AccessNeed.ADMIN,
         # Each film's camera is looked at besides; what may not be seen is as if it were not there.
-        ("GET", "/api/sites/{site}/films"): Need.SEE,
-        ("GET", "/api/sites/{site}/films/{recording}/file"): Need.SEE,
+        ("GET", "/api/sites/{site}/films"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/films/{recording}/file"): AccessNeed.SEE,
     },
     "descriptions": {
         # Of the whole site: a description holds all that is there, and how it is reached.
-        ("GET", "/api/sites/{site}/descriptions"): Need.ADMIN,
-        ("GET", "/api/sites/{site}/descriptions/{number}"): Need.ADMIN,
-        ("GET", "/api/sites/{site}/descriptions/{number}/difference"): Need.ADMIN,
-        ("POST", "/api/sites/{site}/descriptions"): Need.ADMIN,
-        ("POST", "/api/sites/{site}/descriptions/check"): Need.ADMIN,
-        ("POST", "/api/sites/{site}/descriptions/edit"): Need.ADMIN,
-        ("POST", "/api/sites/{site}/descriptions/{number}/restore"): Need.ADMIN,
-        ("GET", "/api/description-schema"): Need.SESSION,
+        ("GET", "/api/sites/{site}/descriptions"): AccessNeed.ADMIN,
+        ("GET", "/api/sites/{site}/descriptions/{number}"): AccessNeed.ADMIN,
+        ("GET", "/api/sites/{site}/descriptions/{number}/difference"): AccessNeed.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions"): AccessNeed.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions/check"): AccessNeed.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions/edit"): AccessNeed.ADMIN,
+        ("POST", "/api/sites/{site}/descriptions/{number}/restore"): AccessNeed.ADMIN,
+        ("GET", "/api/description-schema"): AccessNeed.SESSION,
     },
     "extensions": {
-        ("GET", "/api/extensions"): Need.ADMIN,
+        ("GET", "/api/extensions"): AccessNeed.ADMIN,
     },
     "storage": {
-        ("GET", "/api/storage"): Need.ADMIN,
-        ("GET", "/api/storage/outlook"): Need.ADMIN,
+        ("GET", "/api/storage"): AccessNeed.ADMIN,
+        ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,
     },
     "pages": {
-        ("GET", "/api/health"): Need.OPEN,
-        ("GET", "/api/openapi.json"): Need.ADMIN,
+        ("GET", "/api/health"): AccessNeed.OPEN,
+        ("GET", "/api/openapi.json"): AccessNeed.ADMIN,
         # Lists what is open to the person, and no more.
-        ("GET", "/api/devices"): Need.SESSION,
-        ("GET", "/api/sites"): Need.SESSION,
-        ("GET", "/api/sites/{site}"): Need.SEE,
-        ("GET", "/api/sites/{site}/events"): Need.SEE,
-        ("GET", "/{path:path}"): Need.OPEN,
+        ("GET", "/api/devices"): AccessNeed.SESSION,
+        ("GET", "/api/sites"): AccessNeed.SESSION,
+        ("GET", "/api/sites/{site}"): AccessNeed.SEE,
+        ("GET", "/api/sites/{site}/events"): AccessNeed.SEE,
+        ("GET", "/{path:path}"): AccessNeed.OPEN,
     },
 }
 
-ROUTES: Mapping[tuple[str, str], Need] = {
+ROUTES: Mapping[tuple[str, str], AccessNeed] = {
     route: need for lines in ROUTES_OF.values() for route, need in lines.items()
 }
 
-SOCKETS: Mapping[str, Need] = {
-    "/ws": Need.SESSION,
-    "/ws/media": Need.SEE,
-    "/gateway/link": Need.GATEWAY,
-    "/gateway/media": Need.GATEWAY,
-    "/gateway/files": Need.GATEWAY,
+SOCKETS: Mapping[str, AccessNeed] = {
+    "/ws": AccessNeed.SESSION,
+    "/ws/media": AccessNeed.SEE,
+    "/gateway/link": AccessNeed.GATEWAY,
+    "/gateway/media": AccessNeed.GATEWAY,
+    "/gateway/files": AccessNeed.GATEWAY,
 }
 
-FROM_BROWSER: Mapping[type[Message], Need] = {
+FROM_BROWSER: Mapping[type[Message], AccessNeed] = {
     # Each channel is looked at besides; what may not be seen is refused by name.
-    browser.Subscribe: Need.SEE,
-    browser.Unsubscribe: Need.SESSION,
-    browser.PageLease: Need.USE,
-    browser.PageLeaseForce: Need.ADMIN,
-    browser.PageDrive: Need.USE,
+    browser.Subscribe: AccessNeed.SEE,
+    browser.Unsubscribe: AccessNeed.SESSION,
+    browser.PageLease: AccessNeed.USE,
+    browser.PageLeaseForce: AccessNeed.ADMIN,
+    browser.PageDrive: AccessNeed.USE,
     # Whoever may look at a device may stop it.
-    browser.PageStop: Need.VIEW,
-    browser.PageReset: Need.USE,
-    browser.PageCommand: Need.USE,
-    browser.PageCommandCancel: Need.USE,
+    browser.PageStop: AccessNeed.VIEW,
+    browser.PageReset: AccessNeed.USE,
+    browser.PageCommand: AccessNeed.USE,
+    browser.PageCommandCancel: AccessNeed.USE,
     # Of the whole site: an interlock guards more than one device.
-    browser.PageOverride: Need.ADMIN,
-    browser.PagePing: Need.SESSION,
-    browser.PictureShown: Need.SESSION,
-    browser.ViewerAttention: Need.SESSION,
-    browser.BoxesRequest: Need.SESSION,
+    browser.PageOverride: AccessNeed.ADMIN,
+    browser.PagePing: AccessNeed.SESSION,
+    browser.PictureShown: AccessNeed.SESSION,
+    browser.ViewerAttention: AccessNeed.SESSION,
+    browser.BoxesRequest: AccessNeed.SESSION,
 }
 
-TO_BROWSER: Mapping[type[Message], Need] = {
-    browser.Greeting: Need.SESSION,
-    browser.SiteUpdate: Need.SEE,
-    browser.Subscribed: Need.SESSION,
+TO_BROWSER: Mapping[type[Message], AccessNeed] = {
+    browser.Greeting: AccessNeed.SESSION,
+    browser.SiteUpdate: AccessNeed.SEE,
+    browser.Subscribed: AccessNeed.SESSION,
     # Holds only channels that the subscription was granted.
-    browser.Values: Need.SESSION,
-    browser.LeaseUpdate: Need.VIEW,
+    browser.Values: AccessNeed.SESSION,
+    browser.LeaseUpdate: AccessNeed.VIEW,
     # Told to the holder of a lease only, and says no more than a number.
-    browser.TickUpdate: Need.SEE,
-    browser.DriveUpdate: Need.VIEW,
-    browser.StopUpdate: Need.VIEW,
-    browser.ResetTokenUpdate: Need.USE,
-    browser.CommandUpdate: Need.VIEW,
+    browser.TickUpdate: AccessNeed.SEE,
+    browser.DriveUpdate: AccessNeed.VIEW,
+    browser.StopUpdate: AccessNeed.VIEW,
+    browser.ResetTokenUpdate: AccessNeed.USE,
+    browser.CommandUpdate: AccessNeed.VIEW,
     # Whoever sees a site knows why nothing moves there; names only the devices they may see.
-    browser.InterlockUpdate: Need.SEE,
-    browser.DeviceUpdate: Need.VIEW,
+    browser.InterlockUpdate: AccessNeed.SEE,
+    browser.DeviceUpdate: AccessNeed.VIEW,
     # Of the whole site where an alarm is about more than one device.
-    browser.AlarmUpdate: Need.VIEW,
+    browser.AlarmUpdate: AccessNeed.VIEW,
     # The camera is looked at besides: told to those who may see its pictures.
-    browser.SightingUpdate: Need.SEE,
+    browser.SightingUpdate: AccessNeed.SEE,
     # The signal is looked at besides: one that is public may be of a device that is not.
-    browser.AnomalyUpdate: Need.SEE,
-    browser.EventUpdate: Need.VIEW,
-    browser.PagePong: Need.SESSION,
-    browser.RequestError: Need.SESSION,
+    browser.AnomalyUpdate: AccessNeed.SEE,
+    browser.EventUpdate: AccessNeed.VIEW,
+    browser.PagePong: AccessNeed.SESSION,
+    browser.RequestError: AccessNeed.SESSION,
     # Of the session of that very socket.
-    browser.SessionUpdate: Need.SESSION,
-    browser.SessionEnded: Need.SESSION,
+    browser.SessionUpdate: AccessNeed.SESSION,
+    browser.SessionEnded: AccessNeed.SESSION,
     # The stream was looked at when its socket was opened.
-    browser.CameraPicture: Need.SESSION,
-    browser.CameraPictureBoxes: Need.SESSION,
+    browser.CameraPicture: AccessNeed.SESSION,
+    browser.CameraPictureBoxes: AccessNeed.SESSION,
 }
 
-FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
+FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
     (
         frames.Hello,
         frames.SampleBatch,
@@ -295,10 +295,10 @@ FROM_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.ArchiveOffer,
         frames.FilePiece,
     ),
-    Need.GATEWAY,
+    AccessNeed.GATEWAY,
 )
 
-TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
+TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
     (
         frames.Welcome,
         frames.Ack,
@@ -321,26 +321,30 @@ TO_GATEWAY: Mapping[type[Message], Need] = dict.fromkeys(
         frames.BeatReply,
         frames.Bye,
     ),
-    Need.GATEWAY,
+    AccessNeed.GATEWAY,
 )
 
 # What a token may be used for; the rest a person must do.
-BY_SCRIPT = frozenset({Need.OPEN, Need.SESSION, Need.SEE, Need.VIEW, Need.USE})
+BY_SCRIPT = frozenset(
+    {AccessNeed.OPEN, AccessNeed.SESSION, AccessNeed.SEE, AccessNeed.VIEW, AccessNeed.USE}
+)
 
-_RIGHT = {Need.VIEW: Right.VIEW, Need.USE: Right.USE, Need.ADMIN: Right.ADMIN}
+_RIGHT = {AccessNeed.VIEW: Right.VIEW, AccessNeed.USE: Right.USE, AccessNeed.ADMIN: Right.ADMIN}
 
 
-def need_of_route(method: str, path: str) -> Need:
+def need_of_route(method: str, path: str) -> AccessNeed:
     """Give what a route takes; ``path`` is the route's own, with its placeholders."""
-    return ROUTES.get(("GET" if method == "HEAD" else method, path), Need.NEVER)
+    return ROUTES.get(("GET" if method == "HEAD" else method, path), AccessNeed.NEVER)
 
 
-def need_of_message(table: Mapping[type[Message], Need], message: Message) -> Need:
+def need_of_message(table: Mapping[type[Message], AccessNeed], message: Message) -> AccessNeed:
     """Give what a message takes, by one of the tables above."""
-    return table.get(type(message), Need.NEVER)
+    return table.get(type(message), AccessNeed.NEVER)
 
 
-def allows(need: Need, grants: Grants | None, site: Site | None = None, device: str = "") -> bool:
+def allows(
+    need: AccessNeed, grants: Grants | None, site: Site | None = None, device: str = ""
+) -> bool:
     """Tell whether a person meets a need.
 
     Args:
@@ -350,16 +354,16 @@ def allows(need: Need, grants: Grants | None, site: Site | None = None, device: 
         device: the device it is about; empty when it is about the whole site.
 
     """
-    if need is Need.OPEN:
+    if need is AccessNeed.OPEN:
         return True
-    if grants is None or need in {Need.NEVER, Need.GATEWAY}:
+    if grants is None or need in {AccessNeed.NEVER, AccessNeed.GATEWAY}:
         return False
-    if need in {Need.SESSION, Need.OWN}:
+    if need in {AccessNeed.SESSION, AccessNeed.OWN}:
         return True
-    if need is Need.ADMIN and site is None:
+    if need is AccessNeed.ADMIN and site is None:
         return grants.may(Right.ADMIN, ANY)
     if site is None or (device and device not in site.devices):
         return False
-    if need is Need.SEE:
+    if need is AccessNeed.SEE:
         return sees_device(grants, site, device) if device else sees_site(grants, site)
     return grants.may(_RIGHT[need], site.site, device or ANY)

@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator, Collection, Mapping, Sequence
 
-    from talaia.hub.anomaly.runner import Watched
+    from talaia.hub.anomaly.runner import DetectorRunner
     from talaia.hub.history.queries.channels import StoredChannel
     from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
     from talaia.hub.history.queries.outliers import Outliers
     from talaia.hub.history.queries.series import Series
     from talaia.hub.history.queries.statistics import Statistics
-    from talaia.hub.history.sensors.sensor_views import SensorKind
+    from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.storage import Storage
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
 __all__ = [
-    "AnomalyNews",
+    "AnomalyReport",
     "AnomalySink",
     "DetectorSink",
     "History",
-    "Sighting",
+    "SightingEvent",
     "SightingSink",
 ]
 
@@ -104,7 +104,7 @@ class History(Protocol):
         """Find how many samples are far outside a window's quartiles; None until it is known."""
         ...
 
-    def kind_of(self, site: str, address: str) -> SensorKind | None:
+    def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
         """Give what a channel's signal is, or was when it was last described."""
         ...
 
@@ -148,7 +148,7 @@ class History(Protocol):
         ...
 
 
-class AnomalyNews(NamedTuple):
+class AnomalyReport(NamedTuple):
     """An anomaly began, or ended.
 
     Attributes:
@@ -175,7 +175,7 @@ class AnomalyNews(NamedTuple):
 class AnomalySink(Protocol):
     """Who wants to hear of anomalies."""
 
-    def anomaly(self, news: AnomalyNews) -> None:
+    def anomaly(self, news: AnomalyReport) -> None:
         """Take the news in order, on the event loop; must not wait and not raise."""
         ...
 
@@ -183,12 +183,12 @@ class AnomalySink(Protocol):
 class DetectorSink(Protocol):
     """Who shows how detectors stand: pages."""
 
-    def detector(self, site: str, watched: Watched) -> None:
+    def detector(self, site: str, watched: DetectorRunner) -> None:
         """Take how a detector of a site stands now; must not wait and not raise."""
         ...
 
 
-class Sighting(NamedTuple):
+class SightingEvent(NamedTuple):
     """A detector sees something, sees more or less of it, or sees it no more.
 
     Attributes:
@@ -215,6 +215,6 @@ class Sighting(NamedTuple):
 class SightingSink(Protocol):
     """Who wants to hear of sightings."""
 
-    def sighting(self, news: Sighting) -> None:
+    def sighting(self, news: SightingEvent) -> None:
         """Take the news in order, on the event loop; must not wait and not raise."""
         ...

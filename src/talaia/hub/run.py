@@ -25,7 +25,7 @@ import uvloop
 from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
-from talaia.hub.api.server.accept_queue import QUEUE, Doorway
+from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.app import build
 from talaia.hub.certificate import (
@@ -65,7 +65,7 @@ class HubServer(uvicorn.Server):
         """Call ``on_ready`` once requests are taken."""
         super().__init__(config)
         self._on_ready = on_ready
-        self._doorways: list[Doorway] = []
+        self._doorways: list[AcceptQueue] = []
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -78,7 +78,7 @@ class HubServer(uvicorn.Server):
         if not self.started:
             return
         for listener in sockets or ():
-            doorway = Doorway(listener, self._protocol, self.config.ssl)
+            doorway = AcceptQueue(listener, self._protocol, self.config.ssl)
             doorway.open()
             self._doorways.append(doorway)
         self._on_ready()

@@ -7,7 +7,7 @@ import time
 import pytest
 from playwright.async_api import expect
 
-from talaia.hub.ports import AnomalyNews, Sighting
+from talaia.hub.ports import AnomalyReport, SightingEvent
 from talaia.wire.browser import AlarmUpdate
 
 from ..chromium import sign_in  # noqa: TID252 - of the same tests
@@ -140,9 +140,9 @@ async def test_an_alarm_of_each_kind_is_made_in_the_page_and_raised(hub, chromiu
         ("base/speed", now_us(), 0.1),
     )
     hub.hub.alarms.engine.anomaly(
-        AnomalyNews("agv", "base/speed", "baseline", 1, None, 0.9, "too fast")
+        AnomalyReport("agv", "base/speed", "baseline", 1, None, 0.9, "too fast")
     )
-    hub.hub.alarms.engine.sighting(Sighting("agv", "camera/front", "person", 1, 0.9, 1, None))
+    hub.hub.alarms.engine.sighting(SightingEvent("agv", "camera/front", "person", 1, 0.9, 1, None))
     for alarm, why in {
         "low": "Voltage is 10 V, below 11 V", "slow": "Voltage is 10 V, below 11 V",
         "wandering": "Wander mode is 'on'", "both": "Voltage is 10 V, Wander mode is 'on'",

@@ -10,10 +10,10 @@ from talaia.hub.alarms.rules import Rule
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.errors import NameTaken
 from talaia.hub.store.accounts.people import People
-from talaia.hub.store.alarms.alarm_states import AlarmStore, Change, Made
+from talaia.hub.store.alarms.alarm_states import AlarmChange, AlarmStore, MadeAlarm
 from talaia.hub.store.alarms.notification_channels import NotifyStore, WayKind
-from talaia.hub.store.alarms.notification_outbox import About, Notices
-from talaia.hub.store.audit import Audit, Filter
+from talaia.hub.store.alarms.notification_outbox import About, NotificationOutbox
+from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.model.alarms.alarm import Severity
 
 LOW = About("agv", "low", "base", Severity.CRITICAL, "Low ⚡", "AGV", "Bring it home.")
@@ -41,7 +41,7 @@ async def person(database) -> int:
 async def raised(database) -> AlarmStore:
     store = AlarmStore(database)
     state, happened = step(State(), Raise(1_000_000, "it is \n low"))
-    await store.commit([Change(LOW, state, happened)], 1_000_000)
+    await store.commit([AlarmChange(LOW, state, happened)], 1_000_000)
     return store
 
 
@@ -49,18 +49,18 @@ async def test_state_its_past_and_the_logbook_are_kept_together(database) -> Non
     store = await raised(database)
     state = (await store.states())["agv", "low"]
     after, happened = step(state, Acknowledge(2, "ada"))
-    await store.commit([Change(LOW, after, happened)], 2)
+    await store.commit([AlarmChange(LOW, after, happened)], 2)
     assert (await store.states())["agv", "low"] == after
     past = await store.past("agv", "low", 10)
     assert [each.happened.what for each in past] == [What.ACKNOWLEDGED, What.RAISED]
     # Nobody makes one line look like two.
     assert past[1].happened.message == "it is \\n low"
     audit = Audit(database, HandClock())
-    rows, _ = await audit.find(Filter(site="agv", text="LOW"), 10)
+    rows, _ = await audit.find(AuditFilter(site="agv", text="LOW"), 10)
     assert [row.entry.kind for row in rows] == ["alarm acknowledged", "alarm raised"]
     # Of several kinds at once, by their beginnings.
     for kind, found in (("command,alarm r", 1), ("command,stop", 0), (",", 0), ("", 2)):
-        rows, _ = await audit.find(Filter(site="agv", kind=kind), 10)
+        rows, _ = await audit.find(AuditFilter(site="agv", kind=kind), 10)
         assert len(rows) == found
     assert (await audit.verify()).broken == 0
 
@@ -72,10 +72,10 @@ async def test_everybody_who_may_and_wants_to_is_told_once(database, ways, perso
     await ways.add_rule(rule(person, way, site="moon"))
     await ways.add_rule(rule(guest, way))
     await raised(database)
-    outbox = Notices(database)
+    outbox = NotificationOutbox(database)
     assert await outbox.next_due_us() == 6_000_000
-    assert await outbox.take(5_999_999) is None
-    parcel = await outbox.take(6_000_000)
+    assert await outbox.claim_due(5_999_999) is None
+    parcel = await outbox.claim_due(6_000_000)
     assert (parcel.user, parcel.target, parcel.zone, parcel.tries) == (
         person,
         "a@example.org",
@@ -85,7 +85,7 @@ async def test_everybody_who_may_and_wants_to_is_told_once(database, ways, perso
     assert [notice.title for notice in parcel.notices] == ["AGV: Low ⚡"]
     assert parcel.notices[0].text.endswith("\nBring it home.")
     # It is being sent: nobody else takes it.
-    assert await outbox.take(10**15) is None
+    assert await outbox.claim_due(10**15) is None
 
 
 async def test_message_under_way_when_the_hub_ended_is_unsure_or_the_same_again(
@@ -94,16 +94,16 @@ async def test_message_under_way_when_the_hub_ended_is_unsure_or_the_same_again(
     for name, kind in (("mail", WayKind.MAIL), ("hook", WayKind.WEBHOOK)):
         await ways.add_rule(rule(person, await ways.put_way(None, name, kind, {}, {}, 0)))
     await raised(database)
-    outbox = Notices(database)
-    first, second = await outbox.take(10**12), await outbox.take(10**12)
+    outbox = NotificationOutbox(database)
+    first, second = await outbox.claim_due(10**12), await outbox.claim_due(10**12)
     hook = next(way.id for way in await ways.ways() if way.kind is WayKind.WEBHOOK)
     keys = {first.way: first.key, second.way: second.key}
     assert await outbox.recover([hook], 10**12) == 1
-    again = await outbox.take(10**12)
+    again = await outbox.claim_due(10**12)
     assert (again.way, again.key, again.tries) == (hook, keys[hook], 2)
     assert "may have been delivered" in (await outbox.troubles())["agv", "low"]
     await outbox.sent(again, 10**12)
-    assert await outbox.take(10**15) is None
+    assert await outbox.claim_due(10**15) is None
 
 
 async def test_rule_is_changed_by_its_own_person_and_keeps_its_number(
@@ -132,22 +132,22 @@ async def test_what_waits_goes_where_its_rule_says_by_then_and_once(database, wa
         person, chat, id=number, target="", least=Severity.CRITICAL, site="moon", group_s=3600
     )
     await ways.change_rule(later)
-    outbox = Notices(database)
+    outbox = NotificationOutbox(database)
     assert await outbox.next_due_us() == 6_000_000
-    parcel = await outbox.take(6_000_000)
+    parcel = await outbox.claim_due(6_000_000)
     assert (parcel.way, parcel.target, len(parcel.notices)) == (chat, "", 1)
     # While it is under way the rule changes once more; it certainly did not arrive.
     await ways.change_rule(rule(person, mail, id=number, target="b@example.org", over=False))
     await outbox.again(parcel, 10_000_000, "no luck", same=False)
-    again = await outbox.take(10_000_000)
+    again = await outbox.claim_due(10_000_000)
     assert (again.way, again.target, again.tries) == (mail, "b@example.org", 2)
     await outbox.sent(again, 11_000_000)
     # The rule as it is by now decides of what happens from now on.
     state = (await store.states())["agv", "low"]
     after, happened = step(state, Clear(12_000_000, "it is well"))
     assert happened[0].tell
-    await store.commit([Change(LOW, after, happened)], 12_000_000)
-    assert await outbox.take(10**15) is None
+    await store.commit([AlarmChange(LOW, after, happened)], 12_000_000)
+    assert await outbox.claim_due(10**15) is None
 
 
 async def test_what_may_have_arrived_is_sent_once_more_by_no_other_way(
@@ -157,15 +157,15 @@ async def test_what_may_have_arrived_is_sent_once_more_by_no_other_way(
     mail = await ways.put_way(None, "mail", WayKind.MAIL, {}, {}, 0)
     number = await ways.add_rule(rule(person, hook, target=""))
     await raised(database)
-    outbox = Notices(database)
-    first = await outbox.take(10**12)
+    outbox = NotificationOutbox(database)
+    first = await outbox.claim_due(10**12)
     await ways.change_rule(rule(person, mail, id=number))
     await outbox.again(first, 10**12, "the line broke", same=True)
-    again = await outbox.take(10**12)
+    again = await outbox.claim_due(10**12)
     assert (again.way, again.key, again.tries) == (hook, first.key, 2)
     # Nor after the hub has ended meanwhile.
     assert await outbox.recover([hook], 10**12) == 0
-    third = await outbox.take(10**12)
+    third = await outbox.claim_due(10**12)
     assert (third.way, third.key, third.tries) == (hook, first.key, 3)
 
 
@@ -178,10 +178,10 @@ async def test_burst_that_begins_before_a_rule_is_changed_is_one_message(
     await ways.change_rule(rule(person, way, id=number, group_s=60))
     mild = LOW._replace(alarm="mild")
     state, happened = step(State(), Raise(2_000_000, "it is so"))
-    await store.commit([Change(mild, state, happened)], 2_000_000)
-    parcel = await Notices(database).take(6_000_000)
+    await store.commit([AlarmChange(mild, state, happened)], 2_000_000)
+    parcel = await NotificationOutbox(database).claim_due(6_000_000)
     assert [notice.alarm for notice in parcel.notices] == ["low", "mild"]
-    assert await Notices(database).next_due_us() is None
+    assert await NotificationOutbox(database).next_due_us() is None
 
 
 async def test_whoever_lost_the_right_or_the_rule_is_not_told(database, ways, person) -> None:
@@ -189,9 +189,9 @@ async def test_whoever_lost_the_right_or_the_rule_is_not_told(database, ways, pe
     await ways.add_rule(rule(person, way))
     await raised(database)
     await People(database, HandClock()).set_role("op", "guest")
-    parcel = await Notices(database).take(10**12)
+    parcel = await NotificationOutbox(database).claim_due(10**12)
     assert parcel.notices == ()
-    assert await Notices(database).troubles() == {}
+    assert await NotificationOutbox(database).troubles() == {}
 
 
 async def test_secret_is_sealed_and_a_way_and_its_rules_go_together(database, ways, person) -> None:
@@ -223,9 +223,9 @@ async def test_browser_takes_messages_of_one_person_only(database, ways, person)
 
 async def test_alarm_made_in_the_page_takes_the_place_of_the_one_of_its_name(database) -> None:
     store = AlarmStore(database)
-    await store.define(Made("agv", "a", "{}", "ada", 1))
-    await store.define(Made("agv", "a", '{"x":1}', "ada", 2))
-    assert await store.made() == [Made("agv", "a", '{"x":1}', "ada", 2)]
+    await store.define(MadeAlarm("agv", "a", "{}", "ada", 1))
+    await store.define(MadeAlarm("agv", "a", '{"x":1}', "ada", 2))
+    assert await store.made() == [MadeAlarm("agv", "a", '{"x":1}', "ada", 2)]
     assert await store.forget("agv", "a")
     assert not await store.forget("agv", "a")
 
@@ -240,9 +240,9 @@ async def test_what_waits_for_the_end_of_quiet_hours_does_not_go_along_with_what
     store = await raised(database)
     mild = LOW._replace(alarm="mild", severity=Severity.WARNING)
     state, happened = step(State(), Raise(2_000_000, "it is so"))
-    await store.commit([Change(mild, state, happened)], 2_000_000)
-    outbox = Notices(database)
-    parcel = await outbox.take(60_000_000)
+    await store.commit([AlarmChange(mild, state, happened)], 2_000_000)
+    outbox = NotificationOutbox(database)
+    parcel = await outbox.claim_due(60_000_000)
     assert [notice.alarm for notice in parcel.notices] == ["low"]
     # At 00:29 of the next day.
     assert await outbox.next_due_us() == (23 * 60 + 29) * 60_000_000

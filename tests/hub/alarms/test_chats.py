@@ -16,19 +16,19 @@ from talaia.clock import SECOND, HandClock
 from talaia.hub.alarms.machine import Raise, State, step
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.auth.secret_box import Seal
-from talaia.hub.notify.delivery_worker import Delivering
-from talaia.hub.notify.message import Message
+from talaia.hub.notify.delivery_worker import DeliveryWorker
+from talaia.hub.notify.message import AlarmMessage
 from talaia.hub.notify.senders import Outcome, Sender
 from talaia.hub.store.accounts.people import People
-from talaia.hub.store.alarms.alarm_states import AlarmStore, Change
+from talaia.hub.store.alarms.alarm_states import AlarmChange, AlarmStore
 from talaia.hub.store.alarms.notification_channels import NotifyStore, Way, WayKind
-from talaia.hub.store.alarms.notification_outbox import About, Notices
+from talaia.hub.store.alarms.notification_outbox import About, NotificationOutbox
 from talaia.hub.store.database import Database
 from talaia.model.alarms.alarm import Severity
 
 from .peers import Peer, certified, served
 
-SAID = Message("the-key", "AGV: Battery low", "Voltage is 10 V", "critical", ("agv",))
+SAID = AlarmMessage("the-key", "AGV: Battery low", "Voltage is 10 V", "critical", ("agv",))
 LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
 
 
@@ -204,7 +204,7 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
     await database.migrate()
     clock = HandClock()
     user = await People(database, clock).add("op", "x", "operator")
-    store, outbox = NotifyStore(database, lambda: Seal(bytes(32))), Notices(database)
+    store, outbox = NotifyStore(database, lambda: Seal(bytes(32))), NotificationOutbox(database)
     way = await store.put_way(None, "chat", WayKind.CHAT, {}, {"url": TELEGRAM}, 0)
     await store.add_rule(
         Rule(
@@ -215,11 +215,11 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
     now = clock.wall_ns() // 1000
     state, happened = step(State(), Raise(now, "Voltage is 10 V"))
     about = About("agv", "low", "power", Severity.CRITICAL, "Battery low", "AGV", "")
-    await AlarmStore(database).commit([Change(about, state, happened)], now)
+    await AlarmStore(database).commit([AlarmChange(about, state, happened)], now)
 
     async def told() -> None: ...
 
-    delivering = Delivering(outbox, store, Sender(LOOPBACK), clock, told)
+    delivering = DeliveryWorker(outbox, store, Sender(LOOPBACK), clock, told)
     telegram_is_at(9)
     for wait_s in (10, 60, 300):
         await delivering.deliver_due()

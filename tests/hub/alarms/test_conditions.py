@@ -11,7 +11,13 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.hub.alarms.conditions import Condition, Reading, Truth, Verdict, told
+from talaia.hub.alarms.conditions import (
+    AlarmCondition,
+    ConditionReading,
+    ConditionVerdict,
+    Truth,
+    format_number,
+)
 from talaia.hub.alarms.machine import (
     Acknowledge,
     Assign,
@@ -29,7 +35,7 @@ from talaia.hub.alarms.machine import (
 )
 from talaia.hub.alarms.preview import Track, preview
 from talaia.hub.alarms.rules import Rule, due_us, wants
-from talaia.hub.alarms.watch import Turn, Watch
+from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 from talaia.hub.notify.address_policy import may_reach
 from talaia.model.alarms.alarm import Alarm, AlarmKind, Severity
 from talaia.model.checks.alarm_checks import Addresses
@@ -56,10 +62,12 @@ devices:
 LOW = Alarm(name="Low", kind=AlarmKind.LIMIT, signal="base/volts", below=11.0, hysteresis=0.5)
 
 
-def judged(alarm: Alarm, *, held=False, **values: tuple[float, float]) -> Verdict:
+def judged(alarm: Alarm, *, held=False, **values: tuple[float, float]) -> ConditionVerdict:
     """Judge by value and age of each signal of the base."""
-    condition = Condition(Addresses(load_site(SITE)), alarm)
-    readings = {f"base/{name}": Reading(value, "", age) for name, (value, age) in values.items()}
+    condition = AlarmCondition(Addresses(load_site(SITE)), alarm)
+    readings = {
+        f"base/{name}": ConditionReading(value, "", age) for name, (value, age) in values.items()
+    }
     return condition.judge(readings, (), held=held, online=True)
 
 
@@ -83,7 +91,7 @@ def test_limit_says_why_and_lets_go_only_on_the_safe_side() -> None:
 def test_a_number_is_said_in_digits_that_people_read(
     value: float, limits: list[float], said: str
 ) -> None:
-    assert told(value, limits) == said
+    assert format_number(value, limits) == said
 
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
@@ -93,7 +101,7 @@ numbers = st.floats(allow_nan=False, allow_infinity=False)
 def test_what_is_said_of_a_number_stands_where_it_does_to_its_limits(
     value: float, limits: list[float]
 ) -> None:
-    said = float(told(value, limits))
+    said = float(format_number(value, limits))
     assert [(said > each, said < each) for each in limits] == [
         (value > each, value < each) for each in limits
     ]
@@ -115,15 +123,17 @@ def test_state_compares_by_its_name_and_stale_by_its_age() -> None:
     assert judged(stale).truth is Truth.HOLDS
 
 
-HOLDS, FALSE = Verdict(Truth.HOLDS, "so"), Verdict(Truth.FALSE, "not so")
-UNKNOWN = Verdict(Truth.UNKNOWN, "who knows")
+HOLDS, FALSE = ConditionVerdict(Truth.HOLDS, "so"), ConditionVerdict(Truth.FALSE, "not so")
+UNKNOWN = ConditionVerdict(Truth.UNKNOWN, "who knows")
 
 
-def turns(alarm: Alarm, *story: tuple[float, Verdict], on=False) -> list[tuple[float, Turn]]:
+def turns(
+    alarm: Alarm, *story: tuple[float, ConditionVerdict], on=False
+) -> list[tuple[float, ConditionTurn]]:
     """Tell what a watch makes of what was so at each second."""
-    watch, found = Watch(alarm, on=on), []
+    watch, found = ConditionWatch(alarm, on=on), []
     for at_s, verdict in story:
-        edge = watch.take(verdict, round(at_s * SECOND))
+        edge = watch.update_verdict(verdict, round(at_s * SECOND))
         if edge:
             found.append((at_s, edge.turn))
     return found
@@ -133,8 +143,8 @@ def test_what_is_true_for_less_than_the_delay_raises_nothing() -> None:
     slow = Alarm(name="Slow", kind=AlarmKind.STALE, delay=5.0, clear_delay=3.0)
     assert turns(slow, (0, HOLDS), (4.9, HOLDS), (4.95, FALSE), (6, HOLDS), (10.9, HOLDS)) == []
     assert turns(slow, (0, HOLDS), (5, HOLDS), (6, FALSE), (8.9, FALSE), (9, FALSE)) == [
-        (5, Turn.RAISE),
-        (9, Turn.CLEAR),
+        (5, ConditionTurn.RAISE),
+        (9, ConditionTurn.CLEAR),
     ]
 
 
@@ -142,9 +152,11 @@ def test_what_is_unknown_clears_nothing_and_raises_only_where_that_is_wanted() -
     plain = Alarm(name="Plain", kind=AlarmKind.STALE, clear_delay=3.0)
     assert turns(plain, (0, UNKNOWN), (1e6, UNKNOWN)) == []
     story = ((0, FALSE), (2, UNKNOWN), (4, FALSE), (6.9, FALSE), (7, FALSE))
-    assert turns(plain, *story, on=True) == [(7, Turn.CLEAR)]
+    assert turns(plain, *story, on=True) == [(7, ConditionTurn.CLEAR)]
     careful = Alarm(name="Careful", kind=AlarmKind.STALE, unknown_after=10.0)
-    assert turns(careful, (0, UNKNOWN), (9.9, UNKNOWN), (10, UNKNOWN)) == [(10, Turn.RAISE)]
+    assert turns(careful, (0, UNKNOWN), (9.9, UNKNOWN), (10, UNKNOWN)) == [
+        (10, ConditionTurn.RAISE)
+    ]
 
 
 def walk(*events) -> tuple[State, list[Happened]]:
@@ -241,7 +253,7 @@ def test_preview_counts_what_would_have_been() -> None:
     values = np.where((times // 10_000_000) % 2 == 0, 12.0, 10.0)
     slow = Alarm(name="Low", kind=AlarmKind.LIMIT, signal="base/volts", below=11.0, delay=4.0)
     tracks = {"base/volts": Track(times, values, {}, 0)}
-    said = preview(Condition(Addresses(load_site(SITE)), slow), tracks, 0, 110_000_000)
+    said = preview(AlarmCondition(Addresses(load_site(SITE)), slow), tracks, 0, 110_000_000)
     assert said.times == 5
     assert (said.spans[0].from_us, said.spans[0].to_us) == (14_000_000, 20_000_000)
     # Its last value is five seconds good.

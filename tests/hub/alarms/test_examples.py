@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from talaia.clock import SECOND
-from talaia.hub.alarms.conditions import Condition, Reading
-from talaia.hub.alarms.watch import Turn, Watch
+from talaia.hub.alarms.conditions import AlarmCondition, ConditionReading
+from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 from talaia.model.checks.alarm_checks import Addresses
 from talaia.model.yaml_text.load import read_site
 from talaia.sim.observatory.weather import Weather
@@ -28,7 +28,7 @@ class Alarms:
         addresses = Addresses(site)
         self.states = {at: each.states for at, each in addresses.signals.items()}
         self.watched = {
-            key: (Condition(addresses, alarm), Watch(alarm, on=False))
+            key: (AlarmCondition(addresses, alarm), ConditionWatch(alarm, on=False))
             for key, alarm in site.alarms.items()
         }
         self.heard: dict[str, tuple[float, float]] = {}
@@ -40,14 +40,14 @@ class Alarms:
         for _ in range(seconds):
             self.now_s += 1
             readings = {
-                at: Reading(value, "", self.now_s - since)
+                at: ConditionReading(value, "", self.now_s - since)
                 for at, (value, since) in self.heard.items()
             }
             for key, (condition, watch) in self.watched.items():
                 verdict = condition.judge(readings, (), held=watch.on, online=True)
-                edge = watch.take(verdict, self.now_s * SECOND)
+                edge = watch.update_verdict(verdict, self.now_s * SECOND)
                 if edge is not None:
-                    told.append(key if edge.turn is Turn.RAISE else f"-{key}")
+                    told.append(key if edge.turn is ConditionTurn.RAISE else f"-{key}")
         return told
 
     def hear(self, address: str, value: float | str) -> None:

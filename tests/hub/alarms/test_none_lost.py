@@ -32,16 +32,16 @@ from talaia.clock import SECOND, HandClock
 from talaia.hub.alarms.machine import Acknowledge, NotNow, Shelve
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.auth.secret_box import Seal
-from talaia.hub.live.alarms.alarm_engine import Alarms
+from talaia.hub.live.alarms.alarm_engine import AlarmEngine
 from talaia.hub.live.pages.page_connections import Browsers
 from talaia.hub.live.sites import Sites
-from talaia.hub.notify.delivery_worker import Delivering
-from talaia.hub.notify.senders import Outcome, Went
+from talaia.hub.notify.delivery_worker import DeliveryWorker
+from talaia.hub.notify.senders import DeliveryResult, Outcome
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.alarm_tables import alarm_history, notices
 from talaia.hub.store.alarms.alarm_states import AlarmStore
 from talaia.hub.store.alarms.notification_channels import NotifyStore, WayKind
-from talaia.hub.store.alarms.notification_outbox import Notices
+from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
 from talaia.hub.store.database import Database
 from talaia.model.alarms.alarm import Severity
 from talaia.model.yaml_text.load import load_site
@@ -79,7 +79,7 @@ class Sender:
         self.answer = Outcome.SENT
         self.meanwhile = None
 
-    async def send(self, way, secrets, target, message, browsers=()) -> Went:
+    async def send(self, way, secrets, target, message, browsers=()) -> DeliveryResult:
         if self.kill == "before":
             raise Killed
         if self.meanwhile:
@@ -93,7 +93,7 @@ class Sender:
             self.got.append(message)
         if self.kill == "after":
             raise Killed
-        return Went(self.answer, "" if self.answer is Outcome.SENT else "no luck")
+        return DeliveryResult(self.answer, "" if self.answer is Outcome.SENT else "no luck")
 
 
 class DyingStore(AlarmStore):
@@ -164,12 +164,12 @@ class Hub(RuleBasedStateMachine):
 
     async def _start(self) -> None:
         self.store = DyingStore(self.database)
-        self.notices = Notices(self.database)
+        self.notices = NotificationOutbox(self.database)
         sites = Sites()
         self.live = sites.describe(SITE, "c")
-        self.alarms = Alarms(sites, Browsers(), self.store, self.notices, self.clock)
+        self.alarms = AlarmEngine(sites, Browsers(), self.store, self.notices, self.clock)
         await self.alarms.open()
-        self.delivering = Delivering(
+        self.delivering = DeliveryWorker(
             self.notices,
             NotifyStore(self.database, lambda: SEAL),
             self.sender,
@@ -182,7 +182,7 @@ class Hub(RuleBasedStateMachine):
 
     def _sample(self) -> None:
         now = self.clock.wall_ns() // 1000
-        self.alarms.take(
+        self.alarms.evaluate_samples(
             self.live,
             Columns(np.zeros(1, np.uint16), np.array([now]), np.array([self.volts]), {}),
         )
@@ -197,7 +197,7 @@ class Hub(RuleBasedStateMachine):
     @rule(seconds=st.sampled_from([1, 6, 100]))
     def wait(self, seconds: int) -> None:
         self.clock.advance(seconds * SECOND)
-        self.alarms.look()
+        self.alarms.evaluate_conditions()
 
     @rule(kill=st.sampled_from(["", "", "before", "after"]))
     def settle(self, kill: str) -> None:
@@ -280,7 +280,7 @@ class Hub(RuleBasedStateMachine):
         for _ in range(4):
             self.clock.advance(11 * SECOND)
             self._sample()
-            self.alarms.look()
+            self.alarms.evaluate_conditions()
             self.runner.run(self.alarms.settle())
         self.clock.advance(4000 * SECOND)
         self.runner.run(self.delivering.deliver_due())

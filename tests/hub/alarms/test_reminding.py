@@ -12,7 +12,7 @@ from msgspec.structs import replace as changed
 from sqlalchemy import select
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.alarms.conditions import Condition, Truth
+from talaia.hub.alarms.conditions import AlarmCondition, Truth
 from talaia.hub.alarms.machine import (
     Acknowledge,
     Clear,
@@ -27,14 +27,14 @@ from talaia.hub.alarms.machine import (
 from talaia.hub.alarms.reminding import Reminding, first_told
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.auth.secret_box import Seal
-from talaia.hub.live.alarms.alarm_engine import Alarms
+from talaia.hub.live.alarms.alarm_engine import AlarmEngine
 from talaia.hub.live.pages.page_connections import Browsers
 from talaia.hub.live.sites import Sites
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.alarm_tables import notices
 from talaia.hub.store.alarms.alarm_states import AlarmStore
 from talaia.hub.store.alarms.notification_channels import NotifyStore, WayKind
-from talaia.hub.store.alarms.notification_outbox import Notices
+from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
 from talaia.hub.store.database import Database
 from talaia.model.alarms.alarm import Alarm, AlarmKind, Escalation, Severity
 from talaia.model.alarms.standard_alarms import standard_alarms
@@ -51,11 +51,11 @@ def told(alarm: Alarm, until_s: int, *acts: tuple[int, object]) -> list[tuple[in
     """What is told, second by second, of an alarm that is raised at once."""
     reminding, state, said = Reminding(0), State(), []
     story = {0: Raise(0, "NOT CLOSED", first_told(alarm)), **dict(acts)}
-    reminding.look(alarm, state, 0, 0)
+    reminding.next_due(alarm, state, 0, 0)
     for second in range(until_s):
         now_us = second * 1_000_000
         events = [story[second]] if second in story else []
-        again = reminding.look(alarm, state, second * SECOND, now_us)
+        again = reminding.next_due(alarm, state, second * SECOND, now_us)
         for event in [*events, *([again] if again else [])]:
             state, happened = step(state, event)  # type: ignore[arg-type]
             said += [(second, each.what, each.to) for each in happened if each.tell]
@@ -104,10 +104,10 @@ def test_reminders_are_never_closer_than_their_interval_however_it_is_looked_at(
 ) -> None:
     state = State(phase=Phase.ACTIVE, episode=1)
     reminding, now, at = Reminding(0), 0, [0]
-    reminding.look(ROOF, state, 0, 0)
+    reminding.next_due(ROOF, state, 0, 0)
     for gap in gaps:
         now += gap
-        if reminding.look(ROOF, state, now * SECOND, now * 1_000_000):
+        if reminding.next_due(ROOF, state, now * SECOND, now * 1_000_000):
             at.append(now)
     assert all(later - earlier >= 300 for earlier, later in pairwise(at))
 
@@ -122,7 +122,7 @@ def test_a_site_with_a_roof_has_its_alarms_without_describing_them() -> None:
 
 
 def test_an_enclosure_is_judged_by_what_its_gateway_tells_and_by_nothing_else() -> None:
-    condition = Condition(Addresses(EXAMPLE), standard_alarms(EXAMPLE)["dome_not_closed"])
+    condition = AlarmCondition(Addresses(EXAMPLE), standard_alarms(EXAMPLE)["dome_not_closed"])
 
     def judged(enclosures: dict[str, str], *, online: bool = True) -> Truth:
         return condition.judge({}, (), held=False, online=online, enclosures=enclosures).truth
@@ -198,7 +198,9 @@ alarms:
     sites = Sites()
     live = sites.describe(described, "c")
     live.link = object()  # type: ignore[assignment] - there is one; nothing is sent on it
-    alarms = Alarms(sites, Browsers(), AlarmStore(database), Notices(database), clock)
+    alarms = AlarmEngine(
+        sites, Browsers(), AlarmStore(database), NotificationOutbox(database), clock
+    )
     await alarms.open()
 
     async def outbox() -> list[tuple[int, str]]:
@@ -210,16 +212,16 @@ alarms:
 
     live.enclosures["roof"] = "Roof: NOT CLOSED after 3 tries"
     for _ in range(130):
-        alarms.look()
+        alarms.evaluate_conditions()
         await alarms.settle()
         clock.advance(SECOND)
     assert await outbox() == [(1, "raised"), (1, "reminded"), (2, "reminded")]
     found = alarms.find("hill", "roof")
     assert found is not None
     acting = Acknowledge(clock.wall_ns() // 1000, "ben")
-    alarms._put(found, acting)
+    alarms._enqueue(found, acting)
     for _ in range(700):
-        alarms.look()
+        alarms.evaluate_conditions()
         await alarms.settle()
         clock.advance(SECOND)
     assert len(await outbox()) == 3

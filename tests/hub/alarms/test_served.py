@@ -15,7 +15,7 @@ import pytest
 from aiosmtpd.smtp import SMTP
 from patience import PATIENCE_S
 
-from talaia.hub.ports import AnomalyNews, AnomalySink, Sighting, SightingSink
+from talaia.hub.ports import AnomalyReport, AnomalySink, SightingEvent, SightingSink
 from talaia.wire.browser import AlarmUpdate, EventUpdate, SightingUpdate
 from talaia.wire.frames import RecordingRequest, SightingReport
 
@@ -377,7 +377,7 @@ alarms:
     page = await hub.page("operator")
     seeing: SightingSink = hub.hub.alarms.engine
     feeling: AnomalySink = hub.hub.alarms.engine
-    seen = Sighting("agv", "camera/front", "person", 1, 0.9, 1_000, None)
+    seen = SightingEvent("agv", "camera/front", "person", 1, 0.9, 1_000, None)
     seeing.sighting(seen._replace(confidence=0.5))
     seeing.sighting(seen)
     raised = await page.hear(AlarmUpdate, lambda news: news.phase == "active")
@@ -386,7 +386,7 @@ alarms:
     await page.hear(AlarmUpdate, lambda news: news.phase == "cleared")
     # Told only when it was over, it has been there all the same.
     await gateway.samples(("base/speed", now_us(), 0.1))
-    odd = AnomalyNews("agv", "base/speed", "baseline", 5_000, 6_000, 0.9, "far from its median")
+    odd = AnomalyReport("agv", "base/speed", "baseline", 5_000, 6_000, 0.9, "far from its median")
     feeling.anomaly(odd._replace(score=0.2))
     feeling.anomaly(odd)
     raised = await page.hear(AlarmUpdate, lambda news: news.alarm == "odd" and news.raised_us)

@@ -12,14 +12,14 @@ import pytest
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
-from talaia.hub.notify.message import Message
+from talaia.hub.notify.message import AlarmMessage
 from talaia.hub.notify.senders import Outcome, Sender
 from talaia.hub.store.alarms.notification_channels import PushBrowser, Way, WayKind
 
 from .peers import served
 
 LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
-SAID = Message("the-key", "AGV: Battery low", "Voltage is 10 V", "critical", ("agv",))
+SAID = AlarmMessage("the-key", "AGV: Battery low", "Voltage is 10 V", "critical", ("agv",))
 
 
 @pytest.fixture

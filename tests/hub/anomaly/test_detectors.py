@@ -5,17 +5,17 @@ import random
 
 import pytest
 
-from talaia.hub.anomaly.base import Detector, keep, number, span, wake
+from talaia.hub.anomaly.base import AnomalyDetector, keep, number, span, wake
 from talaia.hub.anomaly.baseline import Baseline, Quartiles, Sorted
-from talaia.hub.anomaly.change import Change
+from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.context import Context
 from talaia.hub.anomaly.ensemble import Together
-from talaia.hub.anomaly.episodes import Episodes, Turn
+from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 from talaia.hub.anomaly.kinds import KINDS
 from talaia.hub.anomaly.rarity import Rarity
-from talaia.hub.anomaly.runner import Began, Watched
+from talaia.hub.anomaly.runner import AnomalyBegan, DetectorRunner
 from talaia.hub.anomaly.seasonal import Season
-from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
+from talaia.hub.anomaly.simple_rules import LimitsDetector, Missing, RateOfChange, Still
 from talaia.model.alarms.anomaly import Watch
 
 SECOND = 1_000_000
@@ -28,7 +28,7 @@ def noise(count: int, level: float = 12.0, seed: int = 1) -> list[float]:
 
 
 def feed(
-    detector: Detector, values: list[float], first_us: int = 0, step: int = STEP
+    detector: AnomalyDetector, values: list[float], first_us: int = 0, step: int = STEP
 ) -> list[float]:
     return [detector.see(first_us + at * step, value) for at, value in enumerate(values)]
 
@@ -154,7 +154,7 @@ def test_a_rate_has_its_limit_in_units_a_second():
 
 
 def test_limits_are_those_of_a_person_and_learn_nothing():
-    detector = Limits(unit="V", minimum=11.0, maximum=15.0)
+    detector = LimitsDetector(unit="V", minimum=11.0, maximum=15.0)
     assert [detector.see(0, value) for value in (10.9, 11.0, 15.0, 15.1)] == [1.0, 0.0, 0.0, 1.0]
     assert detector.why() == "15.1 V is above the most of 15 V"
     assert not detector.forgive()
@@ -169,7 +169,7 @@ def test_quartiles_are_those_of_the_window():
 
 
 def test_a_change_of_level_is_told_in_words():
-    detector = Change(unit="V")
+    detector = ChangePointDetector(unit="V")
     feed(detector, noise(1500))
     feed(detector, [15.0], 1500 * STEP)
     assert detector.why().startswith("15 V is ")
@@ -198,12 +198,12 @@ def test_the_newest_values_stay_sorted():
 
 def test_one_anomaly_is_told_once():
     episodes = Episodes(bar=0.5, rest=20, calm=3)
-    told = [(at, episodes.take(at, 0.9 if at in (5, 6, 8) else 0.1)) for at in range(11)]
-    assert [each for each in told if each[1]] == [(5, Turn.BEGAN)]
-    assert episodes.take(11, 0.1) is Turn.ENDED
+    told = [(at, episodes.update_score(at, 0.9 if at in (5, 6, 8) else 0.1)) for at in range(11)]
+    assert [each for each in told if each[1]] == [(5, EpisodeTurn.BEGAN)]
+    assert episodes.update_score(11, 0.1) is EpisodeTurn.ENDED
     assert episodes.close() == (5, 8, 0.9)
-    assert episodes.take(12, 0.9) is None, "it rests"
-    assert [episodes.take(at, 0.9) for at in range(13, 26)].count(Turn.BEGAN) == 1
+    assert episodes.update_score(12, 0.9) is None, "it rests"
+    assert [episodes.update_score(at, 0.9) for at in range(13, 26)].count(EpisodeTurn.BEGAN) == 1
 
 
 def test_together_hears_its_parts():
@@ -227,22 +227,22 @@ def drifting(count: int, seed: int) -> list[float]:
     return [value - 1.5 * at / 14_400 for at, value in enumerate(noise(count, 12.6, seed))]
 
 
-def begun(watched: Watched, values: list[float], first: int = 0) -> list[int]:
+def begun(watched: DetectorRunner, values: list[float], first: int = 0) -> list[int]:
     """Tell at which samples an anomaly began, one sample a second."""
     turns = [watched.see((first + at) * SECOND + 1, value) for at, value in enumerate(values)]
-    return [first + at for at, turn in enumerate(turns) if isinstance(turn, Began)]
+    return [first + at for at, turn in enumerate(turns) if isinstance(turn, AnomalyBegan)]
 
 
 @pytest.mark.parametrize("name", ["together", "change"])
 def test_a_signal_that_drifts_slowly_is_left_alone_while_it_is_learned(name):
     for seed in range(4):
-        watched = Watched("power/voltage", "V", Watch(detector=name))
+        watched = DetectorRunner("power/voltage", "V", Watch(detector=name))
         assert begun(watched, drifting(700, seed)) == []
         assert watched.learning == 300
 
 
 def test_what_is_clear_is_told_before_all_is_learned():
-    watched = Watched("power/voltage", "V", Watch(detector="together"))
+    watched = DetectorRunner("power/voltage", "V", Watch(detector="together"))
     assert begun(watched, drifting(500, 1)) == []
     (when,) = begun(watched, [9.0] * 5, 500)
     assert when < 503
@@ -252,20 +252,22 @@ def test_what_is_clear_is_told_before_all_is_learned():
 def test_nothing_begins_while_all_is_quiet_and_only_the_clear_while_it_learns():
     episodes = Episodes(bar=0.5, quiet=3, learning=6)
     # Quiet for three samples, then 0.58 is the bar for three more.
-    turns = [episodes.take(at, score) for at, score in enumerate([0.9, 0.9, 0.9, 0.57, 0.57])]
+    turns = [
+        episodes.update_score(at, score) for at, score in enumerate([0.9, 0.9, 0.9, 0.57, 0.57])
+    ]
     assert turns == [None] * 5
-    assert Episodes(bar=0.5, learning=6).take(0, 0.59) is Turn.BEGAN
-    assert episodes.take(5, 0.57) is None
+    assert Episodes(bar=0.5, learning=6).update_score(0, 0.59) is EpisodeTurn.BEGAN
+    assert episodes.update_score(5, 0.57) is None
     assert episodes.learning == 0
-    assert episodes.take(6, 0.5) is Turn.BEGAN
+    assert episodes.update_score(6, 0.5) is EpisodeTurn.BEGAN
 
 
 def test_what_is_left_to_learn_is_kept_over_a_restart():
     watch = Watch(detector="together")
-    watched = Watched("power/voltage", "V", watch)
+    watched = DetectorRunner("power/voltage", "V", watch)
     begun(watched, drifting(400, 1))
-    again = Watched("power/voltage", "V", watch, watched.keep())
+    again = DetectorRunner("power/voltage", "V", watch, watched.keep())
     assert (again.learning, again.episodes.quiet) == (600, 0)
     # Of another watch nothing is known.
-    other = Watched("power/voltage", "V", Watch(detector="together", rest=7), watched.keep())
+    other = DetectorRunner("power/voltage", "V", Watch(detector="together", rest=7), watched.keep())
     assert (other.learning, other.episodes.quiet) == (1_000, 250)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from talaia.clock import HandClock
-from talaia.hub.store.sites.detector_state import Learned
+from talaia.hub.store.sites.detector_state import DetectorState
 
 
 async def test_what_is_saved_last_comes_back_byte_by_byte(database) -> None:
-    learned = Learned(database, HandClock())
+    learned = DetectorState(database, HandClock())
     state = bytes(range(256)) + b'it\'s \\ "quoted"'
     await learned.save([("agv", "power/charge", "together", b"before")])
     await learned.save([("agv", "power/charge", "together", state), ("moon", "a/b", "flat", b"")])

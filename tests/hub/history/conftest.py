@@ -5,12 +5,12 @@ from contextlib import asynccontextmanager
 import pytest
 
 from talaia.clock import SystemClock
-from talaia.hub.history.limits import Limits
+from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.store.database_url import reach
 
 # So small that a few hundred samples go through all that a year of them goes through.
-SMALL = Limits(
+SMALL = HistoryLimits(
     block=32, largest=32, recent=16, journal=200, delete=2, raw=200, texts=300,
     linger_s=0.0, show_s=0.0,
 )  # fmt: skip

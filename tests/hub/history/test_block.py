@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.blocks.block import Samples, concatenate, cut, decode, encode, in_order
+from talaia.hub.history.blocks.block import BlockSamples, concatenate, cut, decode, encode, in_order
 from talaia.hub.history.blocks.journal import part_of, read_row, write_row
 from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import Columns
@@ -20,7 +20,7 @@ bits = st.integers(0, 2**64 - 1)
 def many(draw, least=1):
     pairs = draw(st.lists(st.tuples(times, bits), min_size=least, max_size=50))
     texts = draw(st.dictionaries(st.integers(0, max(0, len(pairs) - 1)), st.text(), max_size=5))
-    return Samples(
+    return BlockSamples(
         np.array([t for t, _ in pairs], np.int64),
         np.array([b for _, b in pairs], np.uint64).view(np.float64),
         texts if pairs else {},
@@ -59,25 +59,28 @@ def test_cutting_loses_nothing_and_keeps_the_order(samples) -> None:
 
 
 def test_one_time_stamp_keeps_the_order_of_arrival() -> None:
-    samples = in_order(Samples(np.array([5, 3, 5, 3]), np.array([1.0, 2.0, 3.0, 4.0]), {2: "x"}))
+    samples = in_order(
+        BlockSamples(np.array([5, 3, 5, 3]), np.array([1.0, 2.0, 3.0, 4.0]), {2: "x"})
+    )
     assert samples.value.tolist() == [2.0, 4.0, 1.0, 3.0]
     assert samples.texts == {3: "x"}
 
 
 def test_a_wrong_clock_gets_a_block_of_its_own() -> None:
     time_us = np.concatenate(([0], 1_700_000_000_000_000 + np.arange(100) * 10_000))
-    parts = list(cut(Samples(time_us, np.zeros(101), {}), BLOCK))
+    parts = list(cut(BlockSamples(time_us, np.zeros(101), {}), BLOCK))
     assert [part.time_us.size for part in parts] == [1, 100]
 
 
 def test_a_slow_channel_is_not_cut_at_each_sample() -> None:
     day = 86_400_000_000
-    assert len(list(cut(Samples(np.arange(500) * day, np.zeros(500), {}), BLOCK))) == 1
+    assert len(list(cut(BlockSamples(np.arange(500) * day, np.zeros(500), {}), BLOCK))) == 1
 
 
 def test_a_long_tail_becomes_blocks_of_the_usual_size() -> None:
     sizes = [
-        part.time_us.size for part in cut(Samples(np.arange(70_000), np.zeros(70_000), {}), BLOCK)
+        part.time_us.size
+        for part in cut(BlockSamples(np.arange(70_000), np.zeros(70_000), {}), BLOCK)
     ]
     assert all(BLOCK // 2 < size < 2 * BLOCK for size in sizes)
 
@@ -93,6 +96,6 @@ def test_damaged_bytes_are_a_history_error(data) -> None:
 
 @pytest.mark.parametrize("read", [decode, read_row])
 def test_bytes_of_a_newer_program_say_so(read) -> None:
-    body = encode(Samples(np.array([1]), np.array([1.0]), {}))
+    body = encode(BlockSamples(np.array([1]), np.array([1.0]), {}))
     with pytest.raises(HistoryError, match="version 9"):
         read(b"\x09" + body[1:] + bytes(32))

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from talaia.hub.history.blocks.block import Samples
+from talaia.hub.history.blocks.block import BlockSamples
 from talaia.hub.history.blocks.cache import BlockCache
 
 pytestmark = pytest.mark.pure
 
 
 def block(size, texts=None):
-    return Samples(np.arange(size), np.zeros(size), texts or {})
+    return BlockSamples(np.arange(size), np.zeros(size), texts or {})
 
 
 def test_what_was_asked_for_longest_ago_goes_first() -> None:

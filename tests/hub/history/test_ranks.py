@@ -14,7 +14,7 @@ PARTS = (0.25, 0.75)
 def asked(pieces, kept):
     ranks = Ranks(PARTS, kept)
     for piece in pieces:
-        ranks.take(np.asarray(piece, float))
+        ranks.add_values(np.asarray(piece, float))
     return ranks
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from talaia.hub.history.queries.series import HistoryGap
-from talaia.hub.history.queries.statistics import Reading, covered_us
+from talaia.hub.history.queries.statistics import SampleReading, covered_us
 from talaia.wire.columns import Columns
 
 from .conftest import SMALL, opened
@@ -79,7 +79,7 @@ async def test_the_last_value_before_a_time_is_the_newest_up_to_it(url) -> None:
         await store.append("agv", "b1", 9_000, ["base/speed"], batch(late))
         for at in (0, 31, 32, 33, 1_234, 2_999):
             found = await store.last("agv", ["base/speed"], START + at * SECOND)
-            assert found["base/speed"] == Reading(START + at * SECOND, float(at), "")
+            assert found["base/speed"] == SampleReading(START + at * SECOND, float(at), "")
         found = await store.last("agv", ["base/speed"], START + 500 * SECOND + 5)
         assert found["base/speed"][1] == 77.0
         assert await store.last("agv", ["base/speed"], START - 1) == {}

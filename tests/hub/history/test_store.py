@@ -12,7 +12,7 @@ import sqlalchemy as sa
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.limits import Limits
+from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.queries.series import HistoryGap
 from talaia.wire.columns import Columns
 
@@ -345,7 +345,7 @@ async def test_slow_channels_do_not_keep_the_journal_from_shrinking(tmp_path) ->
 
     url = f"sqlite:///{tmp_path}/history.db"
     async with opened(
-        url, Limits(block=64, largest=64, recent=32, journal=500, delete=4, linger_s=0.0)
+        url, HistoryLimits(block=64, largest=64, recent=32, journal=500, delete=4, linger_s=0.0)
     ) as store:
         slow, sequence = [], 0
         for at in range(200):

@@ -9,7 +9,7 @@ from zlib import crc32
 
 import pyotp
 
-from talaia.hub.policy import Need
+from talaia.hub.policy import AccessNeed
 from talaia.wire.frames import FileOffer, FilePiece, FilmOffer
 
 from .world import NOW, PASSWORD, PICTURED, SESSIONLESS, SIGNED_IN, TOKEN, holds
@@ -196,7 +196,7 @@ async def _recording(world: World, _client: httpx.AsyncClient, about: str) -> As
         id=name, size=4, digest=hashlib.sha256(body).hexdigest(), begin_us=NOW, end_us=NOW
     )
     await recordings.offered(about, offer)
-    done = await recordings.take(
+    done = await recordings.append_piece(
         about, offer, FilePiece(id=name, at=0, check=crc32(body), data=body)
     )
     assert done.done
@@ -218,7 +218,7 @@ async def _film(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
     )  # fmt: skip
     await recordings.offered(site, offer)
     piece = FilePiece(id=name, at=0, check=crc32(body), data=body)
-    assert (await recordings.take(site, offer, piece)).done
+    assert (await recordings.append_piece(site, offer, piece)).done
     return Ask({"site": site, "recording": name})
 
 
@@ -452,14 +452,14 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
 }
 
 
-def meets(need: Need, actor: str, about: str) -> bool:
+def meets(need: AccessNeed, actor: str, about: str) -> bool:
     """Tell, from the table written by hand, whether somebody meets a need about an object."""
-    if need is Need.OPEN:
+    if need is AccessNeed.OPEN:
         return True
-    if actor in SESSIONLESS or need in {Need.NEVER, Need.GATEWAY}:
+    if actor in SESSIONLESS or need in {AccessNeed.NEVER, AccessNeed.GATEWAY}:
         return False
-    if need is Need.SESSION:
+    if need is AccessNeed.SESSION:
         return True
-    if need is Need.OWN:
+    if need is AccessNeed.OWN:
         return actor != "token"
     return holds(actor, need.name.lower(), about)

@@ -12,8 +12,8 @@ from talaia.hub.auth.secret_box import Seal, seal_of
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.auth.totp import new_recovery, otp_uri, qr_svg, step_of
 from talaia.hub.errors import CannotStart, WeakPassword
-from talaia.hub.store.accounts.failed_logins import Tries
-from talaia.hub.store.accounts.mfa import Factors, Verdict
+from talaia.hub.store.accounts.failed_logins import FailedLogins
+from talaia.hub.store.accounts.mfa import CodeVerdict, SecondFactors
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.tables import users
 from talaia.wire import browser as page_wire
@@ -193,12 +193,12 @@ async def test_no_secret_of_a_factor_stands_in_the_database_or_the_audit_log(hub
 async def test_factor_works_on_every_database_and_five_who_race_get_one_in(database) -> None:
     clock = HandClock()
     user = await People(database, clock).add("ada", "hash", "guest")
-    factors = Factors(database, clock, lambda: Seal(b"k" * 32))
+    factors = SecondFactors(database, clock, lambda: Seal(b"k" * 32))
     secret = await factors.offer(user)
     totp = pyotp.TOTP(secret)
     now_s = clock.wall_ns() // SECOND
     codes = await factors.confirm(user, totp.at(now_s))
-    assert await factors.use(user, totp.at(now_s)) is Verdict.REPLAYED
+    assert await factors.use(user, totp.at(now_s)) is CodeVerdict.REPLAYED
     clock.advance(MINUTE)
     code = totp.at(clock.wall_ns() // SECOND)
     verdicts = await asyncio.gather(*(factors.use(user, code) for _ in range(5)))
@@ -206,7 +206,7 @@ async def test_factor_works_on_every_database_and_five_who_race_get_one_in(datab
     verdicts = await asyncio.gather(*(factors.use(user, codes[3]) for _ in range(5)))
     assert sorted(each.name for each in verdicts) == ["RECOVERY"] + ["WRONG"] * 4
     assert await factors.remove(user)
-    assert await factors.use(user, codes[4]) is Verdict.WRONG
+    assert await factors.use(user, codes[4]) is CodeVerdict.WRONG
 
 
 def test_codes_near_now_are_taken_and_no_others() -> None:
@@ -276,11 +276,11 @@ async def test_wrong_tries_outlast_a_restart_and_are_forgotten_in_time(database)
 
     async def started() -> Throttle:
         throttle = Throttle()
-        await Tries(database, clock, throttle).bring_back()
+        await FailedLogins(database, clock, throttle).bring_back()
         return throttle
 
     throttle = Throttle()
-    tries = Tries(database, clock, throttle)
+    tries = FailedLogins(database, clock, throttle)
     for _ in range(8):
         throttle.tried("ada", "10.0.0.1", clock.wall_ns())
         await tries.keep()

@@ -10,9 +10,9 @@ import pytest
 from sqlalchemy import text
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.store.audit import Audit, Filter
+from talaia.hub.store.audit import Audit, AuditFilter
 from talaia.hub.store.database import Database
-from talaia.hub.store.safe_text import safe_cell, visible
+from talaia.hub.store.safe_text import safe_cell, safe_text
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import (
     CommandPhase,
@@ -36,7 +36,7 @@ async def filled(database) -> Audit:
     clock = HandClock()
     audit = Audit(database, clock)
     for number in range(10):
-        audit.note(
+        audit.append_record(
             ("login", "command asked", "command succeeded")[number % 3],
             who=("ada", "eve")[number % 2],
             site="agv",
@@ -57,7 +57,7 @@ async def test_rows_are_found_by_person_device_kind_outcome_and_time(database) -
     began = 1_700_000_000 * 1_000_000
 
     async def numbers(**wanted) -> list[int]:
-        rows, more = await audit.find(Filter(**wanted), 100)
+        rows, more = await audit.find(AuditFilter(**wanted), 100)
         assert not more
         return [int(row.entry.message.split()[1]) for row in rows]
 
@@ -76,14 +76,14 @@ async def test_paging_gives_every_row_once(database) -> None:
     audit = await filled(database)
     seen, before = [], None
     while True:
-        rows, more = await audit.find(Filter(who="ada", before=before), 2)
+        rows, more = await audit.find(AuditFilter(who="ada", before=before), 2)
         seen += [row.id for row in rows]
         if not more:
             break
         before = rows[-1].id
     assert len(seen) == 5
     assert seen == sorted(set(seen), reverse=True)
-    assert [row.id async for row in audit.every(Filter(who="ada"))] == seen
+    assert [row.id async for row in audit.every(AuditFilter(who="ada"))] == seen
 
 
 async def test_whole_log_follows_from_its_first_row(database) -> None:
@@ -104,7 +104,7 @@ async def test_whole_log_follows_from_its_first_row(database) -> None:
 )
 async def test_row_that_was_changed_or_cut_out_is_named(database, tampering, broken) -> None:
     audit = await filled(database)
-    ids = [row.id for row in reversed((await audit.find(Filter(), 100))[0])]
+    ids = [row.id for row in reversed((await audit.find(AuditFilter(), 100))[0])]
     at = {"third": ids[2], "fourth": ids[3], "last": ids[-1]}
     async with database.write() as connection:
         used = {name: value for name, value in at.items() if f":{name}" in tampering}
@@ -117,7 +117,7 @@ async def test_two_hubs_on_one_database_write_one_chain(database, database_url) 
     try:
         audits = [Audit(database, HandClock()), Audit(other, HandClock())]
         for number in range(20):
-            audits[number % 2].note(f"row {number}")
+            audits[number % 2].append_record(f"row {number}")
         await asyncio.gather(*(written(audit) for audit in audits))
         assert await audits[0].verify() == (20, 0)
     finally:
@@ -126,10 +126,10 @@ async def test_two_hubs_on_one_database_write_one_chain(database, database_url) 
 
 async def test_text_that_no_database_takes_is_written_all_the_same(database) -> None:
     audit = Audit(database, HandClock())
-    audit.note("odd \x00 \ud800 \x1b[2J", who="a\nb\r\tc\u202e\u2028", message="x" * 9000)
-    audit.note("next")
+    audit.append_record("odd \x00 \ud800 \x1b[2J", who="a\nb\r\tc\u202e\u2028", message="x" * 9000)
+    audit.append_record("next")
     await written(audit)
-    rows, _ = await audit.find(Filter(), 10)
+    rows, _ = await audit.find(AuditFilter(), 10)
     assert rows[1].entry.kind == r"odd \x00 \ud800 \x1b[2J"
     assert rows[1].entry.who == r"a\nb\r\tc\u202e\u2028"
     assert len(rows[1].entry.message) == 2000
@@ -138,8 +138,8 @@ async def test_text_that_no_database_takes_is_written_all_the_same(database) -> 
 
 def test_what_can_be_seen_stays_as_it_is() -> None:
     said = "Ada Lovelace, é, 望楼, 🤖, <b>, ' \" ; -- \\ %00"
-    assert visible(said, 200) == said
-    assert visible("abc\n", 4) == "abc\\"
+    assert safe_text(said, 200) == said
+    assert safe_text("abc\n", 4) == "abc\\"
 
 
 # ── over HTTP ──
@@ -244,7 +244,7 @@ def test_no_cell_is_a_formula(said) -> None:
 
 async def test_export_is_a_file_that_no_spreadsheet_works_out(hub) -> None:
     for said in (*FORMULAS, 'a "quoted", cell', "<script>alert(1)</script>"):
-        hub.hub.audit.log.note("test", who=said, message=said)
+        hub.hub.audit.log.append_record("test", who=said, message=said)
     admin = await hub.client("admin")
     answer = await admin.get("/api/audit/export", params={"kind": "test"})
     assert answer.headers["content-type"] == "text/csv; charset=utf-8"
@@ -263,7 +263,7 @@ async def test_export_is_a_file_that_no_spreadsheet_works_out(hub) -> None:
 
 async def test_export_of_a_long_log_comes_in_pieces_and_whole(hub) -> None:
     for number in range(5_000):
-        hub.hub.audit.log.note("many", message=f"row {number}")
+        hub.hub.audit.log.append_record("many", message=f"row {number}")
     admin = await hub.client("admin")
     pieces = []
     async with admin.stream("GET", "/api/audit/export", params={"kind": "many"}) as answer:

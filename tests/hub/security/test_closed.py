@@ -7,7 +7,7 @@ import sqlalchemy as sa
 import websockets
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.store.audit import Filter
+from talaia.hub.store.audit import AuditFilter
 from talaia.wire import browser as page_wire
 from talaia.wire.frames import CommandRequest, LeaseOp, LeaseRequest, LeaseState, StopRequest
 
@@ -110,7 +110,7 @@ async def test_what_was_noted_meanwhile_is_written_down_later(hub, gateway) -> N
         await page.say(page_wire.PageStop(site="agv", device="base", id="s1"))
         await gateway.hear(StopRequest)
     await hub.hub.audit.log.written()
-    found, _ = await hub.hub.audit.log.find(Filter(site="agv"), 50)
+    found, _ = await hub.hub.audit.log.find(AuditFilter(site="agv"), 50)
     kinds = [row.entry.kind for row in found]
     assert "stop pressed" in kinds
     assert (await hub.hub.audit.log.verify()).broken == 0

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import text
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.store.sites.enrolment import Enrolled, Enrolment, Refused
+from talaia.hub.store.sites.enrolment import Enrolled, Enrolment, EnrolmentRefusal
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire.enrolment import EnrolmentCode, pin_of, read_code, secret_of
 from talaia.wire.errors import CodeMistyped
@@ -28,7 +28,7 @@ async def test_code_is_used_once_even_when_five_race_for_it(database, clock) -> 
     answers = await asyncio.gather(*(enrolment.redeem(secret, f"g{n}") for n in range(5)))
     won = [answer for answer in answers if isinstance(answer, Enrolled)]
     assert len(won) == 1
-    assert answers.count(Refused.USED) == 4
+    assert answers.count(EnrolmentRefusal.USED) == 4
     gateways = await SiteRegistry(database, clock).gateways()
     assert [(each.site, each.revoked_us) for each in gateways] == [("agv", 0)]
 
@@ -40,7 +40,7 @@ async def test_code_is_dead_after_fifteen_minutes(database, clock) -> None:
     clock.advance(15 * MINUTE - 1_000)
     assert isinstance(await enrolment.redeem(early, ""), Enrolled)
     clock.advance(1_000)
-    assert await enrolment.redeem(late, "") is Refused.EXPIRED
+    assert await enrolment.redeem(late, "") is EnrolmentRefusal.EXPIRED
     assert await enrolment.open() == []
 
 
@@ -70,7 +70,7 @@ async def test_withdrawn_code_is_nobodys(database, clock) -> None:
     made, secret = await enrolment.offer("agv")
     assert await enrolment.withdraw(made.id) == made
     assert await enrolment.withdraw(made.id) is None
-    assert await enrolment.redeem(secret, "") is Refused.UNKNOWN
+    assert await enrolment.redeem(secret, "") is EnrolmentRefusal.UNKNOWN
 
 
 async def test_used_code_is_told_from_an_unknown_one_for_a_day(database, clock) -> None:
@@ -78,10 +78,10 @@ async def test_used_code_is_told_from_an_unknown_one_for_a_day(database, clock) 
     _, secret = await enrolment.offer("agv")
     await enrolment.redeem(secret, "")
     clock.advance(20 * MINUTE)
-    assert await enrolment.redeem(secret, "") is Refused.USED
+    assert await enrolment.redeem(secret, "") is EnrolmentRefusal.USED
     clock.advance(25 * 60 * MINUTE)
     await enrolment.offer("agv")
-    assert await enrolment.redeem(secret, "") is Refused.UNKNOWN
+    assert await enrolment.redeem(secret, "") is EnrolmentRefusal.UNKNOWN
 
 
 # ── the code itself ──

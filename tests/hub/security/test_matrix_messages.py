@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 import websockets
 
-from talaia.hub.policy import FROM_BROWSER, SOCKETS, Need
+from talaia.hub.policy import FROM_BROWSER, SOCKETS, AccessNeed
 from talaia.wire import browser, frames
 
 from .messages import ASKS, TRIALS
@@ -95,7 +95,7 @@ async def test_gate_that_stands_open_is_found(world, monkeypatch) -> None:
 
 async def test_line_that_is_too_weak_is_found(world, monkeypatch) -> None:
     # The hub reads one table, the trial another: as if the line were changed by mistake.
-    weak = {**FROM_BROWSER, browser.PageCommand: Need.SEE}
+    weak = {**FROM_BROWSER, browser.PageCommand: AccessNeed.SEE}
     monkeypatch.setattr("talaia.hub.live.pages.message_authorizer.FROM_BROWSER", weak)
     found = await differences(world, browser.PageCommand)
     assert {each.partition(":")[0] for each in found} == {

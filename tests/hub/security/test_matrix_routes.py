@@ -7,7 +7,7 @@ from fastapi import APIRouter
 from fastapi.routing import iter_route_contexts
 
 from talaia.hub.api.sites.sites import SitePages
-from talaia.hub.policy import ROUTES, Need, need_of_route
+from talaia.hub.policy import ROUTES, AccessNeed, need_of_route
 
 from .routes import RECIPES, meets
 from .world import ACTORS, OBJECTS, SESSIONLESS, holds
@@ -58,10 +58,10 @@ def _changed(before: dict[str, list], after: dict[str, list]) -> list[str]:
     return [table for table in before if before[table] != after[table]]
 
 
-def _refusals(actor: str, about: str, need: Need) -> tuple[int, ...]:
+def _refusals(actor: str, about: str, need: AccessNeed) -> tuple[int, ...]:
     if actor in SESSIONLESS:
         return (401,)
-    if actor == "token" and need in {Need.OWN, Need.ADMIN}:
+    if actor == "token" and need in {AccessNeed.OWN, AccessNeed.ADMIN}:
         return (403,)
     # As if there were no such thing.
     if about == "foreign" or (about in OBJECTS and about and not holds(actor, "see", about)):
@@ -112,7 +112,7 @@ async def test_route_that_lets_anyone_in_is_found(world, monkeypatch) -> None:
 async def test_route_that_shuts_someone_out_is_found(world, monkeypatch) -> None:
     monkeypatch.setattr(
         "talaia.hub.api.access.need_of_route",
-        lambda method, path: Need.NEVER if path == "/api/me" else need_of_route(method, path),
+        lambda method, path: AccessNeed.NEVER if path == "/api/me" else need_of_route(method, path),
     )
     found = await differences(world, "GET", "/api/me")
     assert any(each.startswith("guest on the hub: 403") for each in found)
@@ -137,7 +137,7 @@ async def test_route_without_a_line_is_found_and_denied_to_everyone(
 
 
 def test_only_the_doors_themselves_are_open() -> None:
-    opened = {route for route, need in ROUTES.items() if need is Need.OPEN}
+    opened = {route for route, need in ROUTES.items() if need is AccessNeed.OPEN}
     assert {path for method, path in opened if method in UNSAFE} <= {
         "/api/login",
         "/api/setup",
@@ -154,4 +154,4 @@ def test_only_the_doors_themselves_are_open() -> None:
 )
 def test_administration_is_for_admins(under) -> None:
     needs = {need for (_, path), need in ROUTES.items() if path.startswith(under)}
-    assert needs <= {Need.ADMIN}
+    assert needs <= {AccessNeed.ADMIN}

@@ -6,7 +6,7 @@ from typing import get_args
 
 import pytest
 
-from talaia.hub.policy import TO_BROWSER, Need
+from talaia.hub.policy import TO_BROWSER, AccessNeed
 from talaia.wire import browser, frames
 from talaia.wire.columns import unpack
 
@@ -41,7 +41,7 @@ BROADCAST = {
     browser.InterlockUpdate,
 }
 # A sighting is for those who may see the camera's pictures, and no camera of this world is public.
-NEEDS = {**TO_BROWSER, browser.SightingUpdate: Need.VIEW}
+NEEDS = {**TO_BROWSER, browser.SightingUpdate: AccessNeed.VIEW}
 # About a site, not about a device.
 OF_SITES = {browser.SiteUpdate, browser.InterlockUpdate}
 # For the page alone that asked, or that holds the lease: here the operator's.
@@ -77,10 +77,10 @@ def wrong_in(each) -> list[str]:
     """List what a listener heard and should not have."""
     found = []
     for message in each.messages:
-        need = NEEDS.get(type(message), Need.NEVER)
+        need = NEEDS.get(type(message), AccessNeed.NEVER)
         if isinstance(message, browser.Values):
             found += _wrong_values(each.actor, message)
-        elif need is Need.SESSION:
+        elif need is AccessNeed.SESSION:
             continue
         elif isinstance(message, browser.AnomalyUpdate):
             if not sees_channel(each.actor, about_of(message), signal_of(message)):
@@ -158,7 +158,7 @@ async def test_everyone_hears_what_is_theirs_and_nothing_else(world, heard) -> N
     assert {
         about_of(message)
         for message in neighbour.messages
-        if NEEDS[type(message)] in {Need.VIEW, Need.USE}
+        if NEEDS[type(message)] in {AccessNeed.VIEW, AccessNeed.USE}
     } == {"agv/power"}
     values = [message for message in guest.messages if isinstance(message, browser.Values)]
     assert any(value.value for value in values)
@@ -257,7 +257,7 @@ async def test_picture_reaches_those_who_look_at_its_stream_only(world) -> None:
 
 async def test_gate_that_stands_open_outbound_is_found(world, monkeypatch) -> None:
     monkeypatch.setattr(
-        "talaia.hub.live.pages.message_authorizer.Gate.may_get", lambda *_about: True
+        "talaia.hub.live.pages.message_authorizer.MessageAuthorizer.may_get", lambda *_about: True
     )
     listeners = [await listen(world, actor) for actor in LISTENERS]
     await settle(listeners)

@@ -11,25 +11,25 @@ import websockets
 
 from talaia.clock import MS, SECOND
 from talaia.hub.api.rate_limits import HISTORY, MOST_SOCKETS
-from talaia.hub.auth.rate_limiter import Pace
+from talaia.hub.auth.rate_limiter import RateLimiter
 
 
 def test_pace_allows_a_burst_and_then_so_many_a_second() -> None:
-    pace, now = Pace(burst=5, per_s=2.0), 10 * SECOND
-    assert [pace.take("ada", now) for _ in range(5)] == [0] * 5
-    assert pace.take("ada", now) == SECOND // 2
+    pace, now = RateLimiter(burst=5, per_s=2.0), 10 * SECOND
+    assert [pace.request_turn("ada", now) for _ in range(5)] == [0] * 5
+    assert pace.request_turn("ada", now) == SECOND // 2
     # Whoever is refused and asks again at once has no longer to wait for it.
-    assert pace.take("ada", now) == SECOND // 2
-    assert pace.take("eve", now) == 0
-    assert pace.take("ada", now + 500 * MS) == 0
-    assert pace.take("ada", now + 500 * MS) > 0
-    assert [pace.take("ada", now + 60 * SECOND) for _ in range(5)] == [0] * 5
+    assert pace.request_turn("ada", now) == SECOND // 2
+    assert pace.request_turn("eve", now) == 0
+    assert pace.request_turn("ada", now + 500 * MS) == 0
+    assert pace.request_turn("ada", now + 500 * MS) > 0
+    assert [pace.request_turn("ada", now + 60 * SECOND) for _ in range(5)] == [0] * 5
 
 
 def test_pace_forgets_the_oldest_of_very_many() -> None:
-    pace = Pace(burst=1, per_s=0.001)
+    pace = RateLimiter(burst=1, per_s=0.001)
     for number in range(20_000):
-        pace.take(number, number)
+        pace.request_turn(number, number)
     assert len(pace._due_ns) == 10_000
 
 
@@ -37,8 +37,8 @@ async def test_flood_of_history_questions_is_held_back_and_others_are_not(
     hub, gateway, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # For the limit time stands still: a busy machine may answer no faster than it refills.
-    take, begun = Pace.take, time.monotonic_ns()
-    monkeypatch.setattr(Pace, "take", lambda self, key, _now_ns: take(self, key, begun))
+    take, begun = RateLimiter.request_turn, time.monotonic_ns()
+    monkeypatch.setattr(RateLimiter, "take", lambda self, key, _now_ns: take(self, key, begun))
     wild, other = await hub.client("operator"), await hub.client("admin")
     query = {"channel": "base/speed", "from_us": 0, "to_us": 1}
     answers = []

@@ -241,7 +241,7 @@ class World:
             id="0" * 32, kind="fits", device=device, size=len(data), digest=digest,
             time_us=NOW,
         )  # fmt: skip
-        return str((await self.hub.hub.archive.frames.take(site, "UTC", offer, path)).id)
+        return str((await self.hub.hub.archive.frames.archive_file(site, "UTC", offer, path)).id)
 
     async def sighting(self, about: str) -> str:
         """Have a camera see somebody, unless it has; give the sighting's number."""
@@ -249,7 +249,7 @@ class World:
         store = self.hub.hub.sightings.store
         picture = b"\xff\xd8not looked at\xff\xd9"
         one = Sighted(site, f"{device}/eye", "person", NOW, NOW + 1, 1, 0.9, NOW, "b", picture)
-        await store.put([one], lambda _: None)
+        await store.save_sightings([one], lambda _: None)
         found, _ = await store.find(site, SightingsAsked(cameras=[one.camera]), 1)
         return str(found[0].id)
 

@@ -32,9 +32,9 @@ class Point(NamedTuple):
 _INDEX = "talaia.hub.history.writing.block_index"
 _REGISTRY = "talaia.hub.store.sites.site_registry"
 POINTS = {
-    "hub-before-commit": Point(_INDEX, "Ledger._write", call=10),
-    "hub-in-commit": Point(_INDEX, "Ledger._write", after=True, call=10),
-    "hub-after-commit": Point(_INDEX, "Ledger.store", after=True, call=10),
+    "hub-before-commit": Point(_INDEX, "BlockIndex._write", call=10),
+    "hub-in-commit": Point(_INDEX, "BlockIndex._write", after=True, call=10),
+    "hub-after-commit": Point(_INDEX, "BlockIndex.store", after=True, call=10),
     "hub-mid-migration": Point(
         "alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2
     ),

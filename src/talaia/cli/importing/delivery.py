@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
 from talaia.clock import SystemClock
-from talaia.hub.accounts import note
+from talaia.hub.accounts import append_audit_record
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.limits import Limits
+from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.live.files.import_inbox import Inbox, Taken, answer_of
+from talaia.hub.live.files.import_inbox import ImportInbox, ImportResult, answer_of
 from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.store.database import Database
 from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -29,7 +29,9 @@ __all__ = ["deliver", "described"]
 _LOOK_S = 0.2
 
 
-def deliver(settings: Settings, paths: Sequence[Path], say: Callable[[str], None]) -> list[Taken]:
+def deliver(
+    settings: Settings, paths: Sequence[Path], say: Callable[[str], None]
+) -> list[ImportResult]:
     """Wait until parcels are in the history, or bring them there when no hub runs.
 
     Raises:
@@ -76,36 +78,36 @@ def described(settings: Settings, site: str) -> str | None:
     return asyncio.run(look())
 
 
-def _fetch(paths: Sequence[Path]) -> list[Taken] | None:
+def _fetch(paths: Sequence[Path]) -> list[ImportResult] | None:
     """Give the hub's answers, once there is one to each parcel."""
     if any(path.exists() for path in paths):
         return None
-    return [answer_of(path) or Taken(0, 0) for path in paths]
+    return [answer_of(path) or ImportResult(0, 0) for path in paths]
 
 
-async def _bring(settings: Settings, paths: Sequence[Path]) -> list[Taken]:
+async def _bring(settings: Settings, paths: Sequence[Path]) -> list[ImportResult]:
     clock = SystemClock()
     database = Database(settings.url)
-    history = HistoryStore(settings.url, clock, Limits(show_s=0, tidy_s=0))
+    history = HistoryStore(settings.url, clock, HistoryLimits(show_s=0, tidy_s=0))
     registry = SiteRegistry(database, clock)
 
-    async def taken(head: Head, how: Taken) -> None:
+    async def taken(head: Head, how: ImportResult) -> None:
         if head.site not in {each.site for each in await registry.all()}:
             await registry.said_hello(head.site, head.description, "", "")
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
-        await note(database, "history imported", message, head.site)
+        await append_audit_record(database, "history imported", message, head.site)
 
     answers = []
     try:
         await database.migrate()
         await history.open()
         try:
-            inbox = Inbox(history, settings.data, taken)
+            inbox = ImportInbox(history, settings.data, taken)
             for path in paths:
                 # A hub that ended meanwhile may have taken some of them.
                 if path.exists():
-                    await inbox.take(path)
-                answers.append(answer_of(path) or Taken(0, 0))
+                    await inbox.import_file(path)
+                answers.append(answer_of(path) or ImportResult(0, 0))
         finally:
             await history.close()
     finally:

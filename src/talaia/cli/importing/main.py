@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from talaia.cli.importing.source import Findings, Source
     from talaia.cli.importing.staging import Tally
-    from talaia.hub.live.files.import_inbox import Taken
+    from talaia.hub.live.files.import_inbox import ImportResult
     from talaia.model.site import Site
 
 __all__ = ["main"]
@@ -276,7 +276,7 @@ def _time(time_us: int) -> str:
     return f"{moment:%Y-%m-%d %H:%M:%S}Z"
 
 
-def _result(how: Taken) -> str:
+def _result(how: ImportResult) -> str:
     if not how.stored:
         return f"all of its {how.there:,} samples were there already"
     there = f", {how.there:,} were there already" if how.there else ""

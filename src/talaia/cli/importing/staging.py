@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from talaia.hub.history.import_file import Stretch
+from talaia.hub.history.import_file import ImportChunk
 from talaia.wire.columns import Columns, part
 
 if TYPE_CHECKING:
@@ -101,5 +101,5 @@ class Staging:
         )
         if self._writer is not None:
             first = self._written[number]
-            self._writer.add(Stretch(self._addresses[number], first, whole))
+            self._writer.add(ImportChunk(self._addresses[number], first, whole))
             self._written[number] = first + count

@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from talaia.model.alarms.expression import Value
     from talaia.model.checks.alarm_checks import Addresses
 
-__all__ = ["Condition", "Reading", "Seen", "Truth", "Verdict", "told"]
+__all__ = [
+    "AlarmCondition",
+    "ConditionReading",
+    "ConditionVerdict",
+    "DetectedThing",
+    "Truth",
+    "format_number",
+]
 
 # Smaller numbers are written without an exponent.
 _PLAIN = 1e15
@@ -32,14 +39,14 @@ class Truth(Enum):
     UNKNOWN = auto()
 
 
-class Verdict(NamedTuple):
+class ConditionVerdict(NamedTuple):
     """What is so, and why in words that people read."""
 
     truth: Truth
     why: str
 
 
-class Reading(NamedTuple):
+class ConditionReading(NamedTuple):
     """The newest sample of a channel: its value, its text, and how long ago it came (s)."""
 
     value: float
@@ -47,7 +54,7 @@ class Reading(NamedTuple):
     age_s: float
 
 
-class Seen(NamedTuple):
+class DetectedThing(NamedTuple):
     """What a detector says goes on now: an anomaly (its score), or things that a camera sees."""
 
     score: float = 0.0
@@ -56,7 +63,7 @@ class Seen(NamedTuple):
     why: str = ""
 
 
-class Condition:
+class AlarmCondition:
     """One alarm's condition, made ready for one description.
 
     Attributes:
@@ -86,13 +93,13 @@ class Condition:
 
     def judge(
         self,
-        readings: Mapping[str, Reading],
-        seen: tuple[Seen, ...],
+        readings: Mapping[str, ConditionReading],
+        seen: tuple[DetectedThing, ...],
         *,
         held: bool,
         online: bool,
         enclosures: Mapping[str, str] | None = None,
-    ) -> Verdict:
+    ) -> ConditionVerdict:
         """Tell whether it holds.
 
         Args:
@@ -119,12 +126,14 @@ class Condition:
                 return self._state(readings)
             case AlarmKind.GATEWAY:
                 if online:
-                    return Verdict(Truth.FALSE, "its gateway has a link")
-                return Verdict(Truth.HOLDS, "its gateway has no link: nothing is known of the site")
+                    return ConditionVerdict(Truth.FALSE, "its gateway has a link")
+                return ConditionVerdict(
+                    Truth.HOLDS, "its gateway has no link: nothing is known of the site"
+                )
             case AlarmKind.ENCLOSURE:
                 return self._enclosure(enclosures or {}, online=online)
 
-    def value(self, address: str, readings: Mapping[str, Reading]) -> Value:
+    def value(self, address: str, readings: Mapping[str, ConditionReading]) -> Value:
         """Give what a channel says now: a number, or a state's or a text's words.
 
         None while it is not known, not a number, or too old.
@@ -147,15 +156,15 @@ class Condition:
         own = self.alarm.max_age
         return self._signals[address].max_age if own is None else own
 
-    def _unknown(self, address: str, readings: Mapping[str, Reading]) -> Verdict:
+    def _unknown(self, address: str, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         name, reading = self._signals[address].name, readings.get(address)
         if reading is None:
-            return Verdict(Truth.UNKNOWN, f"{name} has never been heard of")
+            return ConditionVerdict(Truth.UNKNOWN, f"{name} has never been heard of")
         if reading.age_s > self.longest_s(address):
-            return Verdict(Truth.UNKNOWN, f"{name} is {_seconds(reading.age_s)} old")
-        return Verdict(Truth.UNKNOWN, f"{name} is not a number")
+            return ConditionVerdict(Truth.UNKNOWN, f"{name} is {_seconds(reading.age_s)} old")
+        return ConditionVerdict(Truth.UNKNOWN, f"{name} is not a number")
 
-    def _limit(self, readings: Mapping[str, Reading], *, held: bool) -> Verdict:
+    def _limit(self, readings: Mapping[str, ConditionReading], *, held: bool) -> ConditionVerdict:
         alarm, address = self.alarm, self.alarm.signal
         value = self.value(address, readings)
         if not isinstance(value, float):
@@ -163,86 +172,92 @@ class Condition:
         slack = alarm.hysteresis if held else 0.0
         limits = [each for each in (alarm.above, alarm.below) if each is not None]
         name, unit = self._signals[address].name, self._signals[address].unit
-        said = f"{name} is {_with(unit, told(value, limits))}"
+        said = f"{name} is {_with(unit, format_number(value, limits))}"
         if alarm.above is not None and value > alarm.above - slack:
             word = "above" if value > alarm.above else "not yet well below"
-            return Verdict(Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.above:.15g}')}")
+            return ConditionVerdict(
+                Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.above:.15g}')}"
+            )
         if alarm.below is not None and value < alarm.below + slack:
             word = "below" if value < alarm.below else "not yet well above"
-            return Verdict(Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.below:.15g}')}")
-        return Verdict(Truth.FALSE, said)
+            return ConditionVerdict(
+                Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.below:.15g}')}"
+            )
+        return ConditionVerdict(Truth.FALSE, said)
 
-    def _state(self, readings: Mapping[str, Reading]) -> Verdict:
+    def _state(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         alarm, address = self.alarm, self.alarm.signal
         value = self.value(address, readings)
         if not isinstance(value, str):
             return self._unknown(address, readings)
         holds = value in alarm.is_one_of or bool(alarm.is_not and value not in alarm.is_not)
         said = f"{self._signals[address].name} is {value!r}"
-        return Verdict(Truth.HOLDS if holds else Truth.FALSE, said)
+        return ConditionVerdict(Truth.HOLDS if holds else Truth.FALSE, said)
 
-    def _stale(self, readings: Mapping[str, Reading]) -> Verdict:
+    def _stale(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         address = self.alarm.signal
         name, reading = self._signals[address].name, readings.get(address)
         if reading is None:
-            return Verdict(Truth.HOLDS, f"{name} has never been heard of")
+            return ConditionVerdict(Truth.HOLDS, f"{name} has never been heard of")
         if reading.age_s > self.longest_s(address):
-            return Verdict(Truth.HOLDS, f"{name} is {_seconds(reading.age_s)} old")
-        return Verdict(Truth.FALSE, f"{name} is fresh")
+            return ConditionVerdict(Truth.HOLDS, f"{name} is {_seconds(reading.age_s)} old")
+        return ConditionVerdict(Truth.FALSE, f"{name} is fresh")
 
-    def _anomaly(self, readings: Mapping[str, Reading], seen: tuple[Seen, ...]) -> Verdict:
+    def _anomaly(
+        self, readings: Mapping[str, ConditionReading], seen: tuple[DetectedThing, ...]
+    ) -> ConditionVerdict:
         address = self.alarm.signal
         name = self._signals[address].name
         for each in seen:
             if each.score >= self.alarm.score:
-                return Verdict(Truth.HOLDS, f"{name} is unusual: {each.why}".rstrip(": "))
+                return ConditionVerdict(Truth.HOLDS, f"{name} is unusual: {each.why}".rstrip(": "))
         if self.value(address, readings) is None:
             return self._unknown(address, readings)
-        return Verdict(Truth.FALSE, f"{name} is as usual")
+        return ConditionVerdict(Truth.FALSE, f"{name} is as usual")
 
-    def _detection(self, seen: tuple[Seen, ...], *, online: bool) -> Verdict:
+    def _detection(self, seen: tuple[DetectedThing, ...], *, online: bool) -> ConditionVerdict:
         alarm = self.alarm
         for each in seen:
             if each.many >= alarm.count and each.confidence >= alarm.confidence:
                 many = f"{each.many} × {alarm.label}" if each.many > 1 else alarm.label
-                return Verdict(Truth.HOLDS, f"{many} seen ({each.confidence:.0%} sure)")
+                return ConditionVerdict(Truth.HOLDS, f"{many} seen ({each.confidence:.0%} sure)")
         if not online:
-            return Verdict(Truth.UNKNOWN, "the site is away")
-        return Verdict(Truth.FALSE, f"no {alarm.label} seen")
+            return ConditionVerdict(Truth.UNKNOWN, "the site is away")
+        return ConditionVerdict(Truth.FALSE, f"no {alarm.label} seen")
 
-    def _enclosure(self, enclosures: Mapping[str, str], *, online: bool) -> Verdict:
+    def _enclosure(self, enclosures: Mapping[str, str], *, online: bool) -> ConditionVerdict:
         if not online:
-            return Verdict(Truth.UNKNOWN, "the site is away")
+            return ConditionVerdict(Truth.UNKNOWN, "the site is away")
         of = [why for name, why in enclosures.items() if self.alarm.enclosure in {"", name}]
         if not of:
-            return Verdict(Truth.UNKNOWN, "its gateway has not told of it yet")
+            return ConditionVerdict(Truth.UNKNOWN, "its gateway has not told of it yet")
         for why in of:
             if why:
-                return Verdict(Truth.HOLDS, why)
-        return Verdict(Truth.FALSE, "closed, or allowed to be open")
+                return ConditionVerdict(Truth.HOLDS, why)
+        return ConditionVerdict(Truth.FALSE, "closed, or allowed to be open")
 
-    def _compared(self, readings: Mapping[str, Reading]) -> Verdict:
+    def _compared(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         values = {address: self.value(address, readings) for address in self.channels}
         found = self._expression.judge(values) if self._expression else None
         if found is None:
             missing = next((each for each in self.channels if values[each] is None), None)
             if missing is not None:
                 return self._unknown(missing, readings)
-            return Verdict(Truth.UNKNOWN, "it has no outcome: a division by zero?")
+            return ConditionVerdict(Truth.UNKNOWN, "it has no outcome: a division by zero?")
         said = ", ".join(
-            f"{self._signals[address].name} is {self._said(address, value)}"
+            f"{self._signals[address].name} is {self._format_value(address, value)}"
             for address, value in values.items()
             if value is not None
         )
-        return Verdict(Truth.HOLDS if found else Truth.FALSE, said[:400])
+        return ConditionVerdict(Truth.HOLDS if found else Truth.FALSE, said[:400])
 
-    def _said(self, address: str, value: Value) -> str:
+    def _format_value(self, address: str, value: Value) -> str:
         if not isinstance(value, float):
             return repr(value)
-        return _with(self._signals[address].unit, told(value))
+        return _with(self._signals[address].unit, format_number(value))
 
 
-def told(value: float, limits: Sequence[float] = ()) -> str:
+def format_number(value: float, limits: Sequence[float] = ()) -> str:
     """Say a number in four digits, or in as many as it takes to stand where it does to limits."""
     text = ""
     for digits in range(4, 18):

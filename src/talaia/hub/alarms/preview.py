@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.clock import SECOND
-from talaia.hub.alarms.conditions import Condition, Reading, Truth
-from talaia.hub.alarms.watch import Turn, Watch
+from talaia.hub.alarms.conditions import AlarmCondition, ConditionReading, Truth
+from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -59,9 +59,11 @@ class Preview(NamedTuple):
     unknown_us: int
 
 
-def preview(condition: Condition, tracks: Mapping[str, Track], from_us: int, to_us: int) -> Preview:
+def preview(
+    condition: AlarmCondition, tracks: Mapping[str, Track], from_us: int, to_us: int
+) -> Preview:
     """Let the samples of a window pass before a condition, with its delays."""
-    watch = Watch(condition.alarm, on=False)
+    watch = ConditionWatch(condition.alarm, on=False)
     spans: list[Span] = []
     begun, why, count, unknown, last = 0, "", 0, 0, from_us
     for now_us, readings in _moments(condition, tracks, from_us, to_us):
@@ -69,10 +71,10 @@ def preview(condition: Condition, tracks: Mapping[str, Track], from_us: int, to_
             unknown += now_us - last
         last = now_us
         verdict = condition.judge(readings, (), held=watch.on, online=True)
-        edge = watch.take(verdict, now_us * 1000)
+        edge = watch.update_verdict(verdict, now_us * 1000)
         if edge is None:
             watch.known = verdict.truth is not Truth.UNKNOWN
-        elif edge.turn is Turn.RAISE:
+        elif edge.turn is ConditionTurn.RAISE:
             begun, why, count = now_us, edge.why, count + 1
         elif len(spans) < _MOST_SPANS:
             spans.append(Span(begun, now_us, why))
@@ -82,8 +84,8 @@ def preview(condition: Condition, tracks: Mapping[str, Track], from_us: int, to_
 
 
 def _moments(
-    condition: Condition, tracks: Mapping[str, Track], from_us: int, to_us: int
-) -> Iterator[tuple[int, dict[str, Reading]]]:
+    condition: AlarmCondition, tracks: Mapping[str, Track], from_us: int, to_us: int
+) -> Iterator[tuple[int, dict[str, ConditionReading]]]:
     """Go through the moments at which something may turn, with what was known at each."""
     alarm = condition.alarm
     pauses = {0, round(alarm.delay * _US), round(alarm.clear_delay * _US)}
@@ -105,7 +107,7 @@ def _moments(
             places[address] = place
             if place:
                 age = max(0, now_us - int(track.time_us[place - 1]) - track.step_us)
-                readings[address] = Reading(
+                readings[address] = ConditionReading(
                     float(track.value[place - 1]),
                     track.texts.get(place - 1, ""),
                     age * 1000 / SECOND,

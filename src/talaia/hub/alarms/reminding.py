@@ -37,7 +37,7 @@ class Reminding:
         self._seen: tuple[int, Phase] | None = None
         self._steps = 0
 
-    def look(self, alarm: Alarm, state: State, now_ns: int, now_us: int) -> Remind | None:
+    def next_due(self, alarm: Alarm, state: State, now_ns: int, now_us: int) -> Remind | None:
         """Give what is due, if anything."""
         stands = (state.episode, state.phase)
         if stands != self._seen:

@@ -9,13 +9,13 @@ from talaia.clock import SECOND
 from talaia.hub.alarms.conditions import Truth
 
 if TYPE_CHECKING:
-    from talaia.hub.alarms.conditions import Verdict
+    from talaia.hub.alarms.conditions import ConditionVerdict
     from talaia.model.alarms.alarm import Alarm
 
-__all__ = ["Edge", "Turn", "Watch"]
+__all__ = ["ConditionTurn", "ConditionWatch", "Edge"]
 
 
-class Turn(StrEnum):
+class ConditionTurn(StrEnum):
     """Which way it went."""
 
     RAISE = "raise"
@@ -25,11 +25,11 @@ class Turn(StrEnum):
 class Edge(NamedTuple):
     """A condition that has begun or ceased to count, and why."""
 
-    turn: Turn
+    turn: ConditionTurn
     why: str
 
 
-class Watch:
+class ConditionWatch:
     """Holds one condition against its delays.
 
     What it knows is lost with the process, and no harm done: it begins with whether the alarm was
@@ -63,7 +63,7 @@ class Watch:
             each is not None for each in (self._true_since, self._false_since, self._unknown_since)
         )
 
-    def take(self, verdict: Verdict, now_ns: int) -> Edge | None:
+    def update_verdict(self, verdict: ConditionVerdict, now_ns: int) -> Edge | None:
         """Take what is true at ``now_ns`` (monotonic); give the edge, if this makes one."""
         self.why = verdict.why
         self.known = verdict.truth is not Truth.UNKNOWN
@@ -83,7 +83,7 @@ class Watch:
             self._true_since = now_ns
         if now_ns - self._true_since < self._delay_ns:
             return None
-        return self._turned(Turn.RAISE, why)
+        return self._turned(ConditionTurn.RAISE, why)
 
     def _false(self, why: str, now_ns: int) -> Edge | None:
         self._true_since = self._unknown_since = None
@@ -93,7 +93,7 @@ class Watch:
             self._false_since = now_ns
         if now_ns - self._false_since < self._clear_ns:
             return None
-        return self._turned(Turn.CLEAR, why)
+        return self._turned(ConditionTurn.CLEAR, why)
 
     def _unknown(self, why: str, now_ns: int) -> Edge | None:
         # Not seen to be false: what was true goes on counting towards its delay once it is seen
@@ -105,9 +105,9 @@ class Watch:
             return None
         if now_ns - self._unknown_since < self._unknown_ns:
             return None
-        return self._turned(Turn.RAISE, f"it cannot be judged: {why}")
+        return self._turned(ConditionTurn.RAISE, f"it cannot be judged: {why}")
 
-    def _turned(self, turn: Turn, why: str) -> Edge:
-        self.on = turn is Turn.RAISE
+    def _turned(self, turn: ConditionTurn, why: str) -> Edge:
+        self.on = turn is ConditionTurn.RAISE
         self._true_since = self._false_since = None
         return Edge(turn, why)

@@ -13,14 +13,14 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Detector", "Floats", "keep", "number", "span", "tame", "wake"]
+__all__ = ["AnomalyDetector", "Floats", "keep", "number", "span", "tame", "wake"]
 
 Floats = NDArray[np.float64]
 _NDARRAY = np.ndarray
 _LARGEST = 1e150
 
 
-class Detector(msgspec.Struct, kw_only=True):
+class AnomalyDetector(msgspec.Struct, kw_only=True):
     """Sees one sample at a time and scores it; knows nothing of what comes. By itself it sees none.
 
     Attributes:
@@ -47,7 +47,7 @@ class Detector(msgspec.Struct, kw_only=True):
         return False
 
 
-D = TypeVar("D", bound=Detector)
+D = TypeVar("D", bound=AnomalyDetector)
 
 
 def _encode(thing: object) -> object:
@@ -62,7 +62,7 @@ def _decode(kind: type, raw: object) -> object:
     raise TypeError(f"a detector holds a {kind}, which is not kept")
 
 
-def keep(detector: Detector) -> bytes:
+def keep(detector: AnomalyDetector) -> bytes:
     """Make bytes of a detector and all it has learned."""
     return msgspec.msgpack.encode(detector, enc_hook=_encode)
 

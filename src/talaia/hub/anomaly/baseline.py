@@ -9,7 +9,7 @@ from collections.abc import Sequence  # noqa: TC003 - msgspec reads the annotati
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import Detector, Floats, number, span, tame
+from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, span, tame
 
 __all__ = ["Baseline", "Quartiles", "Sorted"]
 
@@ -61,7 +61,7 @@ def _quantile(values: Sequence[float], part: float) -> float:
     return values[low] + (values[high] - values[low]) * (place - low)
 
 
-class Baseline(Detector, kw_only=True):
+class Baseline(AnomalyDetector, kw_only=True):
     """Scores the distance from the usual value in units of the usual spread.
 
     The usual value is the median of the newest samples, carried on by their drift, with what the
@@ -161,7 +161,7 @@ class Baseline(Detector, kw_only=True):
         return True
 
 
-class Quartiles(Detector, kw_only=True):
+class Quartiles(AnomalyDetector, kw_only=True):
     """The founding design's outliers: beyond ``k`` times the distance between the quartiles.
 
     Attributes:

@@ -11,10 +11,10 @@ import math
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import Detector, Floats, number, span, tame
+from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, span, tame
 from talaia.hub.anomaly.rarity import Rarity
 
-__all__ = ["Change"]
+__all__ = ["ChangePointDetector"]
 
 # Newest samples that make a mean; the stretch before it is 32 times as long.
 _PACES = (1, 3, 12, 24)
@@ -22,7 +22,7 @@ _BEFORE = 32
 _KEPT = _PACES[-1] * (_BEFORE + 1)
 
 
-class Change(Detector, kw_only=True):
+class ChangePointDetector(AnomalyDetector, kw_only=True):
     """Scores how unusual the newest changes of level are, for this signal."""
 
     rarities: list[Rarity] = msgspec.field(default_factory=lambda: [Rarity() for _ in _PACES])

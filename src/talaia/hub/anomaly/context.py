@@ -12,7 +12,7 @@ import math
 
 import msgspec
 
-from talaia.hub.anomaly.base import Detector, number, tame
+from talaia.hub.anomaly.base import AnomalyDetector, number, tame
 from talaia.hub.anomaly.baseline import Sorted
 from talaia.hub.anomaly.rarity import Rarity
 
@@ -27,7 +27,7 @@ _CARRY = 0.8
 _AGAIN = 200
 
 
-class Context(Detector, kw_only=True):
+class Context(AnomalyDetector, kw_only=True):
     """Scores how surprising the newest level is after those before it."""
 
     rarity: Rarity = msgspec.field(default_factory=Rarity)

@@ -6,8 +6,8 @@ import math
 
 import msgspec
 
-from talaia.hub.anomaly.base import Detector
-from talaia.hub.anomaly.change import Change
+from talaia.hub.anomaly.base import AnomalyDetector
+from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.knn_cad import Nearest
 from talaia.hub.anomaly.seasonal import Season
 
@@ -19,10 +19,10 @@ _SHARE = 0.5
 _SEASON_LESS = 0.30
 
 
-class Together(Detector, kw_only=True):
+class Together(AnomalyDetector, kw_only=True):
     """Scores by three detectors: the first two in the mean, the third where it is sure."""
 
-    change: Change = msgspec.field(default_factory=Change)
+    change: ChangePointDetector = msgspec.field(default_factory=ChangePointDetector)
     nearest: Nearest = msgspec.field(default_factory=Nearest)
     season: Season = msgspec.field(default_factory=Season)
     scores: list[float] = msgspec.field(default_factory=lambda: [0.0, 0.0, 0.0])

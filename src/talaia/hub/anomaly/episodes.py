@@ -7,13 +7,13 @@ from enum import StrEnum
 
 import msgspec
 
-__all__ = ["Episodes", "Turn"]
+__all__ = ["EpisodeTurn", "Episodes"]
 
 # While it learns, the bar is so much higher.
 _STRICTER = 0.08
 
 
-class Turn(StrEnum):
+class EpisodeTurn(StrEnum):
     """What a score changed."""
 
     BEGAN = "began"
@@ -45,13 +45,13 @@ class Episodes(msgspec.Struct, kw_only=True):
     since: int = 1_000_000
     below: int = 0
 
-    def take(self, time_us: int, score: float) -> Turn | None:
+    def update_score(self, time_us: int, score: float) -> EpisodeTurn | None:
         """Take the next score; say whether an anomaly begins or ends with it."""
         turn = self._turn(time_us, score)
         self.quiet, self.learning = max(0, self.quiet - 1), max(0, self.learning - 1)
         return turn
 
-    def _turn(self, time_us: int, score: float) -> Turn | None:
+    def _turn(self, time_us: int, score: float) -> EpisodeTurn | None:
         self.since += 1
         high = score >= self.bar
         if self.began_us >= 0:
@@ -60,12 +60,12 @@ class Episodes(msgspec.Struct, kw_only=True):
                 return None
             self.below += 1
             if self.below >= self.calm:
-                return Turn.ENDED
+                return EpisodeTurn.ENDED
             return None
         if high and self.since >= self.rest and score >= self._beginning():
             self.began_us = self.last_us = time_us
             self.top, self.below, self.since = score, 0, 0
-            return Turn.BEGAN
+            return EpisodeTurn.BEGAN
         return None
 
     def _beginning(self) -> float:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.hub.anomaly.base import Detector
+from talaia.hub.anomaly.base import AnomalyDetector
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,7 +33,7 @@ class GuardedDetector:
 
     """
 
-    def __init__(self, detector: Detector, fail: Callable[[str], None]) -> None:
+    def __init__(self, detector: AnomalyDetector, fail: Callable[[str], None]) -> None:
         """Tell ``fail`` in words what goes wrong."""
         self.detector = detector
         self.off = ""
@@ -41,15 +41,15 @@ class GuardedDetector:
         self._failures = 0
 
     def see(self, time_us: int, value: float) -> float:
-        """See `Detector.see`; 0 while it cannot say."""
+        """See `AnomalyDetector.see`; 0 while it cannot say."""
         return self._score(lambda: self.detector.see(time_us, value))
 
     def idle(self, time_us: int) -> float:
-        """See `Detector.idle`; 0 while it cannot say."""
+        """See `AnomalyDetector.idle`; 0 while it cannot say."""
         return self._score(lambda: self.detector.idle(time_us))
 
     def why(self) -> str:
-        """See `Detector.why`."""
+        """See `AnomalyDetector.why`."""
         try:
             return str(self.detector.why())[:500]
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
@@ -57,7 +57,7 @@ class GuardedDetector:
             return "the detector does not say why"
 
     def forgive(self) -> bool:
-        """See `Detector.forgive`."""
+        """See `AnomalyDetector.forgive`."""
         try:
             return bool(self.detector.forgive())
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
@@ -91,7 +91,7 @@ class GuardedDetector:
         return min(1.0, max(0.0, score))
 
 
-def extension_detector(watch: Watch, unit: str, declared: DetectorExtension) -> Detector:
+def extension_detector(watch: Watch, unit: str, declared: DetectorExtension) -> AnomalyDetector:
     """Make an extension's detector as a description asks for it.
 
     Raises:
@@ -100,6 +100,6 @@ def extension_detector(watch: Watch, unit: str, declared: DetectorExtension) -> 
     """
     keys = msgspec.convert(watch.keys, declared.keys)
     detector = declared.make(unit=unit, **msgspec.structs.asdict(keys))
-    if not isinstance(detector, Detector):
+    if not isinstance(detector, AnomalyDetector):
         raise TypeError(f"it makes a {type(detector).__name__}, which is no Detector")
     return detector

@@ -5,25 +5,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.anomaly.baseline import Baseline, Quartiles
-from talaia.hub.anomaly.change import Change
+from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.context import Context
 from talaia.hub.anomaly.ensemble import Together
 from talaia.hub.anomaly.knn_cad import Nearest
 from talaia.hub.anomaly.seasonal import Season
-from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
+from talaia.hub.anomaly.simple_rules import LimitsDetector, Missing, RateOfChange, Still
 from talaia.model.alarms.anomaly import DetectorKind
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from talaia.extensions.declared import DetectorExtension
-    from talaia.hub.anomaly.base import Detector
+    from talaia.hub.anomaly.base import AnomalyDetector
     from talaia.model.alarms.anomaly import Watch
 
-__all__ = ["KINDS", "Kind", "kind_of"]
+__all__ = ["KINDS", "RegisteredDetector", "kind_of"]
 
 
-class Kind(NamedTuple):
+class RegisteredDetector(NamedTuple):
     """One kind of detector.
 
     Attributes:
@@ -36,7 +36,7 @@ class Kind(NamedTuple):
 
     """
 
-    make: type[Detector]
+    make: type[AnomalyDetector]
     bar: float
     name: str
     quiet: int = 0
@@ -46,22 +46,22 @@ class Kind(NamedTuple):
 
 # A signal that drifts slowly looks new with every sample until a long stretch of it is known.
 _QUIET, _LEARNING = 250, 1_000
-KINDS: dict[str, Kind] = {
-    "together": Kind(Together, 0.65, "all together", _QUIET, _LEARNING),
-    "change": Kind(Change, 0.66, "change of level", _QUIET, _LEARNING),
-    "nearest": Kind(Nearest, 0.51, "nearest stretches (KNN-CAD)", _QUIET, _LEARNING),
-    "season": Kind(Season, 0.7, "time of day"),
-    "baseline": Kind(Baseline, 0.5, "robust baseline"),
-    "context": Kind(Context, 0.7, "context"),
-    "iqr": Kind(Quartiles, 0.5, "quartiles"),
-    "still": Kind(Still, 0.5, "flat line"),
-    "missing": Kind(Missing, 0.5, "missing data"),
-    "rate": Kind(RateOfChange, 0.5, "rate of change"),
-    "limits": Kind(Limits, 0.5, "limits", learns=False),
+KINDS: dict[str, RegisteredDetector] = {
+    "together": RegisteredDetector(Together, 0.65, "all together", _QUIET, _LEARNING),
+    "change": RegisteredDetector(ChangePointDetector, 0.66, "change of level", _QUIET, _LEARNING),
+    "nearest": RegisteredDetector(Nearest, 0.51, "nearest stretches (KNN-CAD)", _QUIET, _LEARNING),
+    "season": RegisteredDetector(Season, 0.7, "time of day"),
+    "baseline": RegisteredDetector(Baseline, 0.5, "robust baseline"),
+    "context": RegisteredDetector(Context, 0.7, "context"),
+    "iqr": RegisteredDetector(Quartiles, 0.5, "quartiles"),
+    "still": RegisteredDetector(Still, 0.5, "flat line"),
+    "missing": RegisteredDetector(Missing, 0.5, "missing data"),
+    "rate": RegisteredDetector(RateOfChange, 0.5, "rate of change"),
+    "limits": RegisteredDetector(LimitsDetector, 0.5, "limits", learns=False),
 }
 
 
-def kind_of(watch: Watch, extensions: Mapping[str, DetectorExtension]) -> Kind | None:
+def kind_of(watch: Watch, extensions: Mapping[str, DetectorExtension]) -> RegisteredDetector | None:
     """Give the kind of detector that a description asks for.
 
     Args:
@@ -77,4 +77,6 @@ def kind_of(watch: Watch, extensions: Mapping[str, DetectorExtension]) -> Kind |
     found = extensions.get(watch.extension)
     if found is None:
         return None
-    return Kind(found.make, found.bar, found.summary, found.quiet, found.learning, found.learns)
+    return RegisteredDetector(
+        found.make, found.bar, found.summary, found.quiet, found.learning, found.learns
+    )

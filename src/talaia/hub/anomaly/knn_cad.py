@@ -15,7 +15,7 @@ import math
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import Detector, Floats, number, tame
+from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Nearest"]
@@ -26,7 +26,7 @@ _KEPT = _STRETCHES + 2 * _LENGTH
 _MOST_FORGIVEN = 50
 
 
-class Nearest(Detector, kw_only=True):
+class Nearest(AnomalyDetector, kw_only=True):
     """Scores how unlike any stretch of before the newest stretch is."""
 
     rarity: Rarity = msgspec.field(default_factory=Rarity)

@@ -9,23 +9,31 @@ import msgspec
 
 from talaia.extensions.declared import DetectorExtension
 from talaia.extensions.installed import installed
-from talaia.hub.anomaly.base import Detector, keep, wake
+from talaia.hub.anomaly.base import AnomalyDetector, keep, wake
 from talaia.hub.anomaly.baseline import Quartiles
-from talaia.hub.anomaly.episodes import Episodes, Turn
+from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 from talaia.hub.anomaly.guarded import GuardedDetector, extension_detector
-from talaia.hub.anomaly.kinds import KINDS, Kind, kind_of
-from talaia.hub.anomaly.simple_rules import Limits, Missing, RateOfChange, Still
+from talaia.hub.anomaly.kinds import KINDS, RegisteredDetector, kind_of
+from talaia.hub.anomaly.simple_rules import LimitsDetector, Missing, RateOfChange, Still
 from talaia.model.alarms.anomaly import DetectorKind
 
 if TYPE_CHECKING:
     from talaia.model.alarms.anomaly import Watch
 
-__all__ = ["SCORES", "Began", "Ended", "Watched", "detector_of", "score_address", "signal_of"]
+__all__ = [
+    "SCORES",
+    "AnomalyBegan",
+    "AnomalyEnded",
+    "DetectorRunner",
+    "detector_of",
+    "score_address",
+    "signal_of",
+]
 
 # Between a signal's address and the detector; no other address holds it.
 SCORES = "~"
 # An extension that is not installed here: nobody judges by it.
-_MISSING = Kind(Detector, 1.0, "not installed at this hub", learns=False)
+_MISSING = RegisteredDetector(AnomalyDetector, 1.0, "not installed at this hub", learns=False)
 # A score is written down when it has moved so far, and at least this often (µs).
 _MOVED = 0.05
 _EVERY_US = 60_000_000
@@ -43,7 +51,7 @@ def signal_of(address: str) -> str:
     return address.partition(SCORES)[0]
 
 
-def detector_of(watch: Watch, unit: str) -> Detector | GuardedDetector:
+def detector_of(watch: Watch, unit: str) -> AnomalyDetector | GuardedDetector:
     """Make a new detector as a description asks for it.
 
     One of an extension that is not installed, or that cannot be made, sees nothing.
@@ -60,7 +68,7 @@ def detector_of(watch: Watch, unit: str) -> Detector | GuardedDetector:
         case "rate":
             return RateOfChange(unit=unit, most=watch.most)
         case "limits":
-            return Limits(unit=unit, minimum=watch.minimum, maximum=watch.maximum)
+            return LimitsDetector(unit=unit, minimum=watch.minimum, maximum=watch.maximum)
         case _:
             return KINDS[watch.detector].make(unit=unit)
 
@@ -70,7 +78,7 @@ def _of_extension(watch: Watch, unit: str) -> GuardedDetector:
         installed().note_failure(DetectorExtension, watch.extension, problem)
 
     found = installed().detectors().get(watch.extension)
-    guarded = GuardedDetector(Detector(unit=unit), fail)
+    guarded = GuardedDetector(AnomalyDetector(unit=unit), fail)
     if found is None:
         guarded.off = "it is not installed at this hub"
         fail(f"{guarded.off}, and a site asks for it")
@@ -84,7 +92,7 @@ def _of_extension(watch: Watch, unit: str) -> GuardedDetector:
 
 
 @dataclass(frozen=True, slots=True)
-class Began:
+class AnomalyBegan:
     """An anomaly begins: when (µs), its score and why."""
 
     time_us: int
@@ -93,7 +101,7 @@ class Began:
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class AnomalyEnded:
     """An anomaly is over: from its first to its last high sample (µs), its greatest score, why."""
 
     began_us: int
@@ -102,7 +110,7 @@ class Ended:
     why: str
 
 
-class Watched:
+class DetectorRunner:
     """A detector at work.
 
     Attributes:
@@ -176,7 +184,7 @@ class Watched:
         """So many samples until it has learned; before, it tells of what is clear at the most."""
         return self.episodes.learning
 
-    def see(self, time_us: int, value: float) -> Began | Ended | None:
+    def see(self, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
         """Look at one sample; those that are not numbers or not newer are passed over."""
         if time_us <= self._newest_us:
             self.late += 1
@@ -185,14 +193,14 @@ class Watched:
             return None
         self._newest_us = time_us
         self.changed = True
-        return self._take(time_us, self.detector.see(time_us, value))
+        return self._update_score(time_us, self.detector.see(time_us, value))
 
-    def idle(self, time_us: int) -> Began | Ended | None:
+    def idle(self, time_us: int) -> AnomalyBegan | AnomalyEnded | None:
         """Look at the clock: some detectors are about what does not come."""
         score = self.detector.idle(time_us)
         if score < self.episodes.bar or time_us <= self._newest_us:
             return None
-        return self._take(time_us, score)
+        return self._update_score(time_us, score)
 
     def forgive(self) -> bool:
         """Learn that the newest peak was no anomaly; false where nothing can be learned."""
@@ -205,23 +213,23 @@ class Watched:
         learned, self._learned = self._learned, False
         return learned
 
-    def _take(self, time_us: int, score: float) -> Began | Ended | None:
+    def _update_score(self, time_us: int, score: float) -> AnomalyBegan | AnomalyEnded | None:
         self.score = score
         learning = self.episodes.learning
-        turn = self.episodes.take(time_us, score)
+        turn = self.episodes.update_score(time_us, score)
         self._learned = self._learned or (learning > 0 and not self.episodes.learning)
-        if turn is Turn.BEGAN:
+        if turn is EpisodeTurn.BEGAN:
             self.why = self.detector.why()
             self.from_us, self.to_us, self.forgiven = time_us, 0, False
-            return Began(time_us, score, self.why)
-        return self._close() if turn is Turn.ENDED else None
+            return AnomalyBegan(time_us, score, self.why)
+        return self._close() if turn is EpisodeTurn.ENDED else None
 
-    def end(self) -> Ended | None:
+    def end(self) -> AnomalyEnded | None:
         """End an anomaly that is on, because its signal is no longer watched."""
         return None if self.episodes.began_us < 0 else self._close()
 
-    def _close(self) -> Ended:
-        ended = Ended(*self.episodes.close(), self.why)
+    def _close(self) -> AnomalyEnded:
+        ended = AnomalyEnded(*self.episodes.close(), self.why)
         self.to_us = ended.ended_us
         return ended
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import Detector, Floats, number, tame
+from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, tame
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Season"]
@@ -29,7 +29,7 @@ def _nothing() -> Floats:
     return np.full(_KEPT, np.nan)
 
 
-class Season(Detector, kw_only=True):
+class Season(AnomalyDetector, kw_only=True):
     """Scores how far the newest hours are from the same hours of each of the days before."""
 
     rarity: Rarity = msgspec.field(default_factory=Rarity)

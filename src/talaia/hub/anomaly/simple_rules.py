@@ -6,17 +6,17 @@ import math
 
 import msgspec
 
-from talaia.hub.anomaly.base import Detector, number, span, tame
+from talaia.hub.anomaly.base import AnomalyDetector, number, span, tame
 from talaia.hub.anomaly.baseline import Sorted
 
-__all__ = ["Limits", "Missing", "RateOfChange", "Still"]
+__all__ = ["LimitsDetector", "Missing", "RateOfChange", "Still"]
 
 _LEAST = 30
 # So many times the longest usual pause, or the fastest usual change, score one half.
 _TIMES = 3.0
 
 
-class Still(Detector, kw_only=True):
+class Still(AnomalyDetector, kw_only=True):
     """A flat line: the value has not moved for far longer than it ever does.
 
     Attributes:
@@ -69,7 +69,7 @@ class Still(Detector, kw_only=True):
         return True
 
 
-class Missing(Detector, kw_only=True):
+class Missing(AnomalyDetector, kw_only=True):
     """Data that do not come: a pause far longer than the usual interval.
 
     Attributes:
@@ -124,7 +124,7 @@ class Missing(Detector, kw_only=True):
         return True
 
 
-class RateOfChange(Detector, kw_only=True):
+class RateOfChange(AnomalyDetector, kw_only=True):
     """A value that moves faster than it should.
 
     Attributes:
@@ -173,7 +173,7 @@ class RateOfChange(Detector, kw_only=True):
         return True
 
 
-class Limits(Detector, kw_only=True):
+class LimitsDetector(AnomalyDetector, kw_only=True):
     """A value out of the limits a person set. It learns nothing: limits are changed by hand.
 
     Attributes:

@@ -8,7 +8,7 @@ from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem
 from talaia.hub.errors import HubBusy, StoreDown
-from talaia.hub.policy import BY_SCRIPT, SOCKETS, Need, allows, need_of_route
+from talaia.hub.policy import BY_SCRIPT, SOCKETS, AccessNeed, allows, need_of_route
 from talaia.hub.store.accounts.known_browsers import KNOWN_S
 from talaia.hub.store.accounts.tokens import MARK
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.gateways.join_queue import Admission
+    from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.settings import Settings
-    from talaia.hub.store.accounts.sessions import Alive, Sessions
+    from talaia.hub.store.accounts.sessions import LiveSession, Sessions
     from talaia.hub.store.accounts.tokens import ApiTokens
     from talaia.hub.store.sites.site_registry import GatewayKey, SiteRegistry
 
@@ -50,7 +50,7 @@ class Access:
         tokens: ApiTokens,
         sites: Sites,
         registry: SiteRegistry,
-        admission: Admission,
+        admission: JoinQueue,
         settings: Settings,
     ) -> None:
         """Know people by ``sessions``, scripts by ``tokens`` and gateways by ``registry``."""
@@ -86,7 +86,7 @@ class Access:
             self.cookie, path="/", secure=self._tls, httponly=True, samesite="strict"
         )
 
-    async def who(self, connection: HTTPConnection) -> Alive | None:
+    async def who(self, connection: HTTPConnection) -> LiveSession | None:
         """Tell who is asking: by the token where one is sent, else by the cookie.
 
         Raises:
@@ -113,7 +113,7 @@ class Access:
 
         """
         need = need_of_route(request.method, request.scope["route"].path)
-        if need is Need.OPEN:
+        if need is AccessNeed.OPEN:
             return
         if b"%00" in request.scope["query_string"]:
             raise ApiProblem(422, "invalid", "the query holds the character NUL")
@@ -130,30 +130,30 @@ class Access:
         if allows(need, who.grants, described):
             request.state.live = live
             return
-        if site and not allows(Need.SEE, who.grants, described):
+        if site and not allows(AccessNeed.SEE, who.grants, described):
             raise ApiProblem(404, "unknown", "there is no such site")
         raise ApiProblem(403, "forbidden", "you do not have the right to do this")
 
     async def admit(self, socket: WebSocket) -> Who | None:
         """Tell who opens a socket; None when they were sent away before the upgrade."""
-        need = SOCKETS.get(socket.scope["path"], Need.NEVER)
+        need = SOCKETS.get(socket.scope["path"], AccessNeed.NEVER)
         try:
             alive = await self.who(socket)
         except StoreDown:
             await deny(socket, 503, "store", STORE_DOWN)
             return None
-        if alive is None or need not in {Need.SESSION, Need.SEE}:
+        if alive is None or need not in {AccessNeed.SESSION, AccessNeed.SEE}:
             await deny(socket, 401, "unauthorized", "sign in first")
             return None
         return alive.who
 
     async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:
         """Tell which gateway opens a socket; None when it was sent away before the upgrade."""
-        need = SOCKETS.get(socket.scope["path"], Need.NEVER)
+        need = SOCKETS.get(socket.scope["path"], AccessNeed.NEVER)
         kind, _, key = socket.headers.get("authorization", "").partition(" ")
         found = None
         try:
-            if need is Need.GATEWAY and kind.lower() == "bearer" and key:
+            if need is AccessNeed.GATEWAY and kind.lower() == "bearer" and key:
                 async with self._admission.turn():
                     found = await self._registry.gateway_of(key.strip())
         except HubBusy as error:
@@ -183,9 +183,9 @@ def who_of(request: Request) -> Who:
     return alive_of(request).who
 
 
-def alive_of(request: Request) -> Alive:
+def alive_of(request: Request) -> LiveSession:
     """Give the session of the person the guard has let pass."""
-    alive: Alive = request.state.alive
+    alive: LiveSession = request.state.alive
     return alive
 
 

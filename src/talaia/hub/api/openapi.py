@@ -8,7 +8,7 @@ from fastapi import APIRouter, FastAPI, Request
 
 from talaia import __version__
 from talaia.hub.api.schemas.common import ProblemShape
-from talaia.hub.policy import BY_SCRIPT, Need, need_of_route
+from talaia.hub.policy import BY_SCRIPT, AccessNeed, need_of_route
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,14 +30,14 @@ _SCHEMES = {
         "description": "A token of POST /api/me/tokens, with some of its person's rights.",
     },
 }
-_NEEDS: Mapping[Need, str] = {
-    Need.OPEN: "Nothing: nobody has to be signed in.",
-    Need.SESSION: "To be signed in, by a session or a token.",
-    Need.OWN: "To be signed in oneself; a token does not do.",
-    Need.SEE: "That the site, or something of it, is public or open to you.",
-    Need.VIEW: "The right to view the site.",
-    Need.USE: "The right to use the site.",
-    Need.ADMIN: "The right to manage the whole hub.",
+_NEEDS: Mapping[AccessNeed, str] = {
+    AccessNeed.OPEN: "Nothing: nobody has to be signed in.",
+    AccessNeed.SESSION: "To be signed in, by a session or a token.",
+    AccessNeed.OWN: "To be signed in oneself; a token does not do.",
+    AccessNeed.SEE: "That the site, or something of it, is public or open to you.",
+    AccessNeed.VIEW: "The right to view the site.",
+    AccessNeed.USE: "The right to use the site.",
+    AccessNeed.ADMIN: "The right to manage the whole hub.",
 }
 _SAID: Mapping[int, str] = {
     400: "The body is no JSON.",
@@ -139,7 +139,7 @@ def _complete(operation: dict[str, Any], method: str, path: str) -> None:
     operation["description"] = (
         f"{operation.get('description', '').strip()}\n\nNeeds: {_NEEDS[need]}".strip()
     )
-    if need is Need.OPEN:
+    if need is AccessNeed.OPEN:
         operation["security"] = []
     else:
         schemes = [_SESSION, _TOKEN] if need in BY_SCRIPT else [_SESSION]
@@ -149,10 +149,10 @@ def _complete(operation: dict[str, Any], method: str, path: str) -> None:
     operation["responses"] = dict(sorted(operation["responses"].items()))
 
 
-def _answers(need: Need, method: str, path: str, *, body: bool) -> frozenset[int]:
+def _answers(need: AccessNeed, method: str, path: str, *, body: bool) -> frozenset[int]:
     """Give the statuses by which a route may say no."""
     statuses = set(_ANYONE)
-    if need is not Need.OPEN:
+    if need is not AccessNeed.OPEN:
         statuses |= {401, 403, 429, 503}
     if method != "GET":
         statuses |= {403, 415}

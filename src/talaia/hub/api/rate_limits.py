@@ -11,8 +11,8 @@ from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 from talaia.clock import SECOND
 from talaia.hub.api.access import who_of
 from talaia.hub.api.problems import ApiProblem
-from talaia.hub.auth.rate_limiter import Pace
-from talaia.hub.policy import Need, need_of_route
+from talaia.hub.auth.rate_limiter import RateLimiter
+from talaia.hub.policy import AccessNeed, need_of_route
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.auth.permissions import Who
 
-__all__ = ["MOST_SOCKETS", "Limits"]
+__all__ = ["MOST_SOCKETS", "RateLimits"]
 
 
 class Rate(NamedTuple):
@@ -57,15 +57,15 @@ MOST_SOCKETS = 100
 SOCKETS = Rate(burst=150, per_s=5.0)
 
 
-class Limits:
+class RateLimits:
     """Counts by person."""
 
     def __init__(self, clock: Clock) -> None:
         """Start with a clean slate."""
         self._clock = clock
-        self._paces = {route: Pace(*rate) for route, rate in RATES.items()}
-        self._any = Pace(*ANY)
-        self._opening = Pace(*SOCKETS)
+        self._paces = {route: RateLimiter(*rate) for route, rate in RATES.items()}
+        self._any = RateLimiter(*ANY)
+        self._opening = RateLimiter(*SOCKETS)
         self._open: Counter[int] = Counter()
 
     async def ask(self, request: Request) -> None:
@@ -76,10 +76,10 @@ class Limits:
 
         """
         path = request.scope["route"].path
-        if need_of_route(request.method, path) is Need.OPEN:
+        if need_of_route(request.method, path) is AccessNeed.OPEN:
             return
         pace = self._paces.get(path, self._any)
-        wait_ns = pace.take(who_of(request).user, self._clock.monotonic_ns())
+        wait_ns = pace.request_turn(who_of(request).user, self._clock.monotonic_ns())
         if wait_ns:
             raise ApiProblem(
                 429, "busy", "you ask too much at once; wait a little", -(-wait_ns // SECOND)
@@ -90,7 +90,7 @@ class Limits:
         """Count a socket while it is open; gives False when it is one too many."""
         allowed = (
             self._open[who.user] < MOST_SOCKETS
-            and self._opening.take(who.user, self._clock.monotonic_ns()) == 0
+            and self._opening.request_turn(who.user, self._clock.monotonic_ns()) == 0
         )
         if not allowed:
             yield False

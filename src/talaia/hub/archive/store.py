@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from talaia.hub.store.database import Database
     from talaia.wire.frames import ArchiveOffer
 
-__all__ = ["Archive", "Cone", "Frame", "Night", "Wanted"]
+__all__ = ["Archive", "ArchivedFrame", "Cone", "Night", "Wanted"]
 
 log = logging.getLogger(__name__)
 _MOST_ROWS = 5_000
 _MOST_CACHED = 64
 
 
-class Frame(NamedTuple):
+class ArchivedFrame(NamedTuple):
     """One picture. Names are those of `fits_reader.Facts`.
 
     Attributes:
@@ -98,7 +98,9 @@ class Archive:
         self._looking = asyncio.Semaphore(1)
         self._cached: dict[tuple[int, str], bytes | Looks] = {}
 
-    async def take(self, site: str, zone: str, offer: ArchiveOffer, path: Path) -> Frame:
+    async def archive_file(
+        self, site: str, zone: str, offer: ArchiveOffer, path: Path
+    ) -> ArchivedFrame:
         """Check a file that has come whole, and put it in; it is moved.
 
         Raises:
@@ -157,7 +159,7 @@ class Archive:
 
     async def find(
         self, site: str, devices: Collection[str], wanted: Wanted, limit: int
-    ) -> tuple[list[Frame], bool]:
+    ) -> tuple[list[ArchivedFrame], bool]:
         """Find pictures of these cameras, newest first, and tell whether there are more."""
         query = select(table).where(
             table.c.site == site,
@@ -189,18 +191,18 @@ class Archive:
             found = [each for each in found if _within(each, cone)]
         return found[:limit], len(found) > limit
 
-    async def get(self, site: str, frame: int) -> Frame | None:
+    async def get(self, site: str, frame: int) -> ArchivedFrame | None:
         """Find one picture."""
         query = select(table).where(table.c.site == site, table.c.id == frame)
         async with self._database.read() as connection:
             row = (await connection.execute(query)).mappings().first()
         return None if row is None else _frame(row)
 
-    def path(self, frame: Frame) -> Path:
+    def path(self, frame: ArchivedFrame) -> Path:
         """Say where its file is."""
         return self._folder / frame.site / frame.night / frame.name
 
-    async def looks(self, frame: Frame) -> Looks:
+    async def looks(self, frame: ArchivedFrame) -> Looks:
         """Give statistics, histogram and header.
 
         Raises:
@@ -214,7 +216,7 @@ class Archive:
             self._cache(frame.id, "", found)
         return found
 
-    async def preview(self, frame: Frame, stretch: str, px: int) -> bytes:
+    async def preview(self, frame: ArchivedFrame, stretch: str, px: int) -> bytes:
         """Draw it as PNG.
 
         Raises:
@@ -234,7 +236,7 @@ class Archive:
             del self._cached[next(iter(self._cached))]
         self._cached[frame, what] = value
 
-    async def _of_digest(self, site: str, digest: str) -> Frame | None:
+    async def _of_digest(self, site: str, digest: str) -> ArchivedFrame | None:
         query = select(table).where(table.c.site == site, table.c.digest == digest)
         async with self._database.read() as connection:
             row = (await connection.execute(query)).mappings().first()
@@ -265,7 +267,7 @@ def _stored(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def _within(frame: Frame, cone: Cone) -> bool:
+def _within(frame: ArchivedFrame, cone: Cone) -> bool:
     if math.isnan(frame.ra_deg) or math.isnan(frame.dec_deg):
         return False
     a1, d1, a2, d2 = map(math.radians, (frame.ra_deg, frame.dec_deg, cone.ra_deg, cone.dec_deg))
@@ -273,11 +275,11 @@ def _within(frame: Frame, cone: Cone) -> bool:
     return math.degrees(2 * math.asin(min(1.0, math.sqrt(half)))) <= cone.radius_deg
 
 
-def _frame(row: RowMapping) -> Frame:
+def _frame(row: RowMapping) -> ArchivedFrame:
     def number(key: str) -> float:
         return math.nan if row[key] is None else float(row[key])
 
-    return Frame(
+    return ArchivedFrame(
         row["id"], row["site"], row["device"], row["night"], row["name"], row["time_us"],
         row["target"], row["filter"], row["kind"], number("exposure_s"), number("ra_deg"),
         number("dec_deg"), row["width"], row["height"], row["bytes"], row["digest"],

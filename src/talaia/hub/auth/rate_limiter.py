@@ -12,12 +12,12 @@ from talaia.clock import SECOND
 if TYPE_CHECKING:
     from collections.abc import Hashable
 
-__all__ = ["Pace"]
+__all__ = ["RateLimiter"]
 
 _MOST_KEPT = 10_000
 
 
-class Pace:
+class RateLimiter:
     """Counts by key (a person, an address). Times are the hub's monotonic nanoseconds."""
 
     def __init__(self, burst: int, per_s: float) -> None:
@@ -27,7 +27,7 @@ class Pace:
         # When all that was taken so far is worked off, at the pace for long.
         self._due_ns: dict[Hashable, int] = {}
 
-    def take(self, key: Hashable, now_ns: int) -> int:
+    def request_turn(self, key: Hashable, now_ns: int) -> int:
         """Take one; give 0, or how long (ns) to wait because it was too many."""
         due = max(now_ns, self._due_ns.pop(key, now_ns)) + self._step_ns
         wait = due - now_ns - self._slack_ns

@@ -18,10 +18,10 @@ from talaia.clock import SECOND
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["FORGET_NS", "Counted", "Kind", "Throttle"]
+__all__ = ["FORGET_NS", "AttemptKind", "CountedAttempts", "Throttle"]
 
 
-class Kind(StrEnum):
+class AttemptKind(StrEnum):
     """What wrong tries are counted by."""
 
     USER = "user"
@@ -29,10 +29,10 @@ class Kind(StrEnum):
     BROWSER = "browser"
 
 
-class Counted(NamedTuple):
+class CountedAttempts(NamedTuple):
     """A count as it is kept; 0 wrong tries: forget it."""
 
-    kind: Kind
+    kind: AttemptKind
     key: str
     wrong: int
     last_ns: int
@@ -53,9 +53,9 @@ class _Rule:
 
 
 _RULES = {
-    Kind.USER: _Rule(free=5, longest_s=60),
-    Kind.ADDRESS: _Rule(free=20, longest_s=60),
-    Kind.BROWSER: _Rule(free=5, longest_s=60),
+    AttemptKind.USER: _Rule(free=5, longest_s=60),
+    AttemptKind.ADDRESS: _Rule(free=20, longest_s=60),
+    AttemptKind.BROWSER: _Rule(free=5, longest_s=60),
 }
 FORGET_NS = 900 * SECOND
 _MOST_KEPT = 10_000
@@ -70,8 +70,8 @@ class Throttle:
 
     def __init__(self) -> None:
         """Start with a clean slate."""
-        self._tries: dict[Kind, dict[str, _Tries]] = {kind: {} for kind in Kind}
-        self._changed: set[tuple[Kind, str]] = set()
+        self._tries: dict[AttemptKind, dict[str, _Tries]] = {kind: {} for kind in AttemptKind}
+        self._changed: set[tuple[AttemptKind, str]] = set()
 
     def wait_ns(self, user: str, address: str, now_ns: int, browser: str = "") -> int:
         """Tell how long this person at this address must wait; 0 when they may try now."""
@@ -98,7 +98,7 @@ class Throttle:
     def succeeded(self, user: str, address: str, browser: str = "") -> None:
         """Forget the person's wrong tries, and take this one off the address's count."""
         for kind, key in _keys(user, address, browser):
-            if kind is Kind.ADDRESS:
+            if kind is AttemptKind.ADDRESS:
                 self._less(kind, key)
             elif self._tries[kind].pop(key, None) is not None:
                 self._changed.add((kind, key))
@@ -108,31 +108,31 @@ class Throttle:
         for kind, key in _keys(user, address, browser):
             self._less(kind, key)
 
-    def bring_back(self, counts: Iterable[Counted]) -> None:
+    def bring_back(self, counts: Iterable[CountedAttempts]) -> None:
         """Remember what was counted before, the oldest first."""
         for kind, key, wrong, last_ns in counts:
             self._tries[kind][key] = _Tries(wrong, last_ns)
 
-    def changes(self) -> list[Counted]:
+    def changes(self) -> list[CountedAttempts]:
         """Give what changed since this was last asked, to be kept."""
         changed, self._changed = self._changed, set()
         return [
-            Counted(kind, key, tries.wrong if tries else 0, tries.last_ns if tries else 0)
+            CountedAttempts(kind, key, tries.wrong if tries else 0, tries.last_ns if tries else 0)
             for kind, key in changed
             for tries in (self._tries[kind].get(key),)
         ]
 
-    def _less(self, kind: Kind, key: str) -> None:
+    def _less(self, kind: AttemptKind, key: str) -> None:
         tries = self._tries[kind].get(key)
         if tries is not None:
             tries.wrong = max(0, tries.wrong - 1)
             self._changed.add((kind, key))
 
 
-def _keys(user: str, address: str, browser: str) -> list[tuple[Kind, str]]:
+def _keys(user: str, address: str, browser: str) -> list[tuple[AttemptKind, str]]:
     if browser:
-        return [(Kind.BROWSER, _hash(browser))]
-    return [(Kind.USER, _hash(user)), (Kind.ADDRESS, _hash(address))]
+        return [(AttemptKind.BROWSER, _hash(browser))]
+    return [(AttemptKind.USER, _hash(user)), (AttemptKind.ADDRESS, _hash(address))]
 
 
 def _hash(text: str) -> str:

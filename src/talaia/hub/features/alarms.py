@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.alarms import AlarmPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.alarms.alarm_engine import Alarms
+from talaia.hub.live.alarms.alarm_engine import AlarmEngine
 from talaia.hub.store.alarms.alarm_states import AlarmStore
-from talaia.hub.store.alarms.notification_outbox import Notices
+from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
@@ -34,8 +34,8 @@ class AlarmsFeature(Feature):
     def __init__(self, core: Core, *, people: People, history: History, audit: Audit) -> None:
         """Preview alarms on ``history``; ``people`` are named by who acted."""
         store = AlarmStore(core.database)
-        self.outbox = Notices(core.database)
-        self.engine = Alarms(
+        self.outbox = NotificationOutbox(core.database)
+        self.engine = AlarmEngine(
             sites=core.sites,
             browsers=core.browsers,
             store=store,

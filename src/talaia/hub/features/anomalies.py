@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.anomalies import AnomalyPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.detection.anomaly_service import Watching
-from talaia.hub.store.sites.detector_state import Learned
+from talaia.hub.live.detection.anomaly_service import AnomalyService
+from talaia.hub.store.sites.detector_state import DetectorState
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms.alarm_engine import Alarms
-    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
+    from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
 
@@ -34,15 +34,15 @@ class AnomaliesFeature(Feature):
         core: Core,
         *,
         history: History,
-        reporting: Reporting,
-        alarms: Alarms,
+        reporting: RobotEvents,
+        alarms: AlarmEngine,
         audit: Audit,
     ) -> None:
         """Keep scores in ``history``; what is found goes to ``reporting`` and ``alarms``."""
-        self.detectors = Watching(
+        self.detectors = AnomalyService(
             sites=core.sites,
             history=history,
-            learned=Learned(core.database, core.clock),
+            learned=DetectorState(core.database, core.clock),
             fanout=core.fanout,
             clock=core.clock,
         )

@@ -8,7 +8,7 @@ from talaia.hub.api.records.archive import ArchivePages
 from talaia.hub.api.sites.sky import SkyPages
 from talaia.hub.archive.store import Archive
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.files.fits_archiver import PictureKeeper
+from talaia.hub.live.files.fits_archiver import FitsArchiver
 from talaia.hub.live.files.uploads import Uploads
 
 if TYPE_CHECKING:
@@ -33,6 +33,6 @@ class ArchiveFeature(Feature):
         """Write down in ``audit`` what is kept and what is refused."""
         settings = core.settings
         self.frames = Archive(core.database, settings.data / "archive")
-        keepers = {"fits": PictureKeeper(core.sites, self.frames, audit)}
+        keepers = {"fits": FitsArchiver(core.sites, self.frames, audit)}
         self.uploads = Uploads(settings.data / "uploads", keepers, settings.file_bytes)
         self.routers = [ArchivePages(self.frames).router(), SkyPages().router()]

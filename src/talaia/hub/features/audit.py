@@ -31,9 +31,9 @@ class AuditFeature(Feature):
         self.tasks = [BackgroundTask(name="write", run=self._write, stop=self._stop)]
 
     async def _write(self) -> None:
-        self.log.note("hub started")
+        self.log.append_record("hub started")
         await self.log.run()
 
     def _stop(self) -> None:
-        self.log.note("hub stopped")
+        self.log.append_record("hub stopped")
         self.log.stop()

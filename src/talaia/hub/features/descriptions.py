@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.descriptions import DescriptionPages
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.gateways.change_requests import Changes
-from talaia.hub.live.gateways.description_intake import Describing
+from talaia.hub.live.gateways.change_requests import ChangeRequests
+from talaia.hub.live.gateways.description_intake import DescriptionIntake
 from talaia.hub.store.sites.descriptions import Descriptions
 
 if TYPE_CHECKING:
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from talaia.hub.features.feature import Core
     from talaia.hub.live.gateways.description_intake import DescriptionFollower
-    from talaia.hub.live.gateways.robot_events import Reporting
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -39,16 +39,16 @@ class DescriptionsFeature(Feature):
         core: Core,
         *,
         followers: Sequence[DescriptionFollower],
-        reporting: Reporting,
-        media: Media,
+        reporting: RobotEvents,
+        media: PictureFanout,
         history: History,
         registry: SiteRegistry,
         audit: Audit,
     ) -> None:
         """Show a description to ``followers`` in their order."""
         versions = Descriptions(core.database, core.clock)
-        changes = Changes(registry)
-        self.describing = Describing(
+        changes = ChangeRequests(registry)
+        self.describing = DescriptionIntake(
             sites=core.sites,
             followers=followers,
             reporting=reporting,

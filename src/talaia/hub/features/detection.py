@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.detection.detection_service import MODELS, Detecting
+from talaia.hub.live.detection.detection_service import MODELS, DetectionService
 from talaia.hub.live.gateways.live_samples import LiveSamples
 from talaia.objects.worker import Worker
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms.alarm_engine import Alarms
-    from talaia.hub.live.detection.anomaly_service import Watching
-    from talaia.hub.live.detection.sightings import Sightings
-    from talaia.hub.live.gateways.robot_events import Reporting
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
+    from talaia.hub.live.detection.anomaly_service import AnomalyService
+    from talaia.hub.live.detection.sightings import SightingJournal
+    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.ports import History
 
 __all__ = ["DetectionFeature"]
@@ -38,19 +38,19 @@ class DetectionFeature(Feature):
         self,
         core: Core,
         *,
-        media: Media,
+        media: PictureFanout,
         history: History,
-        sightings: Sightings,
-        reporting: Reporting,
-        alarms: Alarms,
-        anomalies: Watching,
+        sightings: SightingJournal,
+        reporting: RobotEvents,
+        alarms: AlarmEngine,
+        anomalies: AnomalyService,
     ) -> None:
         """Look at ``media``; what is counted goes to ``alarms``, ``anomalies`` and ``history``."""
         self._core = core
         self.samples = LiveSamples(
             fanout=core.fanout, alarms=alarms, anomalies=anomalies, clock=core.clock
         )
-        self.cameras = Detecting(
+        self.cameras = DetectionService(
             media=media,
             sightings=sightings,
             reporting=reporting,

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.auth.secret_box import Seal
-    from talaia.hub.policy import Need
+    from talaia.hub.policy import AccessNeed
     from talaia.hub.settings import Settings
 
 __all__ = ["BackgroundTask", "Core", "Feature"]
@@ -114,7 +114,7 @@ class Feature:
     tasks: Sequence[BackgroundTask] = ()
 
     @property
-    def rules(self) -> Mapping[tuple[str, str], Need]:
+    def rules(self) -> Mapping[tuple[str, str], AccessNeed]:
         """The lines of the policy table for its routes."""
         return ROUTES_OF.get(self.name, {})
 

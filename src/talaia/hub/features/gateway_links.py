@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.gateways.join_queue import Admission
-from talaia.hub.live.gateways.link_service import Gateways
+from talaia.hub.live.gateways.join_queue import JoinQueue
+from talaia.hub.live.gateways.link_service import LinkService
 
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.features.gateways import GatewaysFeature
-    from talaia.hub.live.detection.sightings import Sightings
-    from talaia.hub.live.gateways.description_intake import Describing
+    from talaia.hub.live.detection.sightings import SightingJournal
+    from talaia.hub.live.gateways.description_intake import DescriptionIntake
     from talaia.hub.live.gateways.live_samples import LiveSamples
-    from talaia.hub.live.gateways.robot_events import Reporting
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.ports import History
 
 __all__ = ["GatewayLinksFeature"]
@@ -34,15 +34,15 @@ class GatewayLinksFeature(Feature):
         *,
         admission: SocketAdmission,
         gateways: GatewaysFeature,
-        describing: Describing,
-        reporting: Reporting,
+        describing: DescriptionIntake,
+        reporting: RobotEvents,
         samples: LiveSamples,
-        sightings: Sightings,
-        media: Media,
+        sightings: SightingJournal,
+        media: PictureFanout,
         history: History,
     ) -> None:
         """Lead what a gateway says to the parts that it is for."""
-        links = Gateways(
+        links = LinkService(
             sites=core.sites,
             describing=describing,
             reporting=reporting,
@@ -52,7 +52,7 @@ class GatewayLinksFeature(Feature):
             history=history,
             attendance=gateways.registry.attendance,
             links=gateways.links,
-            admission=Admission(),
+            admission=JoinQueue(),
             settings=core.settings,
             clock=core.clock,
         )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.hub.api.sites.gateways import GatewayPages, Proof
 from talaia.hub.certificate import certificate_of, fingerprint, key_hash
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.gateways.open_links import Links
+from talaia.hub.live.gateways.open_links import OpenLinks
 from talaia.hub.store.sites.enrolment import Enrolment
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
@@ -33,7 +33,7 @@ class GatewaysFeature(Feature):
         """Write down in ``audit`` who enrols and is revoked."""
         self._settings = core.settings
         self.registry = SiteRegistry(core.database, core.clock)
-        self.links = Links(core.sites, self.registry)
+        self.links = OpenLinks(core.sites, self.registry)
         pages = GatewayPages(
             registry=self.registry,
             enrolment=Enrolment(core.database, core.clock),

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.records.history import HistoryPages
 from talaia.hub.features.feature import Feature
-from talaia.hub.history.limits import Limits
+from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.live.offline_sites import KnownSites
+from talaia.hub.live.offline_sites import OfflineSites
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
@@ -30,9 +30,9 @@ class HistoryFeature(Feature):
 
     def __init__(self, core: Core, *, store: History | None, registry: SiteRegistry) -> None:
         """Keep samples in ``store``; none: in the database of the settings."""
-        limits = Limits(bytes=core.settings.history_bytes)
+        limits = HistoryLimits(bytes=core.settings.history_bytes)
         self.store = store or HistoryStore(core.settings.url, core.clock, limits)
-        self._known_sites = KnownSites(
+        self._known_sites = OfflineSites(
             sites=core.sites, registry=registry, history=self.store, clock=core.clock
         )
         self.routers = [HistoryPages(self.store).router()]

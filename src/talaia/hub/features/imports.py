@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.history.import_file import FOLDER
-from talaia.hub.live.files.import_inbox import Inbox
+from talaia.hub.live.files.import_inbox import ImportInbox
 from talaia.hub.live.offline_sites import ImportedSites
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -30,12 +30,12 @@ class ImportsFeature(Feature):
         *,
         registry: SiteRegistry,
         history: History,
-        alarms: Alarms,
+        alarms: AlarmEngine,
         audit: Audit,
     ) -> None:
         """Store in ``history``; a site that nobody knew is described to ``alarms``."""
         imported = ImportedSites(
             sites=core.sites, registry=registry, history=history, alarms=alarms, audit=audit
         )
-        inbox = Inbox(history, core.settings.data / FOLDER, imported.imported)
+        inbox = ImportInbox(history, core.settings.data / FOLDER, imported.imported)
         self.tasks = [BackgroundTask(name="take imports", run=inbox.run)]

@@ -8,13 +8,13 @@ from talaia.hub.api.sockets.gateway_sockets import GatewaySocket
 from talaia.hub.api.sockets.picture_sockets import PictureSockets
 from talaia.hub.features.feature import Feature
 from talaia.hub.live.pictures.media_link import MediaLinks
-from talaia.hub.live.pictures.picture_fanout import Media
+from talaia.hub.live.pictures.picture_fanout import PictureFanout
 
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.gateways.open_links import Links
-    from talaia.hub.live.pages.session_registry import Seats
+    from talaia.hub.live.gateways.open_links import OpenLinks
+    from talaia.hub.live.pages.session_registry import SocketSessions
 
 __all__ = ["MediaFeature"]
 
@@ -30,10 +30,10 @@ class MediaFeature(Feature):
     name = "media"
 
     def __init__(
-        self, core: Core, *, admission: SocketAdmission, seats: Seats, links: Links
+        self, core: Core, *, admission: SocketAdmission, seats: SocketSessions, links: OpenLinks
     ) -> None:
         """Let pages in by ``admission``; ``seats`` and ``links`` close whose right has ended."""
-        self.streams = Media(core.sites, core.clock, core.settings.linger_s)
+        self.streams = PictureFanout(core.sites, core.clock, core.settings.linger_s)
         pages = PictureSockets(
             admission=admission,
             sites=core.sites,

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.notifications import NotifyPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.notify.delivery_worker import Delivering
+from talaia.hub.notify.delivery_worker import DeliveryWorker
 from talaia.hub.notify.senders import Sender
 from talaia.hub.store.alarms.notification_channels import NotifyStore
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms.alarm_engine import Alarms
-    from talaia.hub.store.alarms.notification_outbox import Notices
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
+    from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
     from talaia.hub.store.audit import Audit
 
 __all__ = ["NotificationsFeature"]
@@ -29,12 +29,14 @@ class NotificationsFeature(Feature):
 
     name = "notifications"
 
-    def __init__(self, core: Core, *, alarms: Alarms, outbox: Notices, audit: Audit) -> None:
+    def __init__(
+        self, core: Core, *, alarms: AlarmEngine, outbox: NotificationOutbox, audit: Audit
+    ) -> None:
         """Deliver what ``alarms`` puts into ``outbox``, and show there what cannot be."""
         store = NotifyStore(core.database, core.seal)
         self._alarms = alarms
         self.sender = Sender(core.settings.notify_networks)
-        self._delivering = Delivering(
+        self._delivering = DeliveryWorker(
             notices=outbox,
             store=store,
             sender=self.sender,

@@ -9,16 +9,16 @@ from talaia.hub.api.sites.sites import SitePages
 from talaia.hub.api.sockets.page_sockets import PageMessages, PageSockets
 from talaia.hub.api.static_pages import Pages
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.pages.message_authorizer import Gate
-from talaia.hub.live.pages.page_commands import Commanding
+from talaia.hub.live.pages.message_authorizer import MessageAuthorizer
+from talaia.hub.live.pages.page_commands import PageCommands
 from talaia.web import static_dir
 
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.features.sightings import SightingsFeature
-    from talaia.hub.live.gateways.robot_events import Reporting
-    from talaia.hub.live.pages.session_registry import Seats
+    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.pages.session_registry import SocketSessions
     from talaia.hub.store.audit import Audit
 
 __all__ = ["PagesFeature"]
@@ -34,21 +34,21 @@ class PagesFeature(Feature):
         core: Core,
         *,
         admission: SocketAdmission,
-        seats: Seats,
-        reporting: Reporting,
+        seats: SocketSessions,
+        reporting: RobotEvents,
         sightings: SightingsFeature,
         audit: Audit,
     ) -> None:
         """Tell a page that comes what ``reporting`` and ``sightings`` know."""
         sockets = PageSockets(
             admission=admission,
-            gate=Gate(sites=core.sites, rights=seats),
+            gate=MessageAuthorizer(sites=core.sites, rights=seats),
             seats=seats,
             browsers=core.browsers,
             greeters=(reporting, sightings.journal),
             messages=PageMessages(
                 fanout=core.fanout,
-                commanding=Commanding(core.sites, audit),
+                commanding=PageCommands(core.sites, audit),
                 clock=core.clock,
             ),
         )

@@ -5,25 +5,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.access import Access
-from talaia.hub.api.accounts.authentication import Proving
+from talaia.hub.api.accounts.authentication import Authentication
 from talaia.hub.api.accounts.browser_sessions import BrowserSessions
 from talaia.hub.api.accounts.own_account import OwnPages
 from talaia.hub.api.accounts.people import PeoplePages
 from talaia.hub.api.accounts.roles import RolePages
 from talaia.hub.api.accounts.sign_in import Accounts
 from talaia.hub.api.accounts.tokens import TokenPages
-from talaia.hub.api.rate_limits import Limits
+from talaia.hub.api.rate_limits import RateLimits
 from talaia.hub.api.sockets.socket_admission import SocketAdmission
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.auth.throttle import Throttle
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.gateways.join_queue import Admission
-from talaia.hub.live.pages.session_registry import Seats
-from talaia.hub.store.accounts.account_list import Roster
-from talaia.hub.store.accounts.credentials import Register
-from talaia.hub.store.accounts.failed_logins import Tries
+from talaia.hub.live.gateways.join_queue import JoinQueue
+from talaia.hub.live.pages.session_registry import SocketSessions
+from talaia.hub.store.accounts.account_list import AccountList
+from talaia.hub.store.accounts.credentials import Credentials
+from talaia.hub.store.accounts.failed_logins import FailedLogins
 from talaia.hub.store.accounts.known_browsers import KnownBrowsers
-from talaia.hub.store.accounts.mfa import Factors
+from talaia.hub.store.accounts.mfa import SecondFactors
 from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
@@ -62,19 +62,19 @@ class PeopleFeature(Feature):
         self.accounts = People(database, clock)
         self.sessions = Sessions(database, clock, settings)
         self.tokens = ApiTokens(database, clock)
-        self.seats = Seats(Register(self.sessions, self.tokens), clock, settings)
+        self.seats = SocketSessions(Credentials(self.sessions, self.tokens), clock, settings)
         self.access = Access(
             sessions=self.sessions,
             tokens=self.tokens,
             sites=core.sites,
             registry=registry,
-            admission=Admission(),
+            admission=JoinQueue(),
             settings=settings,
         )
-        self.limits = Limits(clock)
+        self.limits = RateLimits(clock)
         self.admission = SocketAdmission(access=self.access, limits=self.limits)
-        self._tries = Tries(database, clock, Throttle())
-        factors = Factors(database, clock, core.seal)
+        self._tries = FailedLogins(database, clock, Throttle())
+        factors = SecondFactors(database, clock, core.seal)
         passwords = Passwords(settings.password_cost)
         sessions = BrowserSessions(
             access=self.access,
@@ -82,7 +82,7 @@ class PeopleFeature(Feature):
             browsers=KnownBrowsers(database, clock),
             seats=self.seats,
         )
-        proving = Proving(
+        proving = Authentication(
             sessions=sessions,
             people=self.accounts,
             passwords=passwords,
@@ -109,7 +109,7 @@ class PeopleFeature(Feature):
             TokenPages(tokens=self.tokens, seats=self.seats, audit=audit, clock=clock),
             PeoplePages(
                 people=self.accounts,
-                roster=Roster(database, self.sessions),
+                roster=AccountList(database, self.sessions),
                 passwords=passwords,
                 factors=factors,
                 sessions=sessions,

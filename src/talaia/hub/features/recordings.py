@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.live.files.uploads import Uploads
-    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.store.audit import Audit
 
 __all__ = ["RecordingsFeature"]
@@ -35,7 +35,7 @@ class RecordingsFeature(Feature):
         core: Core,
         *,
         admission: SocketAdmission,
-        links: Links,
+        links: OpenLinks,
         uploads: Uploads,
         audit: Audit,
     ) -> None:

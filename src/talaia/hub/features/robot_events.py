@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.gateways.robot_events import Reporting
+from talaia.hub.live.gateways.robot_events import RobotEvents
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
     from talaia.hub.store.audit import Audit
 
 __all__ = ["RobotEventsFeature"]
@@ -25,9 +25,9 @@ class RobotEventsFeature(Feature):
 
     name = "robot_events"
 
-    def __init__(self, core: Core, *, alarms: Alarms, audit: Audit) -> None:
+    def __init__(self, core: Core, *, alarms: AlarmEngine, audit: Audit) -> None:
         """Tell pages that come how ``alarms`` stand, too."""
-        self.reporting = Reporting(
+        self.reporting = RobotEvents(
             sites=core.sites,
             browsers=core.browsers,
             alarms=alarms,

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.records.sightings import SightingPages
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.live.detection.sightings import Sightings
+from talaia.hub.live.detection.sightings import SightingJournal
 from talaia.hub.store.sites.sightings import SightingStore
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
 
 __all__ = ["SightingsFeature"]
 
@@ -27,10 +27,10 @@ class SightingsFeature(Feature):
 
     name = "sightings"
 
-    def __init__(self, core: Core, *, alarms: Alarms) -> None:
+    def __init__(self, core: Core, *, alarms: AlarmEngine) -> None:
         """Tell ``alarms`` of every sighting."""
         self.store = SightingStore(core.database)
-        self.journal = Sightings(
+        self.journal = SightingJournal(
             sites=core.sites,
             browsers=core.browsers,
             store=self.store,

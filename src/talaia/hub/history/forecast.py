@@ -13,7 +13,16 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["DAY_US", "WEEK_US", "Forecast", "Growth", "Room", "Warn", "forecast", "growth_of"]
+__all__ = [
+    "DAY_US",
+    "WEEK_US",
+    "Forecast",
+    "Growth",
+    "StorageRoom",
+    "Warn",
+    "forecast",
+    "growth_of",
+]
 
 DAY_US = 86_400_000_000
 WEEK_US = 7 * DAY_US
@@ -41,7 +50,7 @@ class Growth(NamedTuple):
     keep_us: int
 
 
-class Room(NamedTuple):
+class StorageRoom(NamedTuple):
     """What there is room for, in bytes.
 
     Attributes:
@@ -101,7 +110,7 @@ def growth_of(week_bytes: int, first_us: int, keep_us: int, now_us: int) -> Grow
     return Growth(week_bytes / age_us, first_us, keep_us)
 
 
-def forecast(room: Room, growing: Sequence[Growth], now_us: int) -> Forecast:
+def forecast(room: StorageRoom, growing: Sequence[Growth], now_us: int) -> Forecast:
     """Say when the room is used up if all goes on as in the last week."""
     to_limit = to_disk = None
     if room.limit:
@@ -163,7 +172,7 @@ def _oldest(growing: Iterable[Growth], at_us: int) -> int | None:
     )
 
 
-def _warn(room: Room, until: float | None, *, by_limit: bool) -> Warn:
+def _warn(room: StorageRoom, until: float | None, *, by_limit: bool) -> Warn:
     scarce = min(_SCARCE_BYTES, room.disk * _SCARCE_SHARE)
     if room.free is not None and room.free < scarce:
         return Warn.FULL

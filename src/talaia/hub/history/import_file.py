@@ -32,8 +32,16 @@ if TYPE_CHECKING:
     from talaia.wire.columns import Columns
 
 __all__ = [
-    "FOLDER", "PART", "READY", "Head", "ParcelDamaged", "ParcelWriter", "Stretch", "boot_of",
-    "read_parcel", "sweep",
+    "FOLDER",
+    "PART",
+    "READY",
+    "Head",
+    "ImportChunk",
+    "ParcelDamaged",
+    "ParcelWriter",
+    "boot_of",
+    "read_parcel",
+    "sweep",
 ]  # fmt: skip
 
 FOLDER = "import"
@@ -63,7 +71,7 @@ class Head(msgspec.Struct, frozen=True, kw_only=True):
     description: str
 
 
-class Stretch(NamedTuple):
+class ImportChunk(NamedTuple):
     """Samples of one channel; the first has the number ``first`` among those in the file.
 
     ``columns.channel`` is zero throughout.
@@ -108,7 +116,7 @@ class ParcelWriter:
         fcntl.flock(number, fcntl.LOCK_EX)
         self._file: BinaryIO = os.fdopen(number, "wb")
         self._file.write(_MAGIC)
-        self._put(msgspec.msgpack.encode(head))
+        self._write_body(msgspec.msgpack.encode(head))
 
     def __enter__(self) -> Self:
         """Give itself."""
@@ -124,7 +132,7 @@ class ParcelWriter:
         self._file.close()
         self._part.unlink(missing_ok=True)
 
-    def add(self, stretch: Stretch) -> None:
+    def add(self, stretch: ImportChunk) -> None:
         """Write samples.
 
         Raises:
@@ -132,7 +140,7 @@ class ParcelWriter:
 
         """
         body = write_row(stretch.columns)
-        self._put(msgspec.msgpack.encode(_Row(stretch.address, stretch.first, body)))
+        self._write_body(msgspec.msgpack.encode(_Row(stretch.address, stretch.first, body)))
 
     def publish(self) -> Path:
         """Force it to the disk, and let the hub see it.
@@ -147,12 +155,12 @@ class ParcelWriter:
         _sync_folder(self._ready.parent)
         return self._ready
 
-    def _put(self, body: bytes) -> None:
+    def _write_body(self, body: bytes) -> None:
         self._file.write(_FRAME.pack(len(body), crc32(body)))
         self._file.write(body)
 
 
-def read_parcel(path: Path) -> tuple[Head, Iterator[Stretch]]:
+def read_parcel(path: Path) -> tuple[Head, Iterator[ImportChunk]]:
     """Open a parcel; its samples are read as they are taken.
 
     Raises:
@@ -166,13 +174,13 @@ def read_parcel(path: Path) -> tuple[Head, Iterator[Stretch]]:
     except (StopIteration, msgspec.MsgspecError) as error:
         raise ParcelDamaged(f"{path} has no head: {error}") from error
 
-    def stretches() -> Iterator[Stretch]:
+    def stretches() -> Iterator[ImportChunk]:
         for body in bodies:
             try:
                 row = msgspec.msgpack.decode(body, type=_Row)
             except msgspec.MsgspecError as error:
                 raise ParcelDamaged(f"{path} is damaged: {error}") from error
-            yield Stretch(row.address, row.first, read_row(row.body))
+            yield ImportChunk(row.address, row.first, read_row(row.body))
 
     return head, stretches()
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["Limits"]
+__all__ = ["HistoryLimits"]
 
 
-class Limits(NamedTuple):
+class HistoryLimits(NamedTuple):
     """Sizes in samples, unless said otherwise.
 
     Attributes:

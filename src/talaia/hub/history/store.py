@@ -18,11 +18,11 @@ from talaia.hub.anomaly.runner import signal_of
 from talaia.hub.history.engine import READERS, Checkpoints, address_of, open_engine
 from talaia.hub.history.errors import HistoryBusy, HistoryError
 from talaia.hub.history.forecast import DAY_US
-from talaia.hub.history.limits import Limits
+from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.queries.channels import stored_channels
 from talaia.hub.history.queries.outliers import find_outliers
 from talaia.hub.history.queries.reader import Reader
-from talaia.hub.history.queries.sample_stream import Stretch, flow
+from talaia.hub.history.queries.sample_stream import SampleChunk, flow
 from talaia.hub.history.queries.statistics import read_statistics
 from talaia.hub.history.queries.wide_table import joined
 from talaia.hub.history.queries.window import FARTHEST_US
@@ -33,12 +33,20 @@ from talaia.hub.history.sensors.sensor_views import (
     rename_sensors,
     show_sensors,
 )
-from talaia.hub.history.sensors.view_sql import Sensor, sensors_of
+from talaia.hub.history.sensors.view_sql import SensorView, sensors_of
 from talaia.hub.history.storage import read_storage
-from talaia.hub.history.writing.block_index import Ledger
+from talaia.hub.history.writing.block_index import BlockIndex
 from talaia.hub.history.writing.retention import too_much, too_old
 from talaia.hub.history.writing.writer import Writer
-from talaia.hub.history.writing.writer_jobs import Append, Below, Describe, Drop, Gap, Rename, Show
+from talaia.hub.history.writing.writer_jobs import (
+    Append,
+    Below,
+    Describe,
+    Drop,
+    GapJob,
+    Rename,
+    Show,
+)
 from talaia.hub.store.history_tables import HISTORY_TABLES
 from talaia.hub.store.tables import metadata
 
@@ -61,7 +69,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.outliers import Outliers
     from talaia.hub.history.queries.series import Series
     from talaia.hub.history.queries.statistics import Statistics
-    from talaia.hub.history.sensors.sensor_views import SensorKind
+    from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.history.storage import Storage
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
@@ -85,19 +93,19 @@ class HistoryStore:
     epoch (UTC).
     """
 
-    def __init__(self, url: str, clock: Clock, limits: Limits | None = None) -> None:
+    def __init__(self, url: str, clock: Clock, limits: HistoryLimits | None = None) -> None:
         """Prepare for a SQLAlchemy URL with a synchronous driver; nothing is opened yet.
 
         Raises:
             HistoryError: the URL cannot be read, or its driver is not installed.
 
         """
-        limits = limits or Limits()
+        limits = limits or HistoryLimits()
         self._address = address_of(url)
         self._writing = open_engine(url, writes=True)
         self._reading = open_engine(url, writes=False)
         self._limits = limits
-        self._ledger = ledger = Ledger(self._writing, clock, limits)
+        self._ledger = ledger = BlockIndex(self._writing, clock, limits)
         self._checkpoints = Checkpoints(self._writing, self._reading)
         self._writer = Writer(ledger, self._checkpoints, clock, limits.linger_s)
         self._reader = Reader(self._reading, ledger, limits)
@@ -109,7 +117,7 @@ class HistoryStore:
         # How long each channel is kept (µs); those that are not here are kept for good.
         self._kept_us: dict[tuple[str, str], int] = {}
         # What each signal is, or was when it was last described.
-        self._kinds: dict[tuple[str, str], SensorKind] = {}
+        self._kinds: dict[tuple[str, str], StoredSensorKind] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._showing: set[asyncio.Task[None]] = set()
         self._one_site = asyncio.Lock()
@@ -160,7 +168,7 @@ class HistoryStore:
 
         """
         if len(columns):
-            await self._writer.do(Append(site, boot, first, addresses, columns))
+            await self._writer.complete_job(Append(site, boot, first, addresses, columns))
 
     async def record_gap(
         self,
@@ -180,11 +188,11 @@ class HistoryStore:
             HistoryError: it is not stored.
 
         """
-        await self._writer.do(Gap(site, boot, first, last, from_us, to_us, reason))
+        await self._writer.complete_job(GapJob(site, boot, first, last, from_us, to_us, reason))
 
     async def stored_below(self, site: str, boot: str) -> int:
         """Give the first sequence number of a boot that is neither stored nor in a gap."""
-        return await self._writer.do(Below(site, boot))
+        return await self._writer.complete_job(Below(site, boot))
 
     async def describe(self, site: Site) -> None:
         """Make a place for every signal of a description at once, and a view named after it.
@@ -197,7 +205,7 @@ class HistoryStore:
 
         """
         channels = [channel.address for channel in site.channels()]
-        await self._writer.do(Describe(site.site, channels))
+        await self._writer.complete_job(Describe(site.site, channels))
         self._keep(site)
         sensors = sensors_of(site, self._ledger.names.channels)
         missing = await self._in_thread(remember_sensors, self._writing, site.site, sensors)
@@ -223,14 +231,14 @@ class HistoryStore:
         """
         if not moves:
             return
-        await self._writer.do(Rename(site, moves))
+        await self._writer.complete_job(Rename(site, moves))
         signals = {old.partition(".")[0]: new.partition(".")[0] for old, new in moves.items()}
         await self._in_thread(rename_sensors, self._writing, site, signals)
         for old, new in signals.items():
             if (kind := self._kinds.pop((site, old), None)) is not None:
                 self._kinds.setdefault((site, new), kind)
 
-    async def _show_sensors(self, site: str, sensors: list[Sensor]) -> None:
+    async def _show_sensors(self, site: str, sensors: list[SensorView]) -> None:
         async with self._one_site:
             try:
                 await self._in_thread(
@@ -246,7 +254,7 @@ class HistoryStore:
             HistoryError: it is not stored.
 
         """
-        await self._writer.do(Show())
+        await self._writer.complete_job(Show())
 
     async def tidy(self) -> int:
         """Drop what is older than its signal keeps, and the oldest if all is too much.
@@ -267,12 +275,12 @@ class HistoryStore:
         }
         dropped = 0
         while doomed := await self._in_thread(too_old, self._reading, before_us):
-            await self._writer.do(Drop(doomed))
+            await self._writer.complete_job(Drop(doomed))
             dropped += len(doomed)
         while self._limits.bytes and (
             doomed := await self._in_thread(too_much, self._reading, self._limits.bytes)
         ):
-            await self._writer.do(Drop(doomed))
+            await self._writer.complete_job(Drop(doomed))
             dropped += len(doomed)
         if dropped:
             _LOG.info("%d blocks of the history were too old or too much, and are dropped", dropped)
@@ -310,7 +318,7 @@ class HistoryStore:
         """Tell whether a channel has ever had a sample."""
         return (site, address) in self._ledger.names.channels
 
-    def kind_of(self, site: str, address: str) -> SensorKind | None:
+    def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
         """Give what a channel's signal is, or was when it was last described; None: not known."""
         return self._kinds.get((site, address.partition(".")[0]))
 
@@ -448,7 +456,7 @@ class HistoryStore:
         if width:
             steps = {column.address for column in columns if column.states}
             shown = self._reader.read(site, addresses, from_us, to_us, width, steps)
-            flows = [iter([Stretch(each.samples(), FARTHEST_US + 1)]) for each in shown]
+            flows = [iter([SampleChunk(each.samples(), FARTHEST_US + 1)]) for each in shown]
         else:
             flows = [
                 flow(self._reading, self._ledger, site, address, from_us, to_us)

@@ -5,26 +5,26 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.hub.live.gateways.fingerprint import told_by
+from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.history.import_file import Head
-    from talaia.hub.live.alarms.alarm_engine import Alarms
-    from talaia.hub.live.files.import_inbox import Taken
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
+    from talaia.hub.live.files.import_inbox import ImportResult
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.site_registry import SiteRegistry
 
-__all__ = ["ImportedSites", "KnownSites"]
+__all__ = ["ImportedSites", "OfflineSites"]
 
 _LOG = logging.getLogger(__name__)
 
 
-class KnownSites:
+class OfflineSites:
     """Has `Sites` know them by what the registry and the history have of them."""
 
     def __init__(
@@ -51,7 +51,7 @@ class KnownSites:
                 continue
             await self._history.describe(description)
             live = self._sites.describe(description, known.catalogue)
-            live.told = told_by(known.description, known.catalogue)
+            live.told = fingerprint_of(known.description, known.catalogue)
             live.since_us = live.last_seen_us = known.last_seen_us
             live.why = "its gateway has not connected since the hub was started"
             await self._remember_values(known.site, live)
@@ -76,7 +76,7 @@ class ImportedSites:
         sites: Sites,
         registry: SiteRegistry,
         history: History,
-        alarms: Alarms,
+        alarms: AlarmEngine,
         audit: Audit,
     ) -> None:
         """Describe a site that nobody knows to all of them."""
@@ -86,7 +86,7 @@ class ImportedSites:
         self._alarms = alarms
         self._audit = audit
 
-    async def imported(self, head: Head, how: Taken) -> None:
+    async def imported(self, head: Head, how: ImportResult) -> None:
         """Write an import down, and know a site of which only recordings came."""
         if self._sites.get(head.site) is None:
             description = load_site(head.description)
@@ -96,4 +96,6 @@ class ImportedSites:
             live.why = "only recordings of it were imported"
             self._alarms.described(live)
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
-        self._audit.note("history imported", who="command line", message=message, site=head.site)
+        self._audit.append_record(
+            "history imported", who="command line", message=message, site=head.site
+        )

@@ -60,7 +60,7 @@ def main() -> None:
     try:
         outcome = _WAYS[job["kind"]](job, left)
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
-        outcome = _went("unsure" if left.yes else "again", _told(error))
+        outcome = _went("unsure" if left.yes else "again", _describe_error(error))
     if left.refused is not None and outcome["outcome"] == "again":
         outcome = _went("failed", str(left.refused))
     json.dump(outcome, sys.stdout)
@@ -129,7 +129,7 @@ def _watch(words: bytes) -> _Left:
     return left
 
 
-def _told(error: BaseException) -> str:
+def _describe_error(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
 
 
@@ -165,7 +165,7 @@ def _mail(job: Job, left: _Left) -> Outcome:
     except smtplib.SMTPResponseException as error:
         return _went(_by_code(error.smtp_code), f"{error.smtp_code} {_line(error.smtp_error)}")
     except (OSError, smtplib.SMTPException) as error:
-        return _went("unsure" if accepted else "again", _told(error))
+        return _went("unsure" if accepted else "again", _describe_error(error))
 
 
 @contextlib.contextmanager
@@ -221,7 +221,7 @@ def _webhook(job: Job, left: _Left) -> Outcome:
         answer = connection.getresponse()
         said = answer.read(300).decode("utf-8", "replace")
     except (OSError, http.client.HTTPException) as error:
-        return _went("unsure" if left.yes else "again", _told(error))
+        return _went("unsure" if left.yes else "again", _describe_error(error))
     finally:
         connection.close()
     if 200 <= answer.status < 300:
@@ -302,7 +302,7 @@ def _push(job: Job, left: _Left) -> Outcome:
             problems.append(f"a browser's push service answered {status}: {error.message}")
         except OSError as error:
             outcomes.add("unsure" if left.yes else "again")
-            problems.append(_told(error))
+            problems.append(_describe_error(error))
     # One browser that has it is enough; else what may have arrived is not sent again.
     best = next((each for each in ("sent", "unsure", "again") if each in outcomes), "failed")
     problem = "; ".join(problems) or "no browser of yours takes messages yet"
@@ -336,7 +336,7 @@ def _extension(job: Job, left: _Left) -> Outcome:
         if left.refused is not None:
             return _went("failed", str(left.refused))
         # Not sent again: nobody knows how far it came.
-        return _went("unsure", f"the extension {name!r} failed: {_told(error)}")
+        return _went("unsure", f"the extension {name!r} failed: {_describe_error(error)}")
     return _went("sent")
 
 

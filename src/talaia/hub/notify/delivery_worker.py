@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Protocol
 
 from talaia.hub.errors import StoreDown
 from talaia.hub.notify.message import compose
-from talaia.hub.notify.senders import Outcome, Went
+from talaia.hub.notify.senders import DeliveryResult, Outcome
 from talaia.hub.store.alarms.notification_channels import WayKind
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping, Sequence
 
     from talaia.clock import Clock
-    from talaia.hub.notify.message import Message
+    from talaia.hub.notify.message import AlarmMessage
     from talaia.hub.store.alarms.notification_channels import NotifyStore, PushBrowser, Way
-    from talaia.hub.store.alarms.notification_outbox import Notices, Parcel
+    from talaia.hub.store.alarms.notification_outbox import NotificationOutbox, OutboxMessage
 
-__all__ = ["Delivering", "Sends"]
+__all__ = ["DeliveryWorker", "Sends"]
 
 _LOG = logging.getLogger(__name__)
 _SECOND_US = 1_000_000
@@ -38,19 +38,19 @@ class Sends(Protocol):
         way: Way,
         secrets: Mapping[str, str],
         target: str,
-        message: Message,
+        message: AlarmMessage,
         browsers: Sequence[PushBrowser] = (),
-    ) -> Went:
+    ) -> DeliveryResult:
         """Send it; what goes wrong is in the answer."""
         ...
 
 
-class Delivering:
+class DeliveryWorker:
     """Delivers what waits in the outbox, some at once, each by itself."""
 
     def __init__(
         self,
-        notices: Notices,
+        notices: NotificationOutbox,
         store: NotifyStore,
         sender: Sends,
         clock: Clock,
@@ -101,7 +101,7 @@ class Delivering:
         while True:
             await self._turns.acquire()
             try:
-                parcel = await self._notices.take(self._now_us())
+                parcel = await self._notices.claim_due(self._now_us())
             except BaseException:
                 self._turns.release()
                 raise
@@ -114,7 +114,7 @@ class Delivering:
             return _LONGEST_NAP_S
         return min(_LONGEST_NAP_S, max(0.05, (due - self._now_us()) / _SECOND_US))
 
-    async def _deliver(self, parcel: Parcel) -> None:
+    async def _deliver(self, parcel: OutboxMessage) -> None:
         try:
             if parcel.notices:
                 found = await self._store.way(parcel.way)
@@ -133,9 +133,11 @@ class Delivering:
             self._turns.release()
             self._news.set()
 
-    async def _send(self, parcel: Parcel, found: tuple[Way, dict[str, str]] | None) -> Went:
+    async def _send(
+        self, parcel: OutboxMessage, found: tuple[Way, dict[str, str]] | None
+    ) -> DeliveryResult:
         if found is None:
-            return Went(Outcome.FAILED, "the way it was to go is there no more")
+            return DeliveryResult(Outcome.FAILED, "the way it was to go is there no more")
         way, secrets = found
         push = way.kind is WayKind.PUSH
         browsers = await self._store.browsers(parcel.user) if push else []
@@ -144,10 +146,10 @@ class Delivering:
         for number in went.gone:
             await self._store.remove_browser(parcel.user, number)
         if went.outcome is Outcome.UNSURE and _repeatable(way.kind):
-            return Went(Outcome.AGAIN, went.problem)
+            return DeliveryResult(Outcome.AGAIN, went.problem)
         return went
 
-    async def _settled(self, parcel: Parcel, went: Went, *, same: bool) -> None:
+    async def _settled(self, parcel: OutboxMessage, went: DeliveryResult, *, same: bool) -> None:
         now = self._now_us()
         match went.outcome:
             case Outcome.SENT:

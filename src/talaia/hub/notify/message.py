@@ -11,15 +11,15 @@ from talaia.hub.alarms.machine import What
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.hub.store.alarms.notification_outbox import Notice
+    from talaia.hub.store.alarms.notification_outbox import OutboxNotice
 
-__all__ = ["Message", "compose", "trial"]
+__all__ = ["AlarmMessage", "compose", "trial"]
 
 _ALARMS = "/alarms"
 _WORDS = {What.CLEARED: "over: ", What.REMINDED: "still: "}
 
 
-class Message(NamedTuple):
+class AlarmMessage(NamedTuple):
     """A message, the same by whatever way it goes.
 
     Attributes:
@@ -38,7 +38,7 @@ class Message(NamedTuple):
     open: str = _ALARMS
 
 
-def compose(key: str, notices: Sequence[Notice], zone: str) -> Message:
+def compose(key: str, notices: Sequence[OutboxNotice], zone: str) -> AlarmMessage:
     """Write one message of one or more things that happened; times in the person's zone."""
     local = ZoneInfo(zone)
     worst = max(notices, key=lambda notice: notice.severity.rank)
@@ -51,16 +51,16 @@ def compose(key: str, notices: Sequence[Notice], zone: str) -> Message:
         title = f"{len(notices)} alarm messages, the worst {worst.severity}: {worst.title}"
     else:
         title = f"{len(notices)} alarms are over"
-    body = "\n\n".join(_said(notice, local) for notice in notices)
+    body = "\n\n".join(_notice_line(notice, local) for notice in notices)
     about = {(notice.site, notice.alarm) for notice in notices}
     # Of several there is no one page but that of all.
     shown = f"{_ALARMS}?alarm={first.site}/{first.alarm}" if len(about) == 1 else _ALARMS
-    return Message(key, title, body, worst.severity.value, sites, shown)
+    return AlarmMessage(key, title, body, worst.severity.value, sites, shown)
 
 
-def trial(key: str, who: str) -> Message:
+def trial(key: str, who: str) -> AlarmMessage:
     """Write a message that only shows that one arrives."""
-    return Message(
+    return AlarmMessage(
         key,
         "Talaia: a test message",
         f"{who} asked for this test. Messages about alarms come the same way.",
@@ -69,7 +69,7 @@ def trial(key: str, who: str) -> Message:
     )
 
 
-def _said(notice: Notice, zone: ZoneInfo) -> str:
+def _notice_line(notice: OutboxNotice, zone: ZoneInfo) -> str:
     moment = dt.datetime.fromtimestamp(notice.time_us / 1e6, zone)
     head = f"{moment:%Y-%m-%d %H:%M:%S %Z}  {_WORDS.get(notice.what, '')}{notice.title}"
     return f"{head} ({notice.severity})\n{notice.text}"

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from talaia.hub.notify.address_policy import Network
-    from talaia.hub.notify.message import Message
+    from talaia.hub.notify.message import AlarmMessage
     from talaia.hub.store.alarms.notification_channels import PushBrowser, Way
 
-__all__ = ["Outcome", "Sender", "Went"]
+__all__ = ["DeliveryResult", "Outcome", "Sender"]
 
 _LONGEST_S = 60.0
 # Where to is said by a person's browser there, not by an admin: public addresses only.
@@ -47,7 +47,7 @@ class Outcome(StrEnum):
     UNSURE = "unsure"
 
 
-class Went(NamedTuple):
+class DeliveryResult(NamedTuple):
     """How it went, why not, and which browsers take no messages any more."""
 
     outcome: Outcome
@@ -67,9 +67,9 @@ class Sender:
         way: Way,
         secrets: Mapping[str, str],
         target: str,
-        message: Message,
+        message: AlarmMessage,
         browsers: Sequence[PushBrowser] = (),
-    ) -> Went:
+    ) -> DeliveryResult:
         """Send a message; everything that goes wrong is in the answer."""
         push = way.kind is WayKind.PUSH
         job = {
@@ -84,7 +84,7 @@ class Sender:
         return await _run(json.dumps(job).encode())
 
 
-async def _run(job: bytes) -> Went:
+async def _run(job: bytes) -> DeliveryResult:
     kept = {name: os.environ[name] for name in _SURROUNDINGS if name in os.environ}
     try:
         child = await asyncio.create_subprocess_exec(
@@ -97,12 +97,14 @@ async def _run(job: bytes) -> Went:
             env=kept,
         )
     except OSError as error:
-        return Went(Outcome.AGAIN, f"no process could be begun: {error}")
+        return DeliveryResult(Outcome.AGAIN, f"no process could be begun: {error}")
     try:
         async with asyncio.timeout(_LONGEST_S):
             said, wrong = await child.communicate(job)
     except TimeoutError:
-        return Went(Outcome.UNSURE, f"no end after {_LONGEST_S:g} s: it may have been delivered")
+        return DeliveryResult(
+            Outcome.UNSURE, f"no end after {_LONGEST_S:g} s: it may have been delivered"
+        )
     finally:
         if child.returncode is None:
             child.kill()
@@ -110,7 +112,7 @@ async def _run(job: bytes) -> Went:
     try:
         told = json.loads(said)
         gone = tuple(int(each) for each in told.get("gone", "").split(",") if each)
-        return Went(Outcome(told["outcome"]), told["problem"], gone)
+        return DeliveryResult(Outcome(told["outcome"]), told["problem"], gone)
     except (ValueError, KeyError):
         last = wrong.decode("utf-8", "replace").strip().splitlines()[-1:]
-        return Went(Outcome.UNSURE, f"it ended badly: {''.join(last)[:500]}")
+        return DeliveryResult(Outcome.UNSURE, f"it ended badly: {''.join(last)[:500]}")

@@ -1,7 +1,7 @@
 """The audit log: append-only, each row chained by hash to the one before.
 
-What happens is handed over with `Audit.note`, which never waits: STOP must not stand behind a
-disk. One task writes what has gathered, many rows in one transaction.
+What happens is handed over with `Audit.append_record`, which never waits: STOP must not stand
+behind a disk. One task writes what has gathered, many rows in one transaction.
 
 The hash of the newest row stands in a table of its own besides. Whoever appends locks that row, so
 that two hubs on one database make one chain; and rows that were cut off at the end show.
@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import func, insert, or_, select, update
 
 from talaia.hub.errors import StoreDown
-from talaia.hub.store.safe_text import visible
+from talaia.hub.store.safe_text import safe_text
 from talaia.hub.store.tables import audit, audit_head
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["Audit", "Chain", "Entry", "Filter", "Row", "append", "chain_hash"]
+__all__ = ["Audit", "AuditEntry", "AuditFilter", "AuditRecord", "Chain", "append", "chain_hash"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_WAITING = 20_000
@@ -41,7 +41,7 @@ _PAGE = 1000
 _HEAD = 1
 
 
-class Entry(NamedTuple):
+class AuditEntry(NamedTuple):
     """One row: what happened, where, by whom."""
 
     time_us: int
@@ -54,15 +54,15 @@ class Entry(NamedTuple):
     good: bool = True
 
 
-class Row(NamedTuple):
+class AuditRecord(NamedTuple):
     """An entry with its number; numbers rise, and may leave some out."""
 
     id: int
-    entry: Entry
+    entry: AuditEntry
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Filter:
+class AuditFilter:
     """Which rows are meant; what is None does not matter.
 
     Attributes:
@@ -121,7 +121,7 @@ class Chain(NamedTuple):
     broken: int
 
 
-def chain_hash(before: str, entry: Entry) -> str:
+def chain_hash(before: str, entry: AuditEntry) -> str:
     """Give a row's hash (SHA-256, hex) from the hash of the row before and its own fields."""
     said = json.dumps([before, *entry], ensure_ascii=True, separators=(",", ":"))
     return hashlib.sha256(said.encode()).hexdigest()
@@ -134,14 +134,14 @@ class Audit:
         """Work on ``database``; ``clock`` stamps each note."""
         self._database = database
         self._clock = clock
-        self._waiting: deque[Entry] = deque()
+        self._waiting: deque[AuditEntry] = deque()
         self._news = asyncio.Event()
         self._written = asyncio.Event()
         self._written.set()
         self._failing = False
         self._stopping = False
 
-    def note(
+    def append_record(
         self,
         kind: str,
         *,
@@ -151,20 +151,20 @@ class Audit:
         device: str = "",
         message: str = "",
         good: bool = True,
-    ) -> Entry:
+    ) -> AuditEntry:
         """Take a note; never waits.
 
         Texts are cut to what a column holds. Characters that are not seen, a new line too, are
         written as escapes, so that nobody can make one row look like two.
         """
-        entry = Entry(
+        entry = AuditEntry(
             self._clock.wall_ns() // 1000,
-            visible(kind, 200),
-            visible(who, 200),
-            visible(address, 200),
-            visible(site, 200),
-            visible(device, 200),
-            visible(message, 2000),
+            safe_text(kind, 200),
+            safe_text(who, 200),
+            safe_text(address, 200),
+            safe_text(site, 200),
+            safe_text(device, 200),
+            safe_text(message, 2000),
             good,
         )
         if len(self._waiting) < _MOST_WAITING:
@@ -212,7 +212,7 @@ class Audit:
         """Wait until everything noted so far is in the database."""
         await self._written.wait()
 
-    async def find(self, wanted: Filter, limit: int) -> tuple[list[Row], bool]:
+    async def find(self, wanted: AuditFilter, limit: int) -> tuple[list[AuditRecord], bool]:
         """List the newest rows that are meant, newest first; tell whether there are more."""
         async with self._database.read() as connection:
             rows = await connection.execute(
@@ -221,10 +221,10 @@ class Audit:
                 .order_by(audit.c.id.desc())
                 .limit(limit + 1)
             )
-            found = [Row(row[0], Entry(*row[1:])) for row in rows]
+            found = [AuditRecord(row[0], AuditEntry(*row[1:])) for row in rows]
         return found[:limit], len(found) > limit
 
-    async def every(self, wanted: Filter) -> AsyncIterator[Row]:
+    async def every(self, wanted: AuditFilter) -> AsyncIterator[AuditRecord]:
         """Go through all rows that are meant, newest first, with few of them in memory."""
         more = True
         while more:
@@ -253,7 +253,7 @@ class Audit:
                 )
                 rows = found.all()
             for row in rows:
-                if chain_hash(before, Entry(*row[2:])) != row.hash:
+                if chain_hash(before, AuditEntry(*row[2:])) != row.hash:
                     return Chain(count, int(row.id))
                 before, last, count = row.hash, row.id, count + 1
             if not rows:
@@ -263,11 +263,11 @@ class Audit:
         return Chain(count, 0 if before == end_hash else end or 1)
 
 
-_COLUMNS = tuple(audit.c[name] for name in Entry._fields)
+_COLUMNS = tuple(audit.c[name] for name in AuditEntry._fields)
 
 
-async def append(connection: AsyncConnection, batch: Sequence[Entry]) -> None:
-    """Write rows in a transaction that writes; their texts must have passed `visible`."""
+async def append(connection: AsyncConnection, batch: Sequence[AuditEntry]) -> None:
+    """Write rows in a transaction that writes; their texts must have passed `safe_text`."""
     head = select(audit_head.c.hash).where(audit_head.c.id == _HEAD).with_for_update()
     before = (await connection.execute(head)).scalar_one()
     rows = []

@@ -69,9 +69,9 @@ def _problem(path: Path, read_through: int) -> str:
             listed = database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
             tables = sorted({name for (name,) in listed} - _BULKY)
             if path.stat().st_size <= read_through:
-                return _said(database, "1")
+                return _check_table(database, "1")
             for table in tables:
-                if problem := _said(database, f"'{table.replace(chr(39), chr(39) * 2)}'"):
+                if problem := _check_table(database, f"'{table.replace(chr(39), chr(39) * 2)}'"):
                     return problem
     except sqlite3.DatabaseError as error:
         # The low byte of an extended code is its kind.
@@ -79,7 +79,7 @@ def _problem(path: Path, read_through: int) -> str:
     return ""
 
 
-def _said(database: sqlite3.Connection, about: str) -> str:
+def _check_table(database: sqlite3.Connection, about: str) -> str:
     """Check a table, or with ``1`` all of it up to the first mistake; empty when it is sound."""
     for (said,) in database.execute(f"PRAGMA quick_check({about})"):
         if said != "ok":

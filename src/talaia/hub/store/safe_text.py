@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 
-__all__ = ["safe_cell", "visible"]
+__all__ = ["safe_cell", "safe_text"]
 
 # Control, format (they turn the direction of writing), surrogate, line and paragraph ends.
 _UNSEEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
@@ -12,7 +12,7 @@ _UNSEEN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
-def visible(text: str, longest: int) -> str:
+def safe_text(text: str, longest: int) -> str:
     """Give one line with nothing hidden in it: escapes stand for it; cut to ``longest``."""
     if text.isascii() and text.isprintable():
         return text[:longest]

@@ -9,30 +9,30 @@ from talaia.clock import SECOND
 from talaia.hub.api.access import address_of
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.passwords import name_key
-from talaia.hub.store.accounts.mfa import Verdict
-from talaia.hub.store.safe_text import visible
+from talaia.hub.store.accounts.mfa import CodeVerdict
+from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
     from fastapi import Request
 
     from talaia.hub.api.accounts.browser_sessions import BrowserSessions
     from talaia.hub.auth.passwords import Passwords
-    from talaia.hub.store.accounts.failed_logins import Tries
-    from talaia.hub.store.accounts.mfa import Factors
+    from talaia.hub.store.accounts.failed_logins import FailedLogins
+    from talaia.hub.store.accounts.mfa import SecondFactors
     from talaia.hub.store.accounts.people import People, Person
     from talaia.hub.store.audit import Audit
 
-__all__ = ["Ask", "Proving"]
+__all__ = ["Authentication", "SignInAttempt"]
 
 _REFUSED = {
-    Verdict.WRONG: "the code is wrong",
-    Verdict.REPLAYED: "this code was used already; wait for the next one",
+    CodeVerdict.WRONG: "the code is wrong",
+    CodeVerdict.REPLAYED: "this code was used already; wait for the next one",
 }
 # An IPv6 network that one household or one attacker has to itself.
 _PREFIX = 64
 
 
-class Ask(NamedTuple):
+class SignInAttempt(NamedTuple):
     """What tries are counted by."""
 
     user: str
@@ -40,7 +40,7 @@ class Ask(NamedTuple):
     browser: str
 
 
-class Proving:
+class Authentication:
     """Checks what a person knows and has. What is wrong is counted, and more of it must wait."""
 
     def __init__(
@@ -49,8 +49,8 @@ class Proving:
         sessions: BrowserSessions,
         people: People,
         passwords: Passwords,
-        factors: Factors,
-        tries: Tries,
+        factors: SecondFactors,
+        tries: FailedLogins,
         audit: Audit,
     ) -> None:
         """Count in ``tries``; ``sessions`` knows a browser from earlier sign-ins."""
@@ -106,7 +106,7 @@ class Proving:
         await self.right(ask)
         return person
 
-    async def begin(self, request: Request, name: str) -> Ask:
+    async def begin(self, request: Request, name: str) -> SignInAttempt:
         """Count a try as wrong before it is looked at; `right` takes it off.
 
         Raises:
@@ -114,7 +114,7 @@ class Proving:
 
         """
         browser = await self._sessions.known_browser(request, name)
-        ask = Ask(name_key(name), _network(address_of(request)), browser)
+        ask = SignInAttempt(name_key(name), _network(address_of(request)), browser)
         wait_ns = await self._tries.count(ask.user, ask.address, ask.browser)
         if wait_ns:
             raise ApiProblem(
@@ -135,12 +135,18 @@ class Proving:
         kept = person.password_hash if person and not person.disabled else None
         if await self._passwords.verify(password, kept) and person is not None:
             return person
-        self._note(request, what, name, "")
+        self._append_record(request, what, name, "")
         said = "name or password is wrong" if status == 401 else "the password is wrong"
         raise ApiProblem(status, "wrong", said)
 
     async def _second(
-        self, request: Request, ask: Ask, person: Person, code: str, status: int, what: str
+        self,
+        request: Request,
+        ask: SignInAttempt,
+        person: Person,
+        code: str,
+        status: int,
+        what: str,
     ) -> None:
         if not code:
             # The password was right: this is the first half of a sign-in, and no wrong try.
@@ -148,20 +154,20 @@ class Proving:
             raise ApiProblem(status, "factor", "the code of your second factor is needed")
         verdict = await self._factors.use(person.id, code)
         if verdict in _REFUSED:
-            self._note(request, what, person.name, "second factor")
+            self._append_record(request, what, person.name, "second factor")
             raise ApiProblem(status, "factor", _REFUSED[verdict])
-        if verdict is Verdict.RECOVERY:
-            self._note(request, "recovery code used", person.name, "", good=True)
+        if verdict is CodeVerdict.RECOVERY:
+            self._append_record(request, "recovery code used", person.name, "", good=True)
 
-    async def right(self, ask: Ask) -> None:
+    async def right(self, ask: SignInAttempt) -> None:
         """Forget the wrong tries of one who has proved who they are."""
         await self._tries.count_success(ask.user, ask.address, ask.browser)
 
-    def _note(
+    def _append_record(
         self, request: Request, what: str, name: str, message: str, *, good: bool = False
     ) -> None:
-        self._audit.note(
-            what, who=visible(name, 200), address=address_of(request), message=message, good=good
+        self._audit.append_record(
+            what, who=safe_text(name, 200), address=address_of(request), message=message, good=good
         )
 
 

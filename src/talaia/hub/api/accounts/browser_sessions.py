@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.access import address_of, who_of
-from talaia.hub.store.safe_text import visible
+from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
     from fastapi import Request, Response
 
     from talaia.hub.api.access import Access
-    from talaia.hub.live.pages.session_registry import Seats
+    from talaia.hub.live.pages.session_registry import SocketSessions
     from talaia.hub.store.accounts.known_browsers import KnownBrowsers
-    from talaia.hub.store.accounts.sessions import Alive, Open, Sessions
+    from talaia.hub.store.accounts.sessions import LiveSession, OpenSession, Sessions
 
 __all__ = ["BrowserSessions"]
 
@@ -22,7 +22,7 @@ class BrowserSessions:
     """Begins and ends sessions; open sockets follow at once."""
 
     def __init__(
-        self, *, access: Access, sessions: Sessions, browsers: KnownBrowsers, seats: Seats
+        self, *, access: Access, sessions: Sessions, browsers: KnownBrowsers, seats: SocketSessions
     ) -> None:
         """Keep sessions in ``sessions``; ``browsers`` are those known from earlier sign-ins."""
         self._access = access
@@ -30,14 +30,14 @@ class BrowserSessions:
         self._browsers = browsers
         self._seats = seats
 
-    async def begin(self, user: int, request: Request, response: Response) -> Alive:
+    async def begin(self, user: int, request: Request, response: Response) -> LiveSession:
         """Begin a session for the browser that asks, in place of the one that it brought."""
         # A session that the browser brought is not the one that it leaves with.
         before = await self._access.who(request)
         if before is not None and not before.who.script:
             await self._sessions.end(before.who.session)
             self._seats.end_session(before.who.session, "you have signed in anew")
-        agent = visible(request.headers.get("user-agent", ""), 200)
+        agent = safe_text(request.headers.get("user-agent", ""), 200)
         token, alive = await self._sessions.begin(user, address_of(request), agent)
         self._access.set_cookie(response, token)
         known = request.cookies.get(self._access.browser_cookie, "")
@@ -51,7 +51,7 @@ class BrowserSessions:
         self._seats.end_session(session, "you have signed out")
         self._access.clear_cookie(response)
 
-    async def list_open(self, user: int) -> list[Open]:
+    async def list_open(self, user: int) -> list[OpenSession]:
         """List where a person is signed in."""
         return await self._sessions.of(user)
 

@@ -23,10 +23,10 @@ from talaia.hub.auth.totp import otp_uri, qr_svg
 from talaia.hub.errors import WeakPassword
 
 if TYPE_CHECKING:
-    from talaia.hub.api.accounts.authentication import Proving
+    from talaia.hub.api.accounts.authentication import Authentication
     from talaia.hub.api.accounts.browser_sessions import BrowserSessions
     from talaia.hub.auth.passwords import Passwords
-    from talaia.hub.store.accounts.mfa import Factors
+    from talaia.hub.store.accounts.mfa import SecondFactors
     from talaia.hub.store.accounts.people import People
     from talaia.hub.store.audit import Audit
 
@@ -39,11 +39,11 @@ class OwnPages:
     def __init__(
         self,
         *,
-        proving: Proving,
+        proving: Authentication,
         sessions: BrowserSessions,
         people: People,
         passwords: Passwords,
-        factors: Factors,
+        factors: SecondFactors,
         audit: Audit,
     ) -> None:
         """Change what ``people`` and ``factors`` keep of who has passed ``proving``."""
@@ -81,7 +81,7 @@ class OwnPages:
         # No browser is known any more, but this one.
         await self._sessions.remember_browser(who.user, response)
         await self._sessions.follow_rights()
-        self._note(request, "password changed")
+        self._append_record(request, "password changed")
 
     async def sessions(self, request: Request) -> SessionList:
         """List where you are signed in."""
@@ -97,13 +97,13 @@ class OwnPages:
         """End one of your sessions, here or elsewhere; its open sockets are closed at once."""
         if not await self._sessions.end_one(session, request, response):
             raise ApiProblem(404, "unknown", "you have no such session")
-        self._note(request, "session ended")
+        self._append_record(request, "session ended")
 
     async def end_sessions(self, request: Request) -> None:
         """End all your sessions but this one."""
         who = who_of(request)
         await self._sessions.end_all(who.user, keep=who.session)
-        self._note(request, "all other sessions ended")
+        self._append_record(request, "all other sessions ended")
 
     async def offer_factor(self, asked: PasswordOnly, request: Request) -> FactorOffer:
         """Begin a second factor. It is asked for once its first code has been confirmed."""
@@ -124,7 +124,7 @@ class OwnPages:
             raise ApiProblem(403, "factor", "the code is wrong, or no second factor was begun")
         await self._proving.right(ask)
         await self._sessions.end_all(who.user, keep=who.session)
-        self._note(request, "second factor set")
+        self._append_record(request, "second factor set")
         return RecoveryCodes(recovery=codes)
 
     async def remove_factor(self, asked: RemoveFactor, request: Request) -> None:
@@ -136,7 +136,7 @@ class OwnPages:
         await self._proving.both(request, who.user, asked.password, asked.code, what)
         await self._factors.remove(who.user)
         await self._sessions.follow_rights()
-        self._note(request, "second factor removed")
+        self._append_record(request, "second factor removed")
 
-    def _note(self, request: Request, kind: str) -> None:
-        self._audit.note(kind, who=who_of(request).name, address=address_of(request))
+    def _append_record(self, request: Request, kind: str) -> None:
+        self._audit.append_record(kind, who=who_of(request).name, address=address_of(request))

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from talaia.hub.api.accounts.browser_sessions import BrowserSessions
     from talaia.hub.auth.passwords import Passwords
-    from talaia.hub.store.accounts.account_list import Entry, Roster
-    from talaia.hub.store.accounts.mfa import Factors
+    from talaia.hub.store.accounts.account_list import AccountEntry, AccountList
+    from talaia.hub.store.accounts.mfa import SecondFactors
     from talaia.hub.store.accounts.people import People
     from talaia.hub.store.audit import Audit
 
@@ -33,9 +33,9 @@ class PeoplePages:
         self,
         *,
         people: People,
-        roster: Roster,
+        roster: AccountList,
         passwords: Passwords,
-        factors: Factors,
+        factors: SecondFactors,
         sessions: BrowserSessions,
         audit: Audit,
     ) -> None:
@@ -70,7 +70,7 @@ class PeoplePages:
             hashed = await self._passwords.hash(asked.password)
             user = await self._people.add(asked.name, hashed, asked.role)
             made = await self._roster.one(user)
-        self._note(request, "person added", f"{made.name} ({made.role})")
+        self._append_record(request, "person added", f"{made.name} ({made.role})")
         return _shape(made)
 
     async def change(self, person: str, asked: PersonChange, request: Request) -> PersonShape:
@@ -88,7 +88,7 @@ class PeoplePages:
         await self._sessions.follow_rights()
         said = _differences(before, after, new_password=hashed is not None)
         if said:
-            self._note(request, "person changed", f"{before.name}: {said}")
+            self._append_record(request, "person changed", f"{before.name}: {said}")
         return _shape(after)
 
     async def remove(self, person: str, request: Request) -> None:
@@ -96,14 +96,14 @@ class PeoplePages:
         with _refusals():
             gone = await self._roster.remove(number_of(person, "person"))
         await self._sessions.follow_rights()
-        self._note(request, "person removed", f"{gone.name} ({gone.role})")
+        self._append_record(request, "person removed", f"{gone.name} ({gone.role})")
 
     async def end_sessions(self, person: str, request: Request) -> None:
         """End all of a person's sessions; open sockets are closed at once."""
         with _refusals():
             found = await self._roster.one(number_of(person, "person"))
         await self._sessions.end_all(found.id)
-        self._note(request, "person signed out", found.name)
+        self._append_record(request, "person signed out", found.name)
 
     async def remove_factor(self, person: str, request: Request) -> None:
         """Take a person's second factor away, for one who has lost it; their sessions end."""
@@ -112,11 +112,11 @@ class PeoplePages:
         if not await self._factors.remove(found.id):
             raise ApiProblem(409, "missing", "this person has no second factor")
         await self._sessions.end_all(found.id)
-        self._note(request, "person's second factor removed", found.name)
+        self._append_record(request, "person's second factor removed", found.name)
 
-    def _note(self, request: Request, kind: str, message: str) -> None:
+    def _append_record(self, request: Request, kind: str, message: str) -> None:
         who = who_of(request).name
-        self._audit.note(kind, who=who, address=address_of(request), message=message)
+        self._audit.append_record(kind, who=who, address=address_of(request), message=message)
 
 
 @contextmanager
@@ -134,7 +134,7 @@ def _refusals() -> Iterator[None]:
         raise ApiProblem(409, "last_admin", str(error)) from error
 
 
-def _differences(before: Entry, after: Entry, *, new_password: bool) -> str:
+def _differences(before: AccountEntry, after: AccountEntry, *, new_password: bool) -> str:
     said = []
     if before.role != after.role:
         said.append(f"role {before.role} -> {after.role}")
@@ -145,5 +145,5 @@ def _differences(before: Entry, after: Entry, *, new_password: bool) -> str:
     return ", ".join(said)
 
 
-def _shape(entry: Entry) -> PersonShape:
+def _shape(entry: AccountEntry) -> PersonShape:
     return PersonShape(**{**entry._asdict(), "id": str(entry.id)})

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from talaia.hub.api.schemas.common import PermissionShape
-    from talaia.hub.live.pages.session_registry import Seats
+    from talaia.hub.live.pages.session_registry import SocketSessions
     from talaia.hub.store.accounts.roles import Role, Roles
     from talaia.hub.store.audit import Audit
 
@@ -29,7 +29,7 @@ __all__ = ["RolePages", "in_words", "read_permissions"]
 class RolePages:
     """The routes of roles."""
 
-    def __init__(self, roles: Roles, seats: Seats, audit: Audit) -> None:
+    def __init__(self, roles: Roles, seats: SocketSessions, audit: Audit) -> None:
         """Work on ``roles``; open sockets follow each change at once."""
         self._roles = roles
         self._seats = seats
@@ -54,7 +54,7 @@ class RolePages:
         with _refusals():
             check_name(asked.name)
             made = await self._roles.one(await self._roles.add(asked.name, given))
-        self._note(request, "role added", f"{asked.name}: {in_words(given)}")
+        self._append_record(request, "role added", f"{asked.name}: {in_words(given)}")
         return _shape(made)
 
     async def change(self, role: str, asked: RoleAsk, request: Request) -> RoleShape:
@@ -67,7 +67,7 @@ class RolePages:
             after = await self._roles.one(number)
         await self._seats.follow()
         was = in_words(before.grants.permissions)
-        self._note(
+        self._append_record(
             request,
             "role changed",
             f"{before.name}: {was} -> {asked.name}: {in_words(given)}",
@@ -78,11 +78,11 @@ class RolePages:
         """Remove a role that nobody has."""
         with _refusals():
             name = await self._roles.remove(number_of(role, "role"))
-        self._note(request, "role removed", name)
+        self._append_record(request, "role removed", name)
 
-    def _note(self, request: Request, kind: str, message: str) -> None:
+    def _append_record(self, request: Request, kind: str, message: str) -> None:
         who = who_of(request).name
-        self._audit.note(kind, who=who, address=address_of(request), message=message)
+        self._audit.append_record(kind, who=who, address=address_of(request), message=message)
 
 
 def read_permissions(asked: Iterable[PermissionShape]) -> list[Permission]:

@@ -14,12 +14,12 @@ from talaia.hub.auth.permissions import ANY, Right
 from talaia.hub.errors import WeakPassword
 
 if TYPE_CHECKING:
-    from talaia.hub.api.accounts.authentication import Proving
+    from talaia.hub.api.accounts.authentication import Authentication
     from talaia.hub.api.accounts.browser_sessions import BrowserSessions
     from talaia.hub.auth.passwords import Passwords
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.store.accounts.people import People
-    from talaia.hub.store.accounts.sessions import Alive
+    from talaia.hub.store.accounts.sessions import LiveSession
     from talaia.hub.store.audit import Audit
 
 __all__ = ["Accounts", "permissions_of"]
@@ -31,7 +31,7 @@ class Accounts:
     def __init__(
         self,
         *,
-        proving: Proving,
+        proving: Authentication,
         sessions: BrowserSessions,
         people: People,
         passwords: Passwords,
@@ -63,7 +63,7 @@ class Accounts:
         # No name of a person begins like this, so it is counted by address alone.
         ask = await self._proving.begin(request, f"\0setup from {address_of(request)}")
         if not await self._people.may_set_up(asked.token):
-            self._audit.note("setup refused", address=address_of(request), good=False)
+            self._audit.append_record("setup refused", address=address_of(request), good=False)
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
         try:
             check_name(asked.name)
@@ -81,7 +81,7 @@ class Accounts:
         """End the session; its open sockets are closed at once."""
         who = who_of(request)
         await self._sessions.sign_out(request, response)
-        self._audit.note("logout", who=who.name, address=address_of(request))
+        self._audit.append_record("logout", who=who.name, address=address_of(request))
 
     async def me(self, request: Request) -> Me:
         """Tell who is signed in, with which rights and until when."""
@@ -89,7 +89,7 @@ class Accounts:
 
     async def _welcome(self, user: int, request: Request, response: Response, kind: str) -> Me:
         alive = await self._sessions.begin(user, request, response)
-        self._audit.note(kind, who=alive.who.name, address=address_of(request))
+        self._audit.append_record(kind, who=alive.who.name, address=address_of(request))
         return _me(alive)
 
 
@@ -104,7 +104,7 @@ def permissions_of(grants: Grants) -> list[PermissionShape]:
     ]
 
 
-def _me(alive: Alive) -> Me:
+def _me(alive: LiveSession) -> Me:
     who = alive.who
     return Me(
         name=who.name,

@@ -18,7 +18,7 @@ from talaia.hub.store.accounts.tokens import MOST
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.live.pages.session_registry import Seats
+    from talaia.hub.live.pages.session_registry import SocketSessions
     from talaia.hub.store.accounts.tokens import ApiTokens
     from talaia.hub.store.audit import Audit
 
@@ -30,7 +30,9 @@ _LONGEST_US = 366 * 86_400 * 1_000_000
 class TokenPages:
     """The routes of tokens."""
 
-    def __init__(self, tokens: ApiTokens, seats: Seats, audit: Audit, clock: Clock) -> None:
+    def __init__(
+        self, tokens: ApiTokens, seats: SocketSessions, audit: Audit, clock: Clock
+    ) -> None:
         """Work on ``tokens``; the sockets of one that is revoked are closed at once."""
         self._tokens = tokens
         self._seats = seats
@@ -80,7 +82,7 @@ class TokenPages:
         made = await self._tokens.add(who.user, asked.name, asked.ends_us, wanted)
         if made is None:
             raise ApiProblem(409, "busy", f"you have {MOST} tokens; revoke some first")
-        self._note(request, "token made", f"{asked.name}: {in_words(wanted)}")
+        self._append_record(request, "token made", f"{asked.name}: {in_words(wanted)}")
         return NewToken(id=str(made[0]), token=made[1])
 
     async def remove(self, token: str, request: Request) -> None:
@@ -89,8 +91,8 @@ class TokenPages:
         if name is None:
             raise ApiProblem(404, "unknown", "you have no such token")
         await self._seats.follow()
-        self._note(request, "token revoked", name)
+        self._append_record(request, "token revoked", name)
 
-    def _note(self, request: Request, kind: str, message: str) -> None:
+    def _append_record(self, request: Request, kind: str, message: str) -> None:
         who = who_of(request).name
-        self._audit.note(kind, who=who, address=address_of(request), message=message)
+        self._audit.append_record(kind, who=who, address=address_of(request), message=message)

@@ -22,12 +22,12 @@ from talaia.hub.api.schemas.archive_schemas import (
 )
 from talaia.hub.archive.fits_reader import PREVIEW_PX, SMALL_PX, STRETCHES, NotKept
 from talaia.hub.archive.store import Cone, Wanted
-from talaia.hub.policy import Need, allows
+from talaia.hub.policy import AccessNeed, allows
 from talaia.model.site import Visibility
 
 if TYPE_CHECKING:
     from talaia.hub.archive.fits_reader import Looks
-    from talaia.hub.archive.store import Archive, Frame
+    from talaia.hub.archive.store import Archive, ArchivedFrame
 
 __all__ = ["ArchivePages"]
 
@@ -127,7 +127,7 @@ class ArchivePages:
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
         return Response(data, media_type="image/png", headers=STILL)
 
-    async def _frame(self, request: Request, site: str, frame: str) -> Frame:
+    async def _frame(self, request: Request, site: str, frame: str) -> ArchivedFrame:
         found = await self._archive.get(site, number_of(frame, "picture"))
         if found is None or found.device not in _cameras(request):
             raise ApiProblem(404, "unknown", "there is no such picture")
@@ -141,11 +141,11 @@ def _cameras(request: Request) -> list[str]:
         name
         for name, device in site.devices.items()
         # A public number makes no public picture: the camera itself must be.
-        if device.visibility is Visibility.PUBLIC or allows(Need.VIEW, grants, site, name)
+        if device.visibility is Visibility.PUBLIC or allows(AccessNeed.VIEW, grants, site, name)
     ]
 
 
-def _shape(frame: Frame) -> FrameShape:
+def _shape(frame: ArchivedFrame) -> FrameShape:
     return FrameShape(
         id=str(frame.id),
         device=frame.device,
@@ -155,9 +155,9 @@ def _shape(frame: Frame) -> FrameShape:
         target=frame.target,
         filter=frame.filter,
         kind=frame.kind,
-        exposure_s=_told(frame.exposure_s),
-        ra_deg=_told(frame.ra_deg),
-        dec_deg=_told(frame.dec_deg),
+        exposure_s=_format_number(frame.exposure_s),
+        ra_deg=_format_number(frame.ra_deg),
+        dec_deg=_format_number(frame.dec_deg),
         width=frame.width,
         height=frame.height,
         bytes=frame.bytes,
@@ -168,15 +168,15 @@ def _shape(frame: Frame) -> FrameShape:
 
 def _histogram(looks: Looks) -> HistogramShape:
     return HistogramShape(
-        minimum=_told(looks.minimum),
-        maximum=_told(looks.maximum),
-        median=_told(looks.median),
-        deviation=_told(looks.deviation),
-        low=_told(looks.low),
-        high=_told(looks.high),
+        minimum=_format_number(looks.minimum),
+        maximum=_format_number(looks.maximum),
+        median=_format_number(looks.median),
+        deviation=_format_number(looks.deviation),
+        low=_format_number(looks.low),
+        high=_format_number(looks.high),
         counts=list(looks.counts),
     )
 
 
-def _told(value: float) -> float | None:
+def _format_number(value: float) -> float | None:
     return value if math.isfinite(value) else None

@@ -12,18 +12,18 @@ from fastapi.responses import StreamingResponse
 
 from talaia.hub.api.access import address_of, who_of
 from talaia.hub.api.schemas.common import AuditAsk, AuditChain, AuditList, AuditPage, AuditRow
-from talaia.hub.store.audit import Entry, Filter
+from talaia.hub.store.audit import AuditEntry, AuditFilter
 from talaia.hub.store.safe_text import safe_cell
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable
 
-    from talaia.hub.store.audit import Audit, Row
+    from talaia.hub.store.audit import Audit, AuditRecord
 
 __all__ = ["AuditPages"]
 
 _CHUNK = 64 * 1024
-_HEAD = ("id", "time_utc", *Entry._fields)
+_HEAD = ("id", "time_utc", *AuditEntry._fields)
 
 
 class AuditPages:
@@ -53,7 +53,9 @@ class AuditPages:
         """Give the rows as a CSV file, newest first. Cells that look like formulas get a '."""
         said = ", ".join(f"{key}={value}" for key, value in asked.model_dump().items() if value)
         name = who_of(request).name
-        self._audit.note("audit exported", who=name, address=address_of(request), message=said)
+        self._audit.append_record(
+            "audit exported", who=name, address=address_of(request), message=said
+        )
         await self._audit.written()
         return StreamingResponse(
             _csv(self._audit.every(_filter(asked))),
@@ -66,7 +68,7 @@ class AuditPages:
         await self._audit.written()
         found = await self._audit.verify()
         said = f"{found.rows} rows" + (f", broken at {found.broken}" if found.broken else "")
-        self._audit.note(
+        self._audit.append_record(
             "audit verified",
             who=who_of(request).name,
             address=address_of(request),
@@ -76,15 +78,15 @@ class AuditPages:
         return AuditChain(ok=not found.broken, rows=found.rows, broken=found.broken)
 
 
-def _filter(asked: AuditAsk) -> Filter:
-    return Filter(**asked.model_dump(exclude={"limit"}))
+def _filter(asked: AuditAsk) -> AuditFilter:
+    return AuditFilter(**asked.model_dump(exclude={"limit"}))
 
 
-def _shape(row: Row) -> AuditRow:
+def _shape(row: AuditRecord) -> AuditRow:
     return AuditRow(id=str(row.id), **row.entry._asdict())
 
 
-async def _csv(rows: AsyncIterator[Row]) -> AsyncIterator[str]:
+async def _csv(rows: AsyncIterator[AuditRecord]) -> AsyncIterator[str]:
     buffer = io.StringIO(newline="")
     lines = csv.writer(buffer)
     lines.writerow(_HEAD)
@@ -97,7 +99,7 @@ async def _csv(rows: AsyncIterator[Row]) -> AsyncIterator[str]:
     yield buffer.getvalue()
 
 
-def _cells(row: Row) -> Iterable[str | int]:
+def _cells(row: AuditRecord) -> Iterable[str | int]:
     entry = row.entry
     time = dt.datetime.fromtimestamp(entry.time_us / 1e6, dt.UTC).isoformat(timespec="milliseconds")
     return [

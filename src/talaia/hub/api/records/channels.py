@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from talaia.hub.auth.permissions import Grants
-    from talaia.hub.history.sensors.sensor_views import SensorKind
+    from talaia.hub.history.sensors.sensor_views import StoredSensorKind
     from talaia.hub.live.sites import LiveSite
 
 __all__ = ["Asked", "NoChannel", "asked_channels", "former_channel", "may_read"]
@@ -74,7 +74,7 @@ def asked_channels(
     return list(found.values())
 
 
-def former_channel(address: str, kind: SensorKind | None) -> Asked:
+def former_channel(address: str, kind: StoredSensorKind | None) -> Asked:
     """Say what a channel was that the description no longer has."""
     if kind is None or not kind.type:
         return Asked(address, known=False)

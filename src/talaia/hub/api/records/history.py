@@ -37,7 +37,7 @@ from talaia.hub.api.schemas.history_schemas import (
 )
 from talaia.hub.history.errors import HistoryBusy
 from talaia.hub.history.queries.export_formats import MEDIA_TYPES, SUFFIXES, ExportColumn, FileForm
-from talaia.hub.history.sensors.sensor_views import SensorKind
+from talaia.hub.history.sensors.sensor_views import StoredSensorKind
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Collection
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.channels import StoredChannel
     from talaia.hub.history.queries.outliers import Outliers
     from talaia.hub.history.queries.series import Series
-    from talaia.hub.history.queries.statistics import Reading, Statistics
+    from talaia.hub.history.queries.statistics import SampleReading, Statistics
     from talaia.hub.ports import History
 
 __all__ = ["HistoryPages"]
@@ -274,9 +274,9 @@ async def _rest(first: bytes, pieces: AsyncIterator[bytes]) -> AsyncIterator[byt
 
 
 def _stored(
-    channel: StoredChannel, kind: SensorKind | None, described: Collection[str]
+    channel: StoredChannel, kind: StoredSensorKind | None, described: Collection[str]
 ) -> StoredShape:
-    said = SensorKind("", "", "", (), -1) if kind is None else kind
+    said = StoredSensorKind("", "", "", (), -1) if kind is None else kind
     return StoredShape(
         described=channel.address in described,
         name=said.name,
@@ -325,7 +325,7 @@ def _statistics(of: Statistics) -> StatisticsShape:
     )
 
 
-def _reading(reading: Reading | None) -> ReadingShape | None:
+def _reading(reading: SampleReading | None) -> ReadingShape | None:
     if reading is None:
         return None
     return ReadingShape(t_us=reading.time_us, v=reading.value, text=reading.text or None)

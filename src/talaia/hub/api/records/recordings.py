@@ -107,7 +107,7 @@ class RecordingPages:
         live.link.send(RecordingRequest(on=asked.on, who=name, why=asked.why, stream=asked.stream))
         kind = "recording asked" if asked.on else "recording end asked"
         about = f"film of {asked.stream}" if asked.stream else ""
-        self._note(request, kind, live.name, ": ".join(filter(None, (about, asked.why))))
+        self._append_record(request, kind, live.name, ": ".join(filter(None, (about, asked.why))))
 
     async def file(self, site: str, recording: str, request: Request) -> Response:
         """Download a recording as MCAP, or a film as MP4; ranges may be asked for."""
@@ -147,7 +147,7 @@ class RecordingPages:
         if found.state is not RecordingState.COMPLETE or not there:
             raise ApiProblem(409, "incomplete", "this recording is not here as a whole")
         if "range" not in request.headers:
-            self._note(request, "recording downloaded", found.site, found.id)
+            self._append_record(request, "recording downloaded", found.site, found.id)
         camera = found.stream.replace("/", "-")
         name = f"{camera}-{found.id}.mp4" if camera else f"{found.id}.mcap"
         kind = "video/mp4" if camera else "application/octet-stream"
@@ -160,7 +160,7 @@ class RecordingPages:
         """Delete a recording for good."""
         found = await self._found(site, recording)
         await self._recordings.remove(found)
-        self._note(request, "recording deleted", site, found.id)
+        self._append_record(request, "recording deleted", site, found.id)
 
     async def _found(self, site: str, recording: str) -> Recorded:
         found = await self._recordings.find(site, recording)
@@ -168,9 +168,9 @@ class RecordingPages:
             raise ApiProblem(404, "unknown", "there is no such recording")
         return found
 
-    def _note(self, request: Request, kind: str, site: str, message: str) -> None:
+    def _append_record(self, request: Request, kind: str, site: str, message: str) -> None:
         name, address = who_of(request).name, address_of(request)
-        self._audit.note(kind, who=name, address=address, site=site, message=message)
+        self._audit.append_record(kind, who=name, address=address, site=site, message=message)
 
 
 def _is_camera(live: LiveSite, stream: str) -> bool:

@@ -9,7 +9,7 @@ from fastapi import APIRouter
 
 from talaia.clock import SECOND
 from talaia.hub.api.schemas.history_schemas import ChannelStorageShape, OutlookShape, StorageShape
-from talaia.hub.history.forecast import DAY_US, Room, forecast, growth_of
+from talaia.hub.history.forecast import DAY_US, StorageRoom, forecast, growth_of
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -45,7 +45,7 @@ class StoragePages:
 
     async def storage(self) -> StorageShape:
         """Tell what the history takes, channel by channel, and when it will be full."""
-        found = await self._look(0)
+        found = await self._measure(0)
         now_us = self._clock.wall_ns() // 1000
         said = self._forecast(found)
         return StorageShape(
@@ -73,7 +73,7 @@ class StoragePages:
         if trouble and self._found is None:
             # The database may be away: what is known must not wait for it.
             return OutlookShape(trouble=trouble, warn="", full_us=None, free_bytes=None)
-        found = self._found if trouble and self._found else await self._look(_OUTLOOK_NS)
+        found = self._found if trouble and self._found else await self._measure(_OUTLOOK_NS)
         said = self._forecast(found)
         return OutlookShape(
             trouble=trouble,
@@ -82,7 +82,7 @@ class StoragePages:
             free_bytes=found.free_bytes,
         )
 
-    async def _look(self, old_ns: int) -> Storage:
+    async def _measure(self, old_ns: int) -> Storage:
         """Look how much is stored, unless that was done less than ``old_ns`` ago."""
         async with self._looking:
             now_ns = self._clock.monotonic_ns()
@@ -96,7 +96,9 @@ class StoragePages:
         free = None if found.free_bytes is None else found.free_bytes + found.spare_bytes
         # Rollups and indices grow with the blocks.
         share = max(1.0, found.database_bytes / found.blocks_bytes) if found.blocks_bytes else 1.0
-        room = Room(found.blocks_bytes, self._history.most_bytes, free, found.disk_bytes, share)
+        room = StorageRoom(
+            found.blocks_bytes, self._history.most_bytes, free, found.disk_bytes, share
+        )
         return forecast(room, [self._growth(each, now_us) for each in found.channels], now_us)
 
     def _growth(self, stored: ChannelStorage, now_us: int) -> Growth:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import ssl
     from collections.abc import Callable
 
-__all__ = ["Doorway"]
+__all__ = ["AcceptQueue"]
 
 _LOG = logging.getLogger(__name__)
 QUEUE = 1024
@@ -30,7 +30,7 @@ _LONGEST_PAUSE_S = 0.05
 _FULL_S = 0.2
 
 
-class Doorway:
+class AcceptQueue:
     """Accepts connections of one listening socket until it is closed."""
 
     def __init__(
@@ -77,7 +77,7 @@ class Doorway:
             if full:
                 _LOG.warning("connections are taken in again")
             full = False
-            task = asyncio.create_task(self._take(connection))
+            task = asyncio.create_task(self._shake_hands(connection))
             self._arriving.add(task)
             task.add_done_callback(self._arriving.discard)
             due = loop.time() + _PAUSE_S
@@ -86,7 +86,7 @@ class Doorway:
             if late > _PAUSE_S:
                 await asyncio.sleep(min(late, _LONGEST_PAUSE_S))
 
-    async def _take(self, connection: socket.socket) -> None:
+    async def _shake_hands(self, connection: socket.socket) -> None:
         """Shake hands; what fails there is the other side's matter."""
         handed_over = False
         try:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Settings
 
-__all__ = ["Shield", "host_name", "same_origin"]
+__all__ = ["RequestGuard", "host_name", "same_origin"]
 
 _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 _GATEWAY = "/gateway/"
@@ -46,7 +46,7 @@ def same_origin(origin: str | None, host: str, *, tls: bool) -> bool:
     return origin is not None and origin == f"{'https' if tls else 'http'}://{host}"
 
 
-class Shield:
+class RequestGuard:
     """ASGI around the application."""
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import msgspec
 from fastapi import APIRouter, Query, Request
 
-from talaia.hub.alarms.conditions import Condition
+from talaia.hub.alarms.conditions import AlarmCondition
 from talaia.hub.alarms.machine import (
     Acknowledge,
     Assign,
@@ -33,13 +33,13 @@ from talaia.hub.api.schemas.alarm_schemas import (
     SpanShape,
 )
 from talaia.hub.auth.permissions import ANY, Right, sees_device
-from talaia.hub.store.alarms.alarm_states import Made
+from talaia.hub.store.alarms.alarm_states import MadeAlarm
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.checks.alarm_checks import Addresses, alarm_findings
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
     from talaia.hub.live.alarms.alarm_state import LiveAlarm
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.ports import History
@@ -60,7 +60,7 @@ class AlarmPages:
 
     def __init__(
         self,
-        alarms: Alarms,
+        alarms: AlarmEngine,
         store: AlarmStore,
         people: People,
         history: History,
@@ -159,8 +159,10 @@ class AlarmPages:
             raise ApiProblem(422, "invalid", str(finding).removeprefix("$."))
         text = msgspec.json.encode(definition).decode()
         who = who_of(request).name
-        await self._alarms.define(live, Made(site, alarm, text, who, self._now_us()))
-        self._note(request, "alarm changed" if known else "alarm made", live, definition.name)
+        await self._alarms.define(live, MadeAlarm(site, alarm, text, who, self._now_us()))
+        self._append_record(
+            request, "alarm changed" if known else "alarm made", live, definition.name
+        )
 
     async def remove(self, site: str, alarm: str, request: Request) -> None:
         """Remove an alarm that was made here."""
@@ -170,7 +172,7 @@ class AlarmPages:
             raise ApiProblem(409, "described", "the site description has it; remove it there")
         if not await self._alarms.forget(live, alarm):
             raise ApiProblem(404, "unknown", "there is no such alarm")
-        self._note(request, "alarm removed", live, known.about.name if known else alarm)
+        self._append_record(request, "alarm removed", live, known.about.name if known else alarm)
 
     async def preview(self, site: str, asked: PreviewAsk, request: Request) -> PreviewShape:
         """Try an alarm on what has been."""
@@ -189,7 +191,7 @@ class AlarmPages:
             return PreviewShape(
                 problem="enclosures and links are not in the history of signals: no preview"
             )
-        condition = Condition(described, alarm)
+        condition = AlarmCondition(described, alarm)
         to_us = self._now_us()
         from_us = to_us - round(asked.hours * 3600 * 1e6)
         found = await self._history.read(site, condition.channels, from_us, to_us, _WIDTH)
@@ -249,9 +251,9 @@ class AlarmPages:
             raise ApiProblem(404, "unknown", "there is no such alarm")
         raise ApiProblem(403, "forbidden", "you do not have the right to do this")
 
-    def _note(self, request: Request, kind: str, live: LiveSite, message: str) -> None:
+    def _append_record(self, request: Request, kind: str, live: LiveSite, message: str) -> None:
         name, address = who_of(request).name, address_of(request)
-        self._audit.note(kind, who=name, address=address, site=live.name, message=message)
+        self._audit.append_record(kind, who=name, address=address, site=live.name, message=message)
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000

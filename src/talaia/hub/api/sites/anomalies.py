@@ -18,8 +18,8 @@ from talaia.hub.api.schemas.anomaly_schemas import (
 from talaia.hub.auth.permissions import Right, sees_signal
 
 if TYPE_CHECKING:
-    from talaia.hub.anomaly.runner import Watched
-    from talaia.hub.live.detection.anomaly_service import Watching
+    from talaia.hub.anomaly.runner import DetectorRunner
+    from talaia.hub.live.detection.anomaly_service import AnomalyService
     from talaia.hub.store.audit import Audit
 
 __all__ = ["AnomalyPages"]
@@ -28,7 +28,7 @@ __all__ = ["AnomalyPages"]
 class AnomalyPages:
     """The routes of anomaly detectors."""
 
-    def __init__(self, watching: Watching, audit: Audit) -> None:
+    def __init__(self, watching: AnomalyService, audit: Audit) -> None:
         """Answer from ``watching``; what a person says is noted in ``audit``."""
         self._watching = watching
         self._audit = audit
@@ -62,7 +62,7 @@ class AnomalyPages:
         said = f"{asked.address}, {asked.detector}" + (
             f": {asked.comment}" if asked.comment else ""
         )
-        self._audit.note(
+        self._audit.append_record(
             "anomaly forgiven",
             who=who_of(request).name,
             address=address_of(request),
@@ -73,7 +73,7 @@ class AnomalyPages:
         return ForgiveAnswer(learned=learned)
 
 
-def _shape(watched: Watched) -> AnomalyShape:
+def _shape(watched: DetectorRunner) -> AnomalyShape:
     detector = watched.word
     return AnomalyShape(
         address=watched.address,

@@ -39,7 +39,7 @@ from talaia.wire.sealing import MAX_TEXT, digest_of
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from talaia.hub.live.gateways.change_requests import Changes
+    from talaia.hub.live.gateways.change_requests import ChangeRequests
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.descriptions import Descriptions
@@ -62,7 +62,7 @@ _Number = Annotated[int, Query(ge=0, le=2**53)]
 class DescriptionPages:
     """The routes of descriptions."""
 
-    def __init__(self, versions: Descriptions, changes: Changes, audit: Audit) -> None:
+    def __init__(self, versions: Descriptions, changes: ChangeRequests, audit: Audit) -> None:
         """Answer from ``versions``; hand changes on by ``changes``."""
         self._versions = versions
         self._changes = changes
@@ -104,7 +104,7 @@ class DescriptionPages:
             ],
             more=len(found) > _PAGE,
             problem=problem.message if problem is not None else "",
-            findings=_told(problem.problems) if problem is not None else [],
+            findings=_problem_shapes(problem.problems) if problem is not None else [],
         )
 
     async def text(self, site: str, number: str) -> DescriptionText:
@@ -184,7 +184,9 @@ class DescriptionPages:
                 message="the description cannot be used as written",
                 findings=findings,
             )
-        self._note(request, live, "description change asked", f"{note} {digest_of(text)[:12]}")
+        self._append_record(
+            request, live, "description change asked", f"{note} {digest_of(text)[:12]}"
+        )
         state = await self._changes.ask(live, text, name, note)
         return await self._answer(state, text)
 
@@ -204,9 +206,9 @@ class DescriptionPages:
         async with self._reading:
             return await asyncio.to_thread(work, *args)
 
-    def _note(self, request: Request, live: LiveSite, kind: str, message: str) -> None:
+    def _append_record(self, request: Request, live: LiveSite, kind: str, message: str) -> None:
         name, address = who_of(request).name, address_of(request)
-        self._audit.note(kind, who=name, address=address, site=live.name, message=message)
+        self._audit.append_record(kind, who=name, address=address, site=live.name, message=message)
 
 
 def _check(text: str) -> list[FindingShape]:
@@ -226,7 +228,7 @@ def _placed(findings: Iterable[Finding], text: str) -> list[FindingShape]:
     return shapes
 
 
-def _told(problems: Iterable[DescriptionProblem]) -> list[FindingShape]:
+def _problem_shapes(problems: Iterable[DescriptionProblem]) -> list[FindingShape]:
     return [
         FindingShape(where=each.where, problem=each.problem, remedy=each.remedy, line=0, column=0)
         for each in problems

@@ -22,8 +22,8 @@ from talaia.hub.api.schemas.common import (
     OpenCodeShape,
     ReconnectAsk,
 )
-from talaia.hub.auth.rate_limiter import Pace
-from talaia.hub.store.sites.enrolment import Refused
+from talaia.hub.auth.rate_limiter import RateLimiter
+from talaia.hub.store.sites.enrolment import EnrolmentRefusal
 from talaia.wire.enrolment import EnrolmentCode, pin_of, read_code
 from talaia.wire.errors import CodeMistyped
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
-    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.enrolment import Enrolment
     from talaia.hub.store.sites.site_registry import KnownGateway, SiteRegistry
@@ -39,9 +39,11 @@ if TYPE_CHECKING:
 __all__ = ["GatewayPages", "Proof"]
 
 _REFUSED = {
-    Refused.UNKNOWN: "this code is not known; compare it with the page, or make a new one there",
-    Refused.EXPIRED: "this code is too old (a code is good for 15 minutes); make a new one",
-    Refused.USED: "this code was used already; make a new one for another gateway",
+    EnrolmentRefusal.UNKNOWN: "this code is not known; compare it with the page, or make a new one"
+    " there",
+    EnrolmentRefusal.EXPIRED: "this code is too old (a code is good for 15 minutes); make a new"
+    " one",
+    EnrolmentRefusal.USED: "this code was used already; make a new one for another gateway",
 }
 
 
@@ -62,7 +64,7 @@ class GatewayPages:
         self,
         registry: SiteRegistry,
         enrolment: Enrolment,
-        links: Links,
+        links: OpenLinks,
         audit: Audit,
         clock: Clock,
         proof: Callable[[], Proof],
@@ -74,7 +76,7 @@ class GatewayPages:
         self._audit = audit
         self._clock = clock
         self._proof = proof
-        self._pace = Pace(burst=10, per_s=0.2)
+        self._pace = RateLimiter(burst=10, per_s=0.2)
 
     def router(self) -> APIRouter:
         """Give the routes."""
@@ -116,7 +118,7 @@ class GatewayPages:
         proof = self._proof()
         code = str(EnrolmentCode(secret, pin_of(proof.key_hash) if proof.key_hash else ""))
         command = _command(request, code, asked.site)
-        self._note(request, "gateway code made", asked.site, asked.name)
+        self._append_record(request, "gateway code made", asked.site, asked.name)
         return CodeShape(
             id=str(made.id),
             code=code,
@@ -131,7 +133,7 @@ class GatewayPages:
         found = await self._enrolment.withdraw(_number(code))
         if found is None:
             raise ApiProblem(404, "unknown", "there is no such code, or it was used")
-        self._note(request, "gateway code withdrawn", found.site, found.name)
+        self._append_record(request, "gateway code withdrawn", found.site, found.name)
 
     async def revoke(self, gateway: str, request: Request) -> None:
         """Make a gateway's key void; its link is closed at once."""
@@ -139,7 +141,7 @@ class GatewayPages:
         if not await self._registry.revoke(found.id):
             raise ApiProblem(409, "revoked", "this gateway's key is void already")
         self._links.hang_up(found.id, "its key was revoked")
-        self._note(request, "gateway revoked", found.site, found.name)
+        self._append_record(request, "gateway revoked", found.site, found.name)
 
     async def reconnect(self, gateway: str, asked: ReconnectAsk, request: Request) -> None:
         """Let a gateway dial again, or connect anew to one device. An event tells how it went."""
@@ -148,19 +150,19 @@ class GatewayPages:
         if found.id not in self._links.online():
             raise ApiProblem(409, "offline", "this gateway is not connected now")
         if not asked.device:
-            self._note(request, "gateway reconnect asked", found.site, found.name)
+            self._append_record(request, "gateway reconnect asked", found.site, found.name)
             self._links.hang_up(found.id, f"{name} asked it to dial again")
         elif not self._links.reconnect(found.id, asked.device, name):
             raise ApiProblem(404, "unknown", "this gateway has no such device")
         else:
-            self._note(
+            self._append_record(
                 request, "device reconnect asked", found.site, found.name, device=asked.device
             )
 
     async def enrol(self, asked: EnrolAsk, request: Request) -> EnrolAnswer:
         """Trade a one-time code for a gateway's own key; the site's earlier key is void then."""
         address = address_of(request)
-        wait_ns = self._pace.take(address, self._clock.monotonic_ns())
+        wait_ns = self._pace.request_turn(address, self._clock.monotonic_ns())
         if wait_ns:
             raise ApiProblem(429, "busy", "too many tries; wait a little", -(-wait_ns // SECOND))
         try:
@@ -169,13 +171,15 @@ class GatewayPages:
             self._refused(address, "mistyped")
             raise ApiProblem(422, "mistyped", str(error)) from error
         done = await self._enrolment.redeem(code.secret, asked.name)
-        if isinstance(done, Refused):
+        if isinstance(done, EnrolmentRefusal):
             self._refused(address, done.value)
-            status = 404 if done is Refused.UNKNOWN else 410
+            status = 404 if done is EnrolmentRefusal.UNKNOWN else 410
             raise ApiProblem(status, done.value, _REFUSED[done])
         for before in done.replaced:
             self._links.hang_up(before, "another gateway has enrolled for this site")
-        self._audit.note("gateway enrolled", address=address, site=done.site, message=asked.name)
+        self._audit.append_record(
+            "gateway enrolled", address=address, site=done.site, message=asked.name
+        )
         return EnrolAnswer(
             site=done.site,
             gateway=str(done.gateway),
@@ -189,14 +193,16 @@ class GatewayPages:
             raise ApiProblem(404, "unknown", "there is no such gateway")
         return found
 
-    def _note(
+    def _append_record(
         self, request: Request, kind: str, site: str, message: str, *, device: str = ""
     ) -> None:
         name, address = who_of(request).name, address_of(request)
-        self._audit.note(kind, who=name, address=address, site=site, device=device, message=message)
+        self._audit.append_record(
+            kind, who=name, address=address, site=site, device=device, message=message
+        )
 
     def _refused(self, address: str, why: str) -> None:
-        self._audit.note("gateway enrol refused", address=address, message=why, good=False)
+        self._audit.append_record("gateway enrol refused", address=address, message=why, good=False)
 
 
 def _number(text: str) -> int:

@@ -87,22 +87,22 @@ class NotifyPages:
 
     async def add_way(self, asked: WayAsk, request: Request) -> WayChoice:
         """Set a way up."""
-        number = await self._put(None, asked)
-        self._note(request, "way of alarms added", f"{asked.name} ({asked.kind})")
+        number = await self._save_channel(None, asked)
+        self._append_record(request, "way of alarms added", f"{asked.name} ({asked.kind})")
         return WayChoice(id=str(number), name=asked.name, kind=asked.kind)
 
     async def change_way(self, way: str, asked: WayAsk, request: Request) -> None:
         """Change a way. Secrets stay as they are unless given, or the server is another."""
         number = number_of(way, "way")
-        if await self._put(number, asked) is None:
+        if await self._save_channel(number, asked) is None:
             raise ApiProblem(404, "unknown", "there is no such way of this kind")
-        self._note(request, "way of alarms changed", f"{asked.name} ({asked.kind})")
+        self._append_record(request, "way of alarms changed", f"{asked.name} ({asked.kind})")
 
     async def remove_way(self, way: str, request: Request) -> None:
         """Remove a way, and every rule that uses it."""
         if not await self._store.remove_way(number_of(way, "way")):
             raise ApiProblem(404, "unknown", "there is no such way")
-        self._note(request, "way of alarms removed", way)
+        self._append_record(request, "way of alarms removed", way)
 
     async def test_way(self, way: str, request: Request) -> WentShape:
         """Send a test by a way: to its own sender, or to your browsers."""
@@ -131,7 +131,7 @@ class NotifyPages:
         number = await self._store.add_rule(rule)
         if number is None:
             raise ApiProblem(409, "too_many", "you have as many rules as one person may have")
-        self._note(request, "rule of alarms added", f"{way.name} {asked.site}")
+        self._append_record(request, "rule of alarms added", f"{way.name} {asked.site}")
         return NoticeRuleShape(id=str(number), **asked.model_dump())
 
     async def change_rule(self, rule: str, asked: RuleAsk, request: Request) -> None:
@@ -139,13 +139,13 @@ class NotifyPages:
         way, wanted = await self._rule(number_of(rule, "rule"), asked, request)
         if not await self._store.change_rule(wanted):
             raise ApiProblem(404, "unknown", "you have no such rule")
-        self._note(request, "rule of alarms changed", f"{way.name} {asked.site}")
+        self._append_record(request, "rule of alarms changed", f"{way.name} {asked.site}")
 
     async def remove_rule(self, rule: str, request: Request) -> None:
         """Be told by this rule no more."""
         if not await self._store.remove_rule(who_of(request).user, number_of(rule, "rule")):
             raise ApiProblem(404, "unknown", "you have no such rule")
-        self._note(request, "rule of alarms removed", rule)
+        self._append_record(request, "rule of alarms removed", rule)
 
     async def test_rule(self, rule: str, request: Request) -> WentShape:
         """Send a test by one of your rules."""
@@ -202,7 +202,7 @@ class NotifyPages:
             quiet_least=Severity(asked.quiet_least), zone=asked.zone, group_s=asked.group_s,
         )  # fmt: skip
 
-    async def _put(self, number: int | None, asked: WayAsk) -> int | None:
+    async def _save_channel(self, number: int | None, asked: WayAsk) -> int | None:
         secrets = {
             key: said
             for key, said in asked.secrets.model_dump(exclude={"keys"}).items()
@@ -252,13 +252,13 @@ class NotifyPages:
         went = await self._sender.send(way, secrets, target, message, browsers)
         for number in went.gone:
             await self._store.remove_browser(who.user, number)
-        self._note(request, "way of alarms tested", f"{way.name}: {went.outcome}")
+        self._append_record(request, "way of alarms tested", f"{way.name}: {went.outcome}")
         problem = went.problem or ("" if went.outcome is Outcome.SENT else "it was not sent")
         return WentShape(sent=went.outcome is Outcome.SENT, problem=problem)
 
-    def _note(self, request: Request, kind: str, message: str) -> None:
+    def _append_record(self, request: Request, kind: str, message: str) -> None:
         name, address = who_of(request).name, address_of(request)
-        self._audit.note(kind, who=name, address=address, message=message)
+        self._audit.append_record(kind, who=name, address=address, message=message)
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000

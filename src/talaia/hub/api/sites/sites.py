@@ -20,7 +20,7 @@ from talaia.hub.api.schemas.common import (
 from talaia.hub.api.sites.site_views import describe, list_devices, summarise
 from talaia.hub.auth.permissions import Right, sees_site
 from talaia.hub.live.detection.sightings import KIND as SIGHTING
-from talaia.hub.store.audit import Filter
+from talaia.hub.store.audit import AuditFilter
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.api.schemas.sighting_schemas import SeenShape
     from talaia.hub.live.sites import Sites
-    from talaia.hub.store.audit import Audit, Row
+    from talaia.hub.store.audit import Audit, AuditRecord
     from talaia.hub.store.sites.sightings import SightingStore
 
 __all__ = ["SitePages"]
@@ -104,7 +104,7 @@ class SitePages:
         A device that the description no longer has is open to those who have a right on it.
         """
         devices = who_of(request).grants.devices(Right.VIEW, site)
-        wanted = Filter(
+        wanted = AuditFilter(
             site=site, from_us=from_us, to_us=to_us + 1, before=before, kind=kind, who=who,
             device=device, text=text, good=good, devices=devices,
         )  # fmt: skip
@@ -129,7 +129,9 @@ class SitePages:
             ],
         )
 
-    async def _sighted(self, site: str, rows: Sequence[Row]) -> dict[tuple[int, str], SeenShape]:
+    async def _sighted(
+        self, site: str, rows: Sequence[AuditRecord]
+    ) -> dict[tuple[int, str], SeenShape]:
         """Find the sightings that lines are about, by the time and the device of the line."""
         times = {row.entry.time_us for row in rows if row.entry.kind == SIGHTING}
         found = await self._sightings.noted(site, times)

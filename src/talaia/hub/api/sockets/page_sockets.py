@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.auth.permissions import Who
     from talaia.hub.live.pages.fanout import Fanout
-    from talaia.hub.live.pages.message_authorizer import Gate
-    from talaia.hub.live.pages.page_commands import Commanding
+    from talaia.hub.live.pages.message_authorizer import MessageAuthorizer
+    from talaia.hub.live.pages.page_commands import PageCommands
     from talaia.hub.live.pages.page_connections import Browsers
-    from talaia.hub.live.pages.session_registry import Seats
+    from talaia.hub.live.pages.session_registry import SocketSessions
     from talaia.wire.browser import FromBrowser, Subscribe
 
 __all__ = ["PageMessages", "PageSockets"]
@@ -42,7 +42,7 @@ class Greeter(Protocol):
 class PageMessages:
     """Hands each message of a page to the part that it is for."""
 
-    def __init__(self, *, fanout: Fanout, commanding: Commanding, clock: Clock) -> None:
+    def __init__(self, *, fanout: Fanout, commanding: PageCommands, clock: Clock) -> None:
         """Subscribe at ``fanout``; the rest is asked of robots by ``commanding``."""
         self._fanout = fanout
         self._commanding = commanding
@@ -50,7 +50,7 @@ class PageMessages:
 
     def send_greeting(self, browser: Browser) -> None:
         """Send the first message."""
-        browser.tell(
+        browser.send_message(
             page.Greeting(
                 version=__version__,
                 who=browser.who.name,
@@ -67,7 +67,7 @@ class PageMessages:
             case page.Unsubscribe():
                 self._fanout.unsubscribe(browser, message.sub)
             case page.PagePing():
-                browser.tell(
+                browser.send_message(
                     page.PagePong(
                         n=message.n,
                         at_ms=message.at_ms,
@@ -89,7 +89,7 @@ class PageMessages:
     def _subscribe(self, browser: Browser, asked: Subscribe) -> None:
         subscriptions, channels = self._fanout.held(browser)
         if subscriptions >= MOST_SUBSCRIPTIONS or channels + len(asked.channels) > MOST_CHANNELS:
-            browser.tell(
+            browser.send_message(
                 page.RequestError(
                     code="busy",
                     message=f"at most {MOST_CHANNELS} channels in {MOST_SUBSCRIPTIONS}"
@@ -108,8 +108,8 @@ class PageSockets:
         self,
         *,
         admission: SocketAdmission,
-        gate: Gate,
-        seats: Seats,
+        gate: MessageAuthorizer,
+        seats: SocketSessions,
         browsers: Browsers,
         greeters: Sequence[Greeter],
         messages: PageMessages,

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.pages.session_registry import Seats
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.pages.session_registry import SocketSessions
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import Sites
 
 __all__ = ["PictureSockets"]
@@ -33,8 +33,8 @@ class PictureSockets:
         *,
         admission: SocketAdmission,
         sites: Sites,
-        seats: Seats,
-        media: Media,
+        seats: SocketSessions,
+        media: PictureFanout,
         clock: Clock,
     ) -> None:
         """Pictures come from ``media``; ``seats`` ends a socket with its session."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.api.access import Access
-    from talaia.hub.api.rate_limits import Limits
+    from talaia.hub.api.rate_limits import RateLimits
     from talaia.hub.auth.permissions import Who
     from talaia.hub.store.sites.site_registry import GatewayKey
 
@@ -24,7 +24,7 @@ __all__ = ["SocketAdmission", "speaks_json"]
 class SocketAdmission:
     """Lets sockets in, or sends them away before the upgrade."""
 
-    def __init__(self, *, access: Access, limits: Limits) -> None:
+    def __init__(self, *, access: Access, limits: RateLimits) -> None:
         """Know who asks by ``access``; ``limits`` counts the sockets of each person."""
         self._access = access
         self._limits = limits

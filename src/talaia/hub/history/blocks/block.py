@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "EMPTY",
-    "Samples",
+    "BlockSamples",
     "concatenate",
     "cut",
     "decode",
@@ -43,39 +43,39 @@ HOUR_US = 3_600_000_000
 PAUSE = 64.0
 
 
-class Samples(NamedTuple):
+class BlockSamples(NamedTuple):
     """Samples of one channel; the arrays have the shape (n,), ``texts`` goes by position."""
 
     time_us: NDArray[np.int64]
     value: NDArray[np.float64]
     texts: dict[int, str]
 
-    def between(self, from_us: int, to_us: int) -> Samples:
+    def between(self, from_us: int, to_us: int) -> BlockSamples:
         """Keep what lies in the window, both ends included; the times must be in order."""
         first = int(np.searchsorted(self.time_us, from_us, "left"))
         past = int(np.searchsorted(self.time_us, to_us, "right"))
         return self.part(first, past)
 
-    def part(self, first: int, past: int) -> Samples:
+    def part(self, first: int, past: int) -> BlockSamples:
         """Keep the positions from ``first`` up to ``past``."""
         if first == 0 and past == self.time_us.size:
             return self
         texts = {p - first: text for p, text in self.texts.items() if first <= p < past}
-        return Samples(self.time_us[first:past], self.value[first:past], texts)
+        return BlockSamples(self.time_us[first:past], self.value[first:past], texts)
 
-    def chosen(self, positions: NDArray[np.intp]) -> Samples:
+    def chosen(self, positions: NDArray[np.intp]) -> BlockSamples:
         """Keep these positions, in this order, each at most once."""
         texts: dict[int, str] = {}
         if self.texts:
             place = {int(old): new for new, old in enumerate(positions)}
             texts = {place[p]: text for p, text in self.texts.items() if p in place}
-        return Samples(self.time_us[positions], self.value[positions], texts)
+        return BlockSamples(self.time_us[positions], self.value[positions], texts)
 
 
-EMPTY = Samples(np.empty(0, np.int64), np.empty(0, np.float64), {})
+EMPTY = BlockSamples(np.empty(0, np.int64), np.empty(0, np.float64), {})
 
 
-def concatenate(parts: list[Samples]) -> Samples:
+def concatenate(parts: list[BlockSamples]) -> BlockSamples:
     """Put samples one after the other."""
     if len(parts) < 2:
         return parts[0] if parts else EMPTY
@@ -84,14 +84,14 @@ def concatenate(parts: list[Samples]) -> Samples:
     for part in parts:
         texts.update({at + p: text for p, text in part.texts.items()})
         at += part.time_us.size
-    return Samples(
+    return BlockSamples(
         np.concatenate([part.time_us for part in parts]),
         np.concatenate([part.value for part in parts]),
         texts,
     )
 
 
-def in_order(samples: Samples) -> Samples:
+def in_order(samples: BlockSamples) -> BlockSamples:
     """Sort by time; samples with one time stamp stay in the order in which they came."""
     time_us = samples.time_us
     if time_us.size < 2 or bool((time_us[1:] >= time_us[:-1]).all()):
@@ -99,7 +99,7 @@ def in_order(samples: Samples) -> Samples:
     return samples.chosen(np.argsort(time_us, kind="stable"))
 
 
-def cut(samples: Samples, block: int) -> Iterator[Samples]:
+def cut(samples: BlockSamples, block: int) -> Iterator[BlockSamples]:
     """Cut samples in order of time into blocks of about ``block``.
 
     A block also ends at a long pause. So one sample with a wrong clock, or old samples that came
@@ -117,7 +117,7 @@ def cut(samples: Samples, block: int) -> Iterator[Samples]:
             yield samples.part(first + size * piece // pieces, first + size * (piece + 1) // pieces)
 
 
-def encode(samples: Samples) -> bytes:
+def encode(samples: BlockSamples) -> bytes:
     """Compress samples, in the order given."""
     times: bytes = standalone.simple_compress(np.ascontiguousarray(samples.time_us), _CONFIG)
     values: bytes = standalone.simple_compress(np.ascontiguousarray(samples.value), _CONFIG)
@@ -127,7 +127,7 @@ def encode(samples: Samples) -> bytes:
     )
 
 
-def decode(body: bytes) -> Samples:
+def decode(body: bytes) -> BlockSamples:
     """Turn a block's bytes back into samples.
 
     Raises:
@@ -138,7 +138,7 @@ def decode(body: bytes) -> Samples:
         times, values, texts = _split(body)
         time_us = np.asarray(standalone.simple_decompress(times), np.int64)
         value = np.asarray(standalone.simple_decompress(values), np.float64)
-        return Samples(time_us, value, _TEXTS.decode(texts) if texts else {})
+        return BlockSamples(time_us, value, _TEXTS.decode(texts) if texts else {})
     except (struct.error, RuntimeError, msgspec.DecodeError) as error:
         raise _damaged(body, error) from error
 

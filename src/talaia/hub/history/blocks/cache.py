@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from talaia.hub.history.blocks.block import Samples
+    from talaia.hub.history.blocks.block import BlockSamples
 
 __all__ = ["BlockCache"]
 
@@ -29,7 +29,7 @@ class BlockCache:
         """Hold up to ``most`` samples (16 bytes each)."""
         self._most = most
         self._lock = threading.Lock()
-        self._held: OrderedDict[int, Samples] = OrderedDict()
+        self._held: OrderedDict[int, BlockSamples] = OrderedDict()
         self._samples = 0
         self._run = 0
 
@@ -38,7 +38,7 @@ class BlockCache:
         """Memory that the samples take: a time and a value each."""
         return 16 * self._samples
 
-    def found(self, run: int, ids: Iterable[int]) -> dict[int, Samples]:
+    def found(self, run: int, ids: Iterable[int]) -> dict[int, BlockSamples]:
         """Give those of the blocks that are here; ``run`` counts the ledger's loads."""
         with self._lock:
             self._begin(run)
@@ -47,7 +47,7 @@ class BlockCache:
                 self._held.move_to_end(number)
             return known
 
-    def keep(self, run: int, read: dict[int, Samples]) -> None:
+    def keep(self, run: int, read: dict[int, BlockSamples]) -> None:
         """Take in blocks that were read; what was not asked for longest goes."""
         with self._lock:
             if run != self._run:

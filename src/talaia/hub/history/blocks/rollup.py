@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = [
     "WIDTHS",
     "Cells",
-    "Piece",
+    "RollupPiece",
     "cover",
     "finest_width",
     "join",
@@ -76,7 +76,7 @@ class Cells(NamedTuple):
 
     def newest(self) -> Cells:
         """Give the last cell alone."""
-        return _take(self, np.array([-1]))
+        return _select_cells(self, np.array([-1]))
 
 
 _INTS, _FLOATS = np.empty(0, np.int64), np.empty(0, np.float64)
@@ -87,7 +87,7 @@ def summarise(time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: 
     """Sum up samples in order of time; width 0 makes one cell of all that begins at the first."""
     starts = groups(time_us, width_us)
     if not starts.size:
-        return _take(_NONE, starts)
+        return _select_cells(_NONE, starts)
     ends = np.append(starts[1:], time_us.size)
     finite = np.isfinite(value)
     low, high = extremes(value, starts)
@@ -121,7 +121,7 @@ def join(parts: Sequence[Cells]) -> Cells:
 
 def merge(cells: Cells) -> Cells:
     """Make one cell of all those with the same bucket; of equal times the later cell's is last."""
-    cells = _take(cells, np.argsort(cells.bucket_us, kind="stable"))
+    cells = _select_cells(cells, np.argsort(cells.bucket_us, kind="stable"))
     starts = groups(cells.bucket_us, 1)
     if starts.size == cells.bucket_us.size:
         return cells
@@ -176,7 +176,7 @@ def tier_for(pixel_us: int) -> int:
     return -width_us if wide_us <= COARSER * pixel_us else 0
 
 
-class Piece(NamedTuple):
+class RollupPiece(NamedTuple):
     """A stretch of time that buckets of one width fill exactly; width 0: the samples themselves."""
 
     width_us: int
@@ -184,20 +184,20 @@ class Piece(NamedTuple):
     past_us: int
 
 
-def cover(from_us: int, past_us: int, width_us: int) -> list[Piece]:
+def cover(from_us: int, past_us: int, width_us: int) -> list[RollupPiece]:
     """Cover a half-open window with buckets of ``width_us``, and its ends with narrower ones."""
     if from_us >= past_us:
         return []
     if not width_us:
-        return [Piece(0, from_us, past_us)]
+        return [RollupPiece(0, from_us, past_us)]
     finer = max((w for w in WIDTHS if w < width_us), default=0)
     first, past = -(-from_us // width_us) * width_us, past_us // width_us * width_us
     if first >= past:
         return cover(from_us, past_us, finer)
-    middle = Piece(width_us, first, past)
+    middle = RollupPiece(width_us, first, past)
     return [*cover(from_us, first, finer), middle, *cover(past, past_us, finer)]
 
 
-def _take(cells: Cells, order: NDArray[np.intp]) -> Cells:
+def _select_cells(cells: Cells, order: NDArray[np.intp]) -> Cells:
     columns: list[NDArray[Any]] = [column[order] for column in cells]
     return Cells(*columns)

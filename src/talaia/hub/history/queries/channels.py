@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Engine
 
-    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.writing.block_index import BlockIndex
 
 __all__ = ["StoredChannel", "stored_channels"]
 
@@ -35,7 +35,7 @@ class StoredChannel(NamedTuple):
 
 
 def stored_channels(
-    engine: Engine, ledger: Ledger, site: str, without: Collection[str] = ()
+    engine: Engine, ledger: BlockIndex, site: str, without: Collection[str] = ()
 ) -> list[StoredChannel]:
     """List a site's channels that have samples, by address; those in ``without`` are not read."""
     left_out = frozenset(without)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from talaia.hub.history.blocks.block import Samples
+    from talaia.hub.history.blocks.block import BlockSamples
     from talaia.hub.history.queries.export_formats import ExportColumn
     from talaia.hub.history.queries.wide_table import Rows
 
@@ -149,7 +149,7 @@ def _table(form: FileForm, columns: list[ExportColumn], rows: Rows) -> pa.Table:
     return pa.table(arrays, schema=_schema(columns))
 
 
-def _numbers(part: Samples, places: NDArray[np.intp], size: int) -> pa.Array:
+def _numbers(part: BlockSamples, places: NDArray[np.intp], size: int) -> pa.Array:
     value = np.zeros(size)
     value[places] = part.value
     empty = np.ones(size, bool)
@@ -161,7 +161,7 @@ def _numbers(part: Samples, places: NDArray[np.intp], size: int) -> pa.Array:
 
 
 def _words(
-    column: ExportColumn, part: Samples, places: NDArray[np.intp], size: int, *, safe: bool
+    column: ExportColumn, part: BlockSamples, places: NDArray[np.intp], size: int, *, safe: bool
 ) -> pa.Array:
     known: dict[float, str] = {float(at): word for at, word in enumerate(column.states)}
     cells: list[str | None] = [None] * size

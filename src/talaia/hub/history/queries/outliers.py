@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from sqlalchemy import Engine
 
-    from talaia.hub.history.queries.window import Window
-    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.queries.window import StoredWindow
+    from talaia.hub.history.writing.block_index import BlockIndex
 
 __all__ = ["LEAST", "Outliers", "find_outliers", "scattered"]
 
@@ -80,7 +80,7 @@ class _Part(NamedTuple):
 
 def find_outliers(
     engine: Engine,
-    ledger: Ledger,
+    ledger: BlockIndex,
     site: str,
     address: str,
     from_us: int,
@@ -101,13 +101,13 @@ def find_outliers(
     ranks = Ranks(_QUARTILES)
     for look in range(_LOOKS):
         ranks = Ranks(_QUARTILES, KEPT * 4**look)
-        ranks.take(tail)
+        ranks.add_values(tail)
         # Another order each time: what misled the first look is not met alike in the next.
         for values in _values(engine, window, scattered(parts, look)):
             if values is None:
                 whole = False
             elif values.size:
-                ranks.take(values)
+                ranks.add_values(values)
                 yield None
         quartiles = ranks.quantiles()
         if quartiles is not None:
@@ -145,7 +145,7 @@ def _outside(values: NDArray[np.float64], low: float, high: float) -> int:
     return int(np.count_nonzero(((values < low) | (values > high)) & np.isfinite(values)))
 
 
-def _parts(engine: Engine, window: Window, most: int) -> tuple[list[_Part], int]:
+def _parts(engine: Engine, window: StoredWindow, most: int) -> tuple[list[_Part], int]:
     """List the blocks to look at, in order of time, and count the samples of all of them."""
     names = ("id", "samples", "low", "high", "first_us", "last_us")
     query = select(*(_block.c[name] for name in names)).where(*window.blocks())
@@ -169,7 +169,7 @@ def _parts(engine: Engine, window: Window, most: int) -> tuple[list[_Part], int]
 
 
 def _values(
-    engine: Engine, window: Window, parts: Sequence[_Part]
+    engine: Engine, window: StoredWindow, parts: Sequence[_Part]
 ) -> Iterator[NDArray[np.float64] | None]:
     """Give the values of blocks, a few blocks at a time; None for one that cannot be read."""
     body = tables.body
@@ -190,7 +190,7 @@ def _values(
         yield np.concatenate(read) if read else np.empty(0)
 
 
-def _value(window: Window, part: _Part, data: bytes) -> NDArray[np.float64]:
+def _value(window: StoredWindow, part: _Part, data: bytes) -> NDArray[np.float64]:
     if part.whole:
         return decode_values(data)
     return in_order(decode(data)).between(window.from_us, window.to_us).value

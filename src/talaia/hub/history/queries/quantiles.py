@@ -41,12 +41,12 @@ class Ranks:
         self._kept = kept
         self._brackets = [_Bracket(kept) for _ in parts]
 
-    def take(self, values: NDArray[np.float64]) -> None:
+    def add_values(self, values: NDArray[np.float64]) -> None:
         """Take some numbers; those that are not finite are passed over."""
         numbers = values[np.isfinite(values)]
         self.count += numbers.size
         for part, bracket in zip(self._parts, self._brackets, strict=True):
-            bracket.take(numbers)
+            bracket.add_values(numbers)
             if bracket.waiting > 2 * self._kept:
                 bracket.fold(part * self.count)
 
@@ -80,7 +80,7 @@ class _Bracket:
         self._values = np.empty(0)
         self._times = np.empty(0, np.int64)
 
-    def take(self, numbers: NDArray[np.float64]) -> None:
+    def add_values(self, numbers: NDArray[np.float64]) -> None:
         if self._low > -math.inf or self._high < math.inf:
             self._below += int(np.count_nonzero(numbers < self._low))
             numbers = numbers[(numbers >= self._low) & (numbers <= self._high)]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sqlalchemy import select, union_all
 
-from talaia.hub.history.blocks.block import Samples, concatenate, in_order
+from talaia.hub.history.blocks.block import BlockSamples, concatenate, in_order
 from talaia.hub.history.blocks.cache import BlockCache
 from talaia.hub.history.blocks.columns import columns_of
 from talaia.hub.history.blocks.rollup import cover, tier_for
@@ -21,7 +21,7 @@ from talaia.hub.history.queries.downsample import edges_of, extremes, groups, pi
 from talaia.hub.history.queries.series import HistoryGap, Series, empty_series
 from talaia.hub.history.queries.window import (
     FARTHEST_US,
-    Window,
+    StoredWindow,
     gaps_of,
     kept_bodies,
     outside_rollups,
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from sqlalchemy import Connection, Engine
 
-    from talaia.hub.history.blocks.rollup import Piece
-    from talaia.hub.history.limits import Limits
-    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.blocks.rollup import RollupPiece
+    from talaia.hub.history.limits import HistoryLimits
+    from talaia.hub.history.writing.block_index import BlockIndex
 
 __all__ = ["Reader"]
 
@@ -49,7 +49,7 @@ _block = tables.block
 class Reader:
     """Reads in whatever thread it is called; never waits for a write."""
 
-    def __init__(self, engine: Engine, ledger: Ledger, limits: Limits) -> None:
+    def __init__(self, engine: Engine, ledger: BlockIndex, limits: HistoryLimits) -> None:
         """Read by ``engine``, and look into the ledger's tails."""
         self._engine = engine
         self._ledger = ledger
@@ -112,8 +112,8 @@ class Reader:
         self,
         connection: Connection,
         address: str,
-        window: Window,
-        held: Samples,
+        window: StoredWindow,
+        held: BlockSamples,
         width: int,
         gaps: list[HistoryGap],
         steps: bool,  # noqa: FBT001 - one of many, and never written as a literal
@@ -148,7 +148,7 @@ def _within(from_us: int, to_us: int) -> tuple[int, int]:
 
 def _drawn(
     address: str,
-    samples: Samples,
+    samples: BlockSamples,
     pixel_us: int,
     gaps: list[HistoryGap],
     steps: bool,  # noqa: FBT001 - handed on
@@ -171,11 +171,11 @@ _STEPS = (*_LINES, "last_us", "last")
 def _rolled(
     connection: Connection,
     cache: BlockCache,
-    window: Window,
+    window: StoredWindow,
     tier: int,
     pixel_us: int,
     names: Sequence[str],
-) -> Samples:
+) -> BlockSamples:
     """Give points that hold the extremes of each pixel: of rollups, and of what is in none."""
     pieces = cover(window.from_us, window.to_us + 1, tier)
     wide = [piece for piece in pieces if piece.width_us]
@@ -200,7 +200,7 @@ def _rolled(
         if columns:
             parts.append(_points(columns[0::2], columns[1::2]))
     inside: list[Any] = []
-    cut: list[tuple[int, Piece]] = []
+    cut: list[tuple[int, RollupPiece]] = []
     for number, row in outside_rollups(connection, window, pieces):
         piece = pieces[number]
         one_pixel = not pixel_us or row.first_us // pixel_us == row.last_us // pixel_us
@@ -224,13 +224,13 @@ def _rolled(
 
 def _points(
     times_us: Sequence[NDArray[np.int64]], values: Sequence[NDArray[np.float64]]
-) -> Samples:
-    return Samples(np.concatenate(times_us), np.concatenate(values), {})
+) -> BlockSamples:
+    return BlockSamples(np.concatenate(times_us), np.concatenate(values), {})
 
 
 def _newest_blocks(
-    connection: Connection, cache: BlockCache, window: Window, tail: Samples
-) -> list[Samples]:
+    connection: Connection, cache: BlockCache, window: StoredWindow, tail: BlockSamples
+) -> list[BlockSamples]:
     """Read what may hold the newest sample of a window, unless the tail's newest is newer."""
     columns = (_block.c.id, _block.c.first_us, _block.c.last_us)
     order = (_block.c.last_us.desc(), _block.c.id.desc())

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import and_, or_, select
 
-from talaia.hub.history.blocks.block import EMPTY, Samples, concatenate, in_order
+from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate, in_order
 from talaia.hub.history.queries.window import FARTHEST_US, bodies
 from talaia.hub.history.queries.window_query import window_of
 from talaia.hub.store import history_tables as tables
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Engine
 
-    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.writing.block_index import BlockIndex
 
-__all__ = ["Stretch", "flow"]
+__all__ = ["SampleChunk", "flow"]
 
 # Blocks of a piece: what is held at once is a few times as much.
 AT_ONCE = 16
@@ -32,16 +32,16 @@ _block = tables.block
 _TAIL = 2**63 - 1
 
 
-class Stretch(NamedTuple):
+class SampleChunk(NamedTuple):
     """Samples in order of time; none that is still to come lies before ``past_us``."""
 
-    samples: Samples
+    samples: BlockSamples
     past_us: int
 
 
 def flow(
-    engine: Engine, ledger: Ledger, site: str, address: str, from_us: int, to_us: int
-) -> Iterator[Stretch]:
+    engine: Engine, ledger: BlockIndex, site: str, address: str, from_us: int, to_us: int
+) -> Iterator[SampleChunk]:
     """Give a channel's samples of a window, both ends included; memory is looked at now.
 
     Samples with one time stamp come in the order in which they were stored.
@@ -52,9 +52,9 @@ def flow(
     window, held = found
     tail = in_order(held).between(window.from_us, window.to_us)
 
-    def pieces() -> Iterator[Stretch]:
+    def pieces() -> Iterator[SampleChunk]:
         # What was read and is not given yet, by block: later blocks may lie among it.
-        waiting: dict[int, Samples] = {_TAIL: tail} if tail.time_us.size else {}
+        waiting: dict[int, BlockSamples] = {_TAIL: tail} if tail.time_us.size else {}
         after = (-(2**63), 0)
         more = True
         while more:
@@ -80,12 +80,14 @@ def flow(
             for number, samples in read.items():
                 waiting[number] = samples.between(window.from_us, window.to_us)
             ready, waiting = _split(waiting, past_us)
-            yield Stretch(ready, max(past_us, window.from_us))
+            yield SampleChunk(ready, max(past_us, window.from_us))
 
     return pieces()
 
 
-def _split(waiting: dict[int, Samples], past_us: int) -> tuple[Samples, dict[int, Samples]]:
+def _split(
+    waiting: dict[int, BlockSamples], past_us: int
+) -> tuple[BlockSamples, dict[int, BlockSamples]]:
     """Take what lies before a time, in order of time, and what is left of each block."""
     before, left = [], {}
     for number in sorted(waiting):

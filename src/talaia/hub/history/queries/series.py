@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.hub.history.blocks.block import Samples
+from talaia.hub.history.blocks.block import BlockSamples
 
 __all__ = ["HistoryGap", "Series", "empty_series"]
 
@@ -40,9 +40,9 @@ class Series(NamedTuple):
     exact: bool
     gaps: list[HistoryGap]
 
-    def samples(self) -> Samples:
+    def samples(self) -> BlockSamples:
         """Give the points alone."""
-        return Samples(self.time_us, self.value, self.texts)
+        return BlockSamples(self.time_us, self.value, self.texts)
 
 
 def empty_series(address: str, gaps: list[HistoryGap]) -> Series:

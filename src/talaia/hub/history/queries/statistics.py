@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from sqlalchemy import select, union_all
 
-from talaia.hub.history.blocks.block import Samples, concatenate, in_order
+from talaia.hub.history.blocks.block import BlockSamples, concatenate, in_order
 from talaia.hub.history.blocks.rollup import WIDTHS, Cells, cover, join, merge, summarise
 from talaia.hub.history.blocks.rows import rows_to_cells, summary_of
 from talaia.hub.history.queries.window import (
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Connection, Engine
 
-    from talaia.hub.history.limits import Limits
+    from talaia.hub.history.limits import HistoryLimits
     from talaia.hub.history.queries.series import HistoryGap
-    from talaia.hub.history.queries.window import Window
-    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.queries.window import StoredWindow
+    from talaia.hub.history.writing.block_index import BlockIndex
 
-__all__ = ["Reading", "Statistics", "covered_us", "read_statistics"]
+__all__ = ["SampleReading", "Statistics", "covered_us", "read_statistics"]
 
 _block = tables.block
 
 
-class Reading(NamedTuple):
+class SampleReading(NamedTuple):
     """One sample: microseconds since the epoch (UTC), value (NaN for a text), text."""
 
     time_us: int
@@ -64,19 +64,19 @@ class Statistics(NamedTuple):
     address: str
     samples: int
     numbers: int
-    low: Reading | None
-    high: Reading | None
+    low: SampleReading | None
+    high: SampleReading | None
     mean: float
     deviation: float
-    first: Reading | None
-    last: Reading | None
+    first: SampleReading | None
+    last: SampleReading | None
     gap_us: int
 
 
 def read_statistics(
     engine: Engine,
-    ledger: Ledger,
-    limits: Limits,
+    ledger: BlockIndex,
+    limits: HistoryLimits,
     site: str,
     addresses: Sequence[str],
     from_us: int,
@@ -108,7 +108,12 @@ def _of_nothing(address: str, gap_us: int) -> Statistics:
 
 
 def _of_window(
-    connection: Connection, address: str, window: Window, held: Samples, most: int, gap_us: int
+    connection: Connection,
+    address: str,
+    window: StoredWindow,
+    held: BlockSamples,
+    most: int,
+    gap_us: int,
 ) -> Statistics:
     tail = in_order(held).between(window.from_us, window.to_us)
     blocks = overlapping(connection, window, most)
@@ -130,8 +135,8 @@ def _of_window(
         address,
         samples=int(cells.samples[0]),
         numbers=numbers,
-        low=None if math.isnan(low) else Reading(int(cells.low_us[0]), low, ""),
-        high=None if math.isnan(high) else Reading(int(cells.high_us[0]), high, ""),
+        low=None if math.isnan(low) else SampleReading(int(cells.low_us[0]), low, ""),
+        high=None if math.isnan(high) else SampleReading(int(cells.high_us[0]), high, ""),
         mean=float(cells.total[0]) / numbers if numbers else math.nan,
         deviation=math.sqrt(float(cells.squares[0]) / numbers) if numbers else math.nan,
         first=_reading(ends, 0),
@@ -140,13 +145,15 @@ def _of_window(
     )
 
 
-def _reading(samples: Samples, at: int) -> Reading | None:
+def _reading(samples: BlockSamples, at: int) -> SampleReading | None:
     if not samples.time_us.size:
         return None
-    return Reading(int(samples.time_us[at]), float(samples.value[at]), samples.texts.get(at, ""))
+    return SampleReading(
+        int(samples.time_us[at]), float(samples.value[at]), samples.texts.get(at, "")
+    )
 
 
-def _rolled(connection: Connection, window: Window) -> Cells:
+def _rolled(connection: Connection, window: StoredWindow) -> Cells:
     """Give cells that together hold what the database holds of a window."""
     pieces = cover(window.from_us, window.to_us + 1, WIDTHS[-1])
     table = tables.rollup
@@ -179,7 +186,7 @@ def _rolled(connection: Connection, window: Window) -> Cells:
     return join(parts)
 
 
-def _ends(connection: Connection, window: Window, tail: Samples) -> Samples:
+def _ends(connection: Connection, window: StoredWindow, tail: BlockSamples) -> BlockSamples:
     """Give samples of a window of which the first and the last are the window's."""
     edge = (
         select(_block.c.id)

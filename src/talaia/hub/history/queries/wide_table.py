@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.hub.history.blocks.block import EMPTY, Samples, concatenate
+from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from talaia.hub.history.queries.sample_stream import Stretch
+    from talaia.hub.history.queries.sample_stream import SampleChunk
 
 __all__ = ["Rows", "joined"]
 
@@ -31,10 +31,10 @@ class Rows(NamedTuple):
 
     time_us: NDArray[np.int64]
     places: list[NDArray[np.intp]]
-    parts: list[Samples]
+    parts: list[BlockSamples]
 
 
-def joined(flows: Sequence[Iterator[Stretch]]) -> Iterator[Rows]:
+def joined(flows: Sequence[Iterator[SampleChunk]]) -> Iterator[Rows]:
     """Join channels by time, a piece at a time.
 
     Samples of several channels with one time stamp share a row. Where a channel has several
@@ -57,7 +57,7 @@ def joined(flows: Sequence[Iterator[Stretch]]) -> Iterator[Rows]:
             yield _together(ready)
 
 
-def _together(parts: list[Samples]) -> Rows:
+def _together(parts: list[BlockSamples]) -> Rows:
     times = [part.time_us for part in parts]
     turns = [_turns(each) for each in times]
     most = max(int(turn.max(initial=0)) for turn in turns)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import func, literal, or_, select, union_all
 
-from talaia.hub.history.blocks.block import Samples, concatenate, decode
+from talaia.hub.history.blocks.block import BlockSamples, concatenate, decode
 from talaia.hub.history.blocks.rows import summary_of
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.queries.series import HistoryGap
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, Connection
 
     from talaia.hub.history.blocks.cache import BlockCache
-    from talaia.hub.history.blocks.rollup import Piece
+    from talaia.hub.history.blocks.rollup import RollupPiece
 
 __all__ = [
     "FARTHEST_US",
-    "Window",
+    "StoredWindow",
     "bodies",
     "count_in_blocks",
     "gaps_of",
@@ -40,7 +40,7 @@ _FEW = 200
 _block = tables.block
 
 
-class Window(NamedTuple):
+class StoredWindow(NamedTuple):
     """One channel and one stretch of time, both ends included.
 
     ``run`` counts the ledger's loads; `BlockCache` needs it.
@@ -64,13 +64,13 @@ class Window(NamedTuple):
         ]
 
 
-def count_in_blocks(connection: Connection, window: Window) -> int:
+def count_in_blocks(connection: Connection, window: StoredWindow) -> int:
     """Count the samples of the blocks that overlap a window."""
     query = select(func.coalesce(func.sum(_block.c.samples), 0)).where(*window.blocks())
     return int(connection.scalar(query) or 0)
 
 
-def overlapping(connection: Connection, window: Window, most: int) -> Sequence[Any] | None:
+def overlapping(connection: Connection, window: StoredWindow, most: int) -> Sequence[Any] | None:
     """List the blocks that overlap a window; None if they hold more than ``most`` samples."""
     query = (
         select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
@@ -89,16 +89,16 @@ def overlapping(connection: Connection, window: Window, most: int) -> Sequence[A
 def raw(
     connection: Connection,
     found: Sequence[Any],
-    window: Window,
+    window: StoredWindow,
     most_texts: int,
     cache: BlockCache | None = None,
-) -> tuple[Samples, list[HistoryGap]]:
+) -> tuple[BlockSamples, list[HistoryGap]]:
     """Read blocks that overlap a window, and tell which stretches could not be read, and why.
 
     Samples come in the order of their blocks, which is that in which they came.
     """
     blocks = sorted(found, key=lambda row: row.last_us)
-    read: dict[int, Samples] = {}
+    read: dict[int, BlockSamples] = {}
     unread: list[HistoryGap] = []
     size = 0
     while blocks and (size < most_texts or not any(part.texts for part in read.values())):
@@ -119,7 +119,7 @@ def raw(
 
 def kept_bodies(
     connection: Connection, ids: Sequence[int], run: int, cache: BlockCache | None
-) -> dict[int, Samples]:
+) -> dict[int, BlockSamples]:
     """Read blocks by their numbers, those that a cache holds from there; see `bodies`."""
     if cache is None:
         return bodies(connection, ids)
@@ -131,10 +131,10 @@ def kept_bodies(
     return found
 
 
-def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, Samples]:
+def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, BlockSamples]:
     """Read blocks by their numbers; those that are gone or damaged are left out."""
     table = tables.body
-    found: dict[int, Samples] = {}
+    found: dict[int, BlockSamples] = {}
     for at in range(0, len(ids), _BODIES_AT_ONCE):
         query = select(table).where(table.c.block_id.in_(ids[at : at + _BODIES_AT_ONCE]))
         for number, data in connection.execute(query):
@@ -146,7 +146,7 @@ def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, Samples]:
 
 
 def outside_rollups(
-    connection: Connection, window: Window, pieces: Sequence[Piece]
+    connection: Connection, window: StoredWindow, pieces: Sequence[RollupPiece]
 ) -> list[tuple[int, Any]]:
     """List the blocks that the rollups of a piece do not hold, with the piece's number."""
     columns = [_block.c.id, _block.c.first_us, *summary_of(_block)]

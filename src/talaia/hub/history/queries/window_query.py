@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.hub.history.queries.window import FARTHEST_US, Window
+from talaia.hub.history.queries.window import FARTHEST_US, StoredWindow
 
 if TYPE_CHECKING:
-    from talaia.hub.history.blocks.block import Samples
-    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.blocks.block import BlockSamples
+    from talaia.hub.history.writing.block_index import BlockIndex
 
 __all__ = ["window_of"]
 
 
 def window_of(
-    ledger: Ledger, site: str, address: str, from_us: int, to_us: int
-) -> tuple[Window, Samples] | None:
+    ledger: BlockIndex, site: str, address: str, from_us: int, to_us: int
+) -> tuple[StoredWindow, BlockSamples] | None:
     """Find a channel's window and what of the channel stands in memory; None if it has none.
 
     It comes before the database is asked: what is sealed after this look is still in the
@@ -30,5 +30,5 @@ def window_of(
     if channel is None or from_us > to_us:
         return None
     samples, before = tails.snapshot(channel)
-    window = Window(channel, from_us, to_us, names.longest_us[channel], before, run)
+    window = StoredWindow(channel, from_us, to_us, names.longest_us[channel], before, run)
     return window, samples

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Connection, Engine, Row
 
-    from talaia.hub.history.sensors.view_sql import Sensor
+    from talaia.hub.history.sensors.view_sql import SensorView
 
 __all__ = [
-    "SensorKind",
+    "StoredSensorKind",
     "kinds_of",
     "read_kinds",
     "remember_sensors",
@@ -44,7 +44,7 @@ _BETWEEN_S = 0.02
 _LONGEST_NAME = 200
 
 
-class SensorKind(NamedTuple):
+class StoredSensorKind(NamedTuple):
     """What a signal was when it was last described.
 
     Attributes:
@@ -60,24 +60,24 @@ class SensorKind(NamedTuple):
     decimals: int
 
 
-def kinds_of(sensors: list[Sensor]) -> dict[str, SensorKind]:
+def kinds_of(sensors: list[SensorView]) -> dict[str, StoredSensorKind]:
     """Give what signals are, by their addresses."""
     return {
-        each.address: SensorKind(
+        each.address: StoredSensorKind(
             each.shown[:_LONGEST_NAME], each.unit, each.type.value, each.states, each.decimals
         )
         for each in sensors
     }
 
 
-def read_kinds(engine: Engine) -> dict[tuple[str, str], SensorKind]:
+def read_kinds(engine: Engine) -> dict[tuple[str, str], StoredSensorKind]:
     """Give what all signals of all times were, by site and address."""
     with engine.begin() as connection:
         rows = connection.execute(select(_sensor)).all()
     return {(row.site, row.address): _kind(row) for row in rows}
 
 
-def remember_sensors(engine: Engine, site: str, sensors: list[Sensor]) -> list[Sensor]:
+def remember_sensors(engine: Engine, site: str, sensors: list[SensorView]) -> list[SensorView]:
     """Write down what each sensor is; one that is no longer described stays as it was.
 
     Returns:
@@ -124,7 +124,7 @@ def rename_sensors(engine: Engine, site: str, moves: Mapping[str, str]) -> None:
 
 
 def show_sensors(
-    engine: Engine, site: str, sensors: list[Sensor], ended: Callable[[], bool] = lambda: False
+    engine: Engine, site: str, sensors: list[SensorView], ended: Callable[[], bool] = lambda: False
 ) -> int:
     """Make the views of sensors that are remembered and need one.
 
@@ -158,7 +158,7 @@ def show_sensors(
     return len(wanted)
 
 
-def _show(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
+def _show(connection: Connection, site: str, sensor: SensorView, name: str) -> None:
     connection.execute(DropView(name))
     connection.execute(CreateView(name, sensor))
     connection.execute(
@@ -168,7 +168,7 @@ def _show(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
     )
 
 
-def _remember(connection: Connection, site: str, sensor: Sensor, name: str) -> None:
+def _remember(connection: Connection, site: str, sensor: SensorView, name: str) -> None:
     same = (_sensor.c.site == site, _sensor.c.address == sensor.address)
     connection.execute(delete(_sensor).where(*same))
     connection.execute(
@@ -187,8 +187,8 @@ def _remember(connection: Connection, site: str, sensor: Sensor, name: str) -> N
     )
 
 
-def _kind(row: Row[Any]) -> SensorKind:
-    return SensorKind(
+def _kind(row: Row[Any]) -> StoredSensorKind:
+    return StoredSensorKind(
         row.shown_name,
         row.unit,
         row.type or "",
@@ -197,5 +197,5 @@ def _kind(row: Row[Any]) -> SensorKind:
     )
 
 
-def _made_of(sensor: Sensor) -> str:
+def _made_of(sensor: SensorView) -> str:
     return hashlib.sha256(repr((_VERSION, *sensor)).encode()).hexdigest()[:32]

@@ -37,14 +37,14 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Signal, Site
 
-__all__ = ["CreateView", "DropView", "Sensor", "sensors_of", "view_name"]
+__all__ = ["CreateView", "DropView", "SensorView", "sensors_of", "view_name"]
 
 # The shortest limit of the three databases is 63 bytes; the rest is for a number.
 _LONGEST = 48
 _recent, _rollup = tables.recent, tables.rollup
 
 
-class Sensor(NamedTuple):
+class SensorView(NamedTuple):
     """A signal of a site, as its view shows it.
 
     Attributes:
@@ -63,7 +63,7 @@ class Sensor(NamedTuple):
     channels: tuple[int, ...]
 
 
-def sensors_of(site: Site, channels: Mapping[tuple[str, str], int]) -> list[Sensor]:
+def sensors_of(site: Site, channels: Mapping[tuple[str, str], int]) -> list[SensorView]:
     """List a site's signals with the ids of their channels."""
     return [
         _sensor(site.site, f"{device_id}/{signal_id}", signal, channels)
@@ -74,11 +74,11 @@ def sensors_of(site: Site, channels: Mapping[tuple[str, str], int]) -> list[Sens
 
 def _sensor(
     site: str, address: str, signal: Signal, channels: Mapping[tuple[str, str], int]
-) -> Sensor:
+) -> SensorView:
     parts = parts_of(signal)
     ids = tuple(channels[site, address + (f".{part}" if part else "")] for part in parts)
     names = tuple(part or "value" for part in parts)
-    return Sensor(
+    return SensorView(
         address, signal.name, signal.unit, signal.type, signal.states, signal.decimals, names, ids
     )
 
@@ -97,7 +97,7 @@ class CreateView(ExecutableDDLElement):
 
     inherit_cache = False
 
-    def __init__(self, name: str, sensor: Sensor) -> None:
+    def __init__(self, name: str, sensor: SensorView) -> None:
         """Show ``sensor`` under ``name``."""
         self.name = name
         self.query = _query(sensor)
@@ -152,13 +152,13 @@ def _time_mysql(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noq
     return f"TIMESTAMPADD(MICROSECOND, {inner}, '1970-01-01 00:00:00.000000')"
 
 
-def _query(sensor: Sensor) -> Select[Any] | CompoundSelect[Any]:
+def _query(sensor: SensorView) -> Select[Any] | CompoundSelect[Any]:
     if sensor.type is SignalType.TEXT:
         return _readings(sensor)
     return union_all(_summaries(sensor), _readings(sensor))
 
 
-def _readings(sensor: Sensor) -> Select[Any]:
+def _readings(sensor: SensorView) -> Select[Any]:
     """Single readings that are newer than the rollups."""
     one = len(sensor.parts) == 1
     text = sensor.type is SignalType.TEXT
@@ -186,7 +186,7 @@ def _readings(sensor: Sensor) -> Select[Any]:
     return query if one else query.group_by(_recent.c.time_us)
 
 
-def _summaries(sensor: Sensor) -> Select[Any]:
+def _summaries(sensor: SensorView) -> Select[Any]:
     """The finest rollup rows there are."""
     one = len(sensor.parts) == 1
     row = _rollup.c
@@ -219,7 +219,7 @@ def _finest(channel: int) -> ColumnElement[Any]:
     )
 
 
-def _named(sensor: Sensor, values: Sequence[ColumnElement[Any]]) -> list[ColumnElement[Any]]:
+def _named(sensor: SensorView, values: Sequence[ColumnElement[Any]]) -> list[ColumnElement[Any]]:
     columns: list[ColumnElement[Any]] = [_words(sensor.shown).label("sensor")]
     columns += [value.label(part) for part, value in zip(sensor.parts, values, strict=True)]
     if sensor.type is SignalType.STATE:
@@ -231,7 +231,10 @@ def _named(sensor: Sensor, values: Sequence[ColumnElement[Any]]) -> list[ColumnE
 
 
 def _spread(
-    sensor: Sensor, low: ColumnElement[Any], high: ColumnElement[Any], samples: ColumnElement[Any]
+    sensor: SensorView,
+    low: ColumnElement[Any],
+    high: ColumnElement[Any],
+    samples: ColumnElement[Any],
 ) -> list[ColumnElement[Any]]:
     if sensor.type is not SignalType.NUMBER:
         return [samples.label("samples")]

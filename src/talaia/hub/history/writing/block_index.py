@@ -34,7 +34,7 @@ from talaia.hub.history.writing.writer_jobs import (
     Below,
     Describe,
     Drop,
-    Gap,
+    GapJob,
     Rename,
     Show,
     checked,
@@ -47,11 +47,11 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection, Engine
 
     from talaia.clock import Clock
-    from talaia.hub.history.limits import Limits
+    from talaia.hub.history.limits import HistoryLimits
     from talaia.hub.history.writing.retention import Doomed
     from talaia.hub.history.writing.writer_jobs import Job
 
-__all__ = ["Ledger"]
+__all__ = ["BlockIndex"]
 
 _LOG = logging.getLogger(__name__)
 
@@ -88,7 +88,7 @@ class _Draft:
         return bodies + sum(each.size() for each in self.seals)
 
 
-class Ledger:
+class BlockIndex:
     """The writing side's picture of the database.
 
     Attributes:
@@ -99,7 +99,7 @@ class Ledger:
 
     """
 
-    def __init__(self, engine: Engine, clock: Clock, limits: Limits) -> None:
+    def __init__(self, engine: Engine, clock: Clock, limits: HistoryLimits) -> None:
         """Use ``engine`` to write; `load` comes before anything else."""
         self._engine = engine
         self._clock = clock
@@ -239,8 +239,8 @@ class Ledger:
         try:
             match job:
                 case Append():
-                    self._take(job, draft)
-                case Gap():
+                    self._add_batch(job, draft)
+                case GapJob():
                     self._take_gap(job, draft)
                 case Below():
                     boot = self.names.boots.get((job.site, job.boot), 0)
@@ -267,7 +267,7 @@ class Ledger:
             return HistoryError(f"a text is not Unicode: {error}")
         return 0
 
-    def _take(self, job: Append, draft: _Draft) -> None:
+    def _add_batch(self, job: Append, draft: _Draft) -> None:
         columns = checked(job)
         # Packing may refuse, so it comes before anything is remembered.
         boot = self.names.boot(job.site, job.boot)
@@ -299,7 +299,7 @@ class Ledger:
             self._settled.setdefault(boot, Ranges()).add(first, first + len(part))
             self._changed.add(boot)
 
-    def _take_gap(self, job: Gap, draft: _Draft) -> None:
+    def _take_gap(self, job: GapJob, draft: _Draft) -> None:
         if not 0 <= job.first <= job.last + 1 or job.from_us > job.to_us:
             raise HistoryError(
                 f"a gap from {job.first} to {job.last}, {job.from_us} to {job.to_us} µs, ends "

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import and_, delete, insert, or_, select, update
 
-from talaia.hub.history.blocks.block import Samples, cut, encode, in_order
+from talaia.hub.history.blocks.block import BlockSamples, cut, encode, in_order
 from talaia.hub.history.blocks.rollup import (
     WIDTHS,
     Cells,
@@ -90,7 +90,7 @@ class Sealed(NamedTuple):
         return sum(len(row["body"]) for row in self.bodies)
 
 
-def save(channel: int, row: int, samples: Samples) -> Saved:
+def save(channel: int, row: int, samples: BlockSamples) -> Saved:
     """Compress a tail, in the order in which its samples came."""
     return Saved(channel, row, encode(samples))
 
@@ -100,7 +100,7 @@ def seal(
     row: int,
     first_block: int,
     longest_us: int,
-    samples: Samples,
+    samples: BlockSamples,
     block: int,
     *,
     was_saved: bool,

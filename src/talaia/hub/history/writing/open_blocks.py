@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.hub.history.blocks.block import Samples, concatenate
+from talaia.hub.history.blocks.block import BlockSamples, concatenate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -52,12 +52,12 @@ class Tail:
 
     def __init__(self) -> None:
         """Start empty."""
-        self.parts: list[Samples] = []
+        self.parts: list[BlockSamples] = []
         self.size = 0
         self.oldest_row: int | None = None
         self.saved = False
 
-    def add(self, samples: Samples) -> None:
+    def add(self, samples: BlockSamples) -> None:
         """Put samples at the end."""
         if len(self.parts) >= _PARTS:
             # A slow channel gets its samples one by one; a thousand small arrays are slow to read.
@@ -76,7 +76,7 @@ class Snapshot(NamedTuple):
 
     """
 
-    samples: Samples
+    samples: BlockSamples
     block: int
 
 
@@ -114,7 +114,7 @@ class Tails:
         """Tell whether enough batches wait to be dealt out."""
         return self._waiting >= self._enough
 
-    def restore(self, channel: int, samples: Samples) -> None:
+    def restore(self, channel: int, samples: BlockSamples) -> None:
         """Take a tail that was saved in the database."""
         tail = self._tails.setdefault(channel, Tail())
         tail.add(samples)
@@ -158,17 +158,17 @@ class Tails:
         for chunk in recent:
             positions = np.flatnonzero(chunk.channel == channel)
             if positions.size:
-                samples = Samples(chunk.time_us, chunk.value, chunk.texts)
+                samples = BlockSamples(chunk.time_us, chunk.value, chunk.texts)
                 parts.append(samples.chosen(positions))
         return Snapshot(concatenate(parts), block)
 
 
-def _deal(chunks: list[Chunk]) -> list[tuple[int, int, Samples]]:
+def _deal(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]:
     """Give channel, first row and samples of each channel, in the order in which they came."""
     ids = np.concatenate([chunk.channel for chunk in chunks])
     if not ids.size:  # after a start, all of it may have been in blocks already
         return []
-    together = concatenate([Samples(c.time_us, c.value, c.texts) for c in chunks])
+    together = concatenate([BlockSamples(c.time_us, c.value, c.texts) for c in chunks])
     if bool((ids == ids[0]).all()):
         first = next(chunk.row for chunk in chunks if chunk.time_us.size)
         return [(int(ids[0]), first, together if len(chunks) > 1 else _own(together))]
@@ -185,6 +185,6 @@ def _deal(chunks: list[Chunk]) -> list[tuple[int, int, Samples]]:
     ]
 
 
-def _own(samples: Samples) -> Samples:
+def _own(samples: BlockSamples) -> BlockSamples:
     # A view would keep the whole batch of all channels in memory for as long as this channel.
-    return Samples(samples.time_us.copy(), samples.value.copy(), samples.texts)
+    return BlockSamples(samples.time_us.copy(), samples.value.copy(), samples.texts)

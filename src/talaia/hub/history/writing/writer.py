@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.history.engine import Checkpoints
-    from talaia.hub.history.writing.block_index import Ledger
+    from talaia.hub.history.writing.block_index import BlockIndex
     from talaia.hub.history.writing.writer_jobs import Job
 
 __all__ = ["Writer"]
@@ -46,7 +46,7 @@ class Writer:
     """Takes jobs on the event loop and does them in its own thread, in order."""
 
     def __init__(
-        self, ledger: Ledger, checkpoints: Checkpoints, clock: Clock, linger_s: float
+        self, ledger: BlockIndex, checkpoints: Checkpoints, clock: Clock, linger_s: float
     ) -> None:
         """Prepare; `start` begins."""
         self._ledger = ledger
@@ -88,7 +88,7 @@ class Writer:
         if self._thread is not None:
             await asyncio.to_thread(self._thread.join)
 
-    async def do(self, job: Job) -> int:
+    async def complete_job(self, job: Job) -> int:
         """Wait until a job is durable.
 
         Raises:
@@ -116,7 +116,7 @@ class Writer:
             began = self._clock.monotonic_ns()
             answers = self._answers([each.job for each in group])
             if self._loop is not None and not self._loop.is_closed():
-                self._loop.call_soon_threadsafe(_tell, group, answers)
+                self._loop.call_soon_threadsafe(_answer_waiting, group, answers)
             try:
                 self._checkpoints.after_commit(self._ledger.written)
                 self._ledger.written = 0
@@ -197,7 +197,7 @@ def _reason(error: Exception) -> str:
     return str(reason) or type(reason).__name__
 
 
-def _tell(group: Sequence[_Waiting], answers: Sequence[Answer]) -> None:
+def _answer_waiting(group: Sequence[_Waiting], answers: Sequence[Answer]) -> None:
     for each, answer in zip(group, answers, strict=True):
         if each.answer.done():  # its caller was cancelled
             continue

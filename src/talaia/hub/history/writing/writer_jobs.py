@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.history.writing.retention import Doomed
 
-__all__ = ["Append", "Below", "Describe", "Drop", "Gap", "Job", "Rename", "Show", "checked"]
+__all__ = ["Append", "Below", "Describe", "Drop", "GapJob", "Job", "Rename", "Show", "checked"]
 
 
 class Append(NamedTuple):
@@ -27,7 +27,7 @@ class Append(NamedTuple):
     columns: Columns
 
 
-class Gap(NamedTuple):
+class GapJob(NamedTuple):
     """Store that ``first`` to ``last`` of a boot are lost."""
 
     site: str
@@ -70,7 +70,7 @@ class Drop(NamedTuple):
     doomed: Sequence[Doomed]
 
 
-Job = Append | Gap | Below | Describe | Rename | Show | Drop
+Job = Append | GapJob | Below | Describe | Rename | Show | Drop
 
 
 def checked(job: Append) -> Columns:

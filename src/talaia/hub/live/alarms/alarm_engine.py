@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.clock import SECOND
-from talaia.hub.alarms.conditions import Seen
+from talaia.hub.alarms.conditions import DetectedThing
 from talaia.hub.alarms.machine import Event, NotNow, Phase, Retire, State, What, step
 from talaia.hub.errors import StoreDown
 from talaia.hub.live.alarms.alarm_state import LiveAlarm, alarm_news, event_news, ghost
 from talaia.hub.live.alarms.site_alarms import SiteAlarms
-from talaia.hub.store.alarms.alarm_states import Change, Made
+from talaia.hub.store.alarms.alarm_states import AlarmChange, MadeAlarm
 from talaia.model.alarms.alarm import Alarm
 from talaia.model.alarms.standard_alarms import standard_alarms
 from talaia.wire.frames import RecordingRequest
@@ -39,13 +39,13 @@ if TYPE_CHECKING:
     from talaia.hub.alarms.machine import Happened
     from talaia.hub.live.pages.page_connections import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.ports import AnomalyNews, Sighting
+    from talaia.hub.ports import AnomalyReport, SightingEvent
     from talaia.hub.store.alarms.alarm_states import AlarmStore
-    from talaia.hub.store.alarms.notification_outbox import Notices
+    from talaia.hub.store.alarms.notification_outbox import NotificationOutbox
     from talaia.model.site import Site
     from talaia.wire.columns import Columns
 
-__all__ = ["Alarms"]
+__all__ = ["AlarmEngine"]
 
 _LOG = logging.getLogger(__name__)
 # Conditions are looked at so often at least: values age, delays end (s).
@@ -66,7 +66,7 @@ class _Ask(NamedTuple):
     done: asyncio.Future[State] | None = None
 
 
-class Alarms:
+class AlarmEngine:
     """Watches, decides, writes down, and tells."""
 
     def __init__(
@@ -74,7 +74,7 @@ class Alarms:
         sites: Sites,
         browsers: Browsers,
         store: AlarmStore,
-        notices: Notices,
+        notices: NotificationOutbox,
         clock: Clock,
     ) -> None:
         """Begin without any; `open` brings back what the database has."""
@@ -85,7 +85,7 @@ class Alarms:
         self._clock = clock
         self._of: dict[str, SiteAlarms] = {}
         self._states: dict[tuple[str, str], State] = {}
-        self._made: dict[str, dict[str, Made]] = {}
+        self._made: dict[str, dict[str, MadeAlarm]] = {}
         self._queue: deque[_Ask] = deque()
         self._news = asyncio.Event()
         self._stopping = False
@@ -111,7 +111,7 @@ class Alarms:
         """Take a site's description, new or the same; alarms that stay keep their state."""
         known = self._of.get(live.name)
         if known is None:
-            known = self._of[live.name] = SiteAlarms(self._clock, self._put, self._tell)
+            known = self._of[live.name] = SiteAlarms(self._clock, self._enqueue, self._publish)
         before = known.described(
             live,
             self._definitions(live.description),
@@ -126,7 +126,7 @@ class Alarms:
             if name not in known.alarms and name not in before and _stands(state):
                 self._retire(ghost(live, name, state))
         for each in known.alarms.values():
-            self._tell(each)
+            self._publish(each)
         self._news.set()
 
     def of(self, site: str) -> Iterator[LiveAlarm]:
@@ -165,12 +165,12 @@ class Alarms:
 
     def _retire(self, gone: LiveAlarm) -> None:
         gone.alarm = None
-        self._put(gone, Retire(self._now_us()))
-        self._tell(gone)
+        self._enqueue(gone, Retire(self._now_us()))
+        self._publish(gone)
 
     # ── what is true ────────────────────────────────────────────────────────────────────────
 
-    def take(
+    def evaluate_samples(
         self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
     ) -> None:
         """Hold live samples against the conditions that look at them; never waits.
@@ -179,30 +179,36 @@ class Alarms:
         """
         known = self._of.get(live.name)
         if known is not None:
-            known.take(live, columns, heard_ns)
+            known.evaluate_samples(live, columns, heard_ns)
 
-    def anomaly(self, news: AnomalyNews) -> None:
+    def anomaly(self, news: AnomalyReport) -> None:
         """Take what a detector of anomalies says; see `talaia.hub.ports.AnomalySink`."""
-        seen = Seen(score=news.score, why=news.why)
+        seen = DetectedThing(score=news.score, why=news.why)
         which, over = (news.began_us, news.detector), news.ended_us is not None
         self._happens(news.site, (news.channel, ""), which, seen, over=over)
 
-    def sighting(self, news: Sighting) -> None:
+    def sighting(self, news: SightingEvent) -> None:
         """Take what a detector of objects says; see `talaia.hub.ports.SightingSink`."""
-        seen = Seen(many=news.many, confidence=news.confidence)
+        seen = DetectedThing(many=news.many, confidence=news.confidence)
         what = (news.camera, news.label)
         over = news.ended_us is not None
         self._happens(news.site, what, (news.began_us, ""), seen, over=over)
 
-    def look(self) -> None:
+    def evaluate_conditions(self) -> None:
         """Hold what is known against every condition: values age, and delays end."""
         for site, known in self._of.items():
             live = self._sites.get(site)
             if live is not None:
-                known.look(live)
+                known.evaluate_conditions(live)
 
     def _happens(
-        self, site: str, what: tuple[str, str], which: tuple[int, str], seen: Seen, *, over: bool
+        self,
+        site: str,
+        what: tuple[str, str],
+        which: tuple[int, str],
+        seen: DetectedThing,
+        *,
+        over: bool,
     ) -> None:
         known, live = self._of.get(site), self._sites.get(site)
         if known is not None and live is not None:
@@ -219,10 +225,10 @@ class Alarms:
 
         """
         done: asyncio.Future[State] = asyncio.get_running_loop().create_future()
-        self._put(live, event, done)
+        self._enqueue(live, event, done)
         return await done
 
-    async def define(self, live: LiveSite, made: Made) -> None:
+    async def define(self, live: LiveSite, made: MadeAlarm) -> None:
         """Keep an alarm that was made in the page, in place of the one of its name."""
         await self._store.define(made)
         self._made.setdefault(made.site, {})[made.alarm] = made
@@ -269,7 +275,7 @@ class Alarms:
         now = self._clock.monotonic_ns()
         if now - self._looked_ns >= _TICK_NS:
             self._looked_ns = now
-            self.look()
+            self.evaluate_conditions()
 
     @property
     def judging(self) -> bool:
@@ -318,13 +324,13 @@ class Alarms:
                 if not ask.done.done():
                     ask.done.set_exception(error)
 
-    def _show(self, changes: list[tuple[LiveAlarm, Change]]) -> None:
+    def _show(self, changes: list[tuple[LiveAlarm, AlarmChange]]) -> None:
         """Tell of what is in the database now."""
         for live in dict.fromkeys(live for live, _ in changes):
-            self._tell(live)
+            self._publish(live)
         for live, change in changes:
             for happened in change.happened:
-                self._browsers.tell(event_news(live, happened))
+                self._browsers.broadcast_message(event_news(live, happened))
                 if happened.what is What.RAISED:
                     live.undelivered = ""
                     self._record(live, happened)
@@ -346,22 +352,22 @@ class Alarms:
                 problem = troubles.get((site, name), "")
                 if problem != each.undelivered:
                     each.undelivered = problem
-                    self._tell(each)
+                    self._publish(each)
 
     def greet(self, browser: Browser) -> None:
         """Tell a page that has just come how all alarms stand that it may see."""
         for known in self._of.values():
             for each in known.alarms.values():
-                browser.tell(alarm_news(each))
+                browser.send_message(alarm_news(each))
 
-    def _put(
+    def _enqueue(
         self, live: LiveAlarm, event: Event, done: asyncio.Future[State] | None = None
     ) -> None:
         self._queue.append(_Ask(live, event, done))
         self._news.set()
 
-    def _tell(self, each: LiveAlarm) -> None:
-        self._browsers.tell(alarm_news(each))
+    def _publish(self, each: LiveAlarm) -> None:
+        self._browsers.broadcast_message(alarm_news(each))
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000
@@ -369,10 +375,10 @@ class Alarms:
 
 def _worked_out(
     batch: list[_Ask],
-) -> tuple[list[tuple[LiveAlarm, Change]], dict[LiveAlarm, State], dict[int, NotNow]]:
+) -> tuple[list[tuple[LiveAlarm, AlarmChange]], dict[LiveAlarm, State], dict[int, NotNow]]:
     """Give the changes, the state after them of each alarm, and what is refused and why."""
     states: dict[LiveAlarm, State] = {}
-    changes: list[tuple[LiveAlarm, Change]] = []
+    changes: list[tuple[LiveAlarm, AlarmChange]] = []
     refused: dict[int, NotNow] = {}
     for ask in batch:
         before = states.get(ask.live, ask.live.state)
@@ -383,7 +389,7 @@ def _worked_out(
             after, happened = before, ()
         states[ask.live] = after
         if happened or after != before:
-            changes.append((ask.live, Change(ask.live.about, after, happened)))
+            changes.append((ask.live, AlarmChange(ask.live.about, after, happened)))
     return changes, states, refused
 
 

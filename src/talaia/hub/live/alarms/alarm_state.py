@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.alarms.machine import Phase, State, What
 from talaia.hub.alarms.reminding import Reminding
-from talaia.hub.alarms.watch import Watch
+from talaia.hub.alarms.watch import ConditionWatch
 from talaia.hub.store.alarms.notification_outbox import About
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.checks.alarm_checks import signals_of
 from talaia.wire import browser as page
 
 if TYPE_CHECKING:
-    from talaia.hub.alarms.conditions import Condition
+    from talaia.hub.alarms.conditions import AlarmCondition
     from talaia.hub.alarms.machine import Happened
     from talaia.hub.live.sites import LiveSite
     from talaia.model.checks.alarm_checks import Addresses
@@ -39,8 +39,8 @@ class LiveAlarm:
     alarm: Alarm | None
     made: bool
     state: State
-    watch: Watch
-    condition: Condition | None = None
+    watch: ConditionWatch
+    condition: AlarmCondition | None = None
     problem: str = ""
     undelivered: str = ""
     shown_unknown: str = ""
@@ -103,4 +103,4 @@ def ghost(live: LiveSite, name: str, state: State) -> LiveAlarm:
     """Give an alarm of which nothing is known any more but how it stood."""
     alarm = Alarm(name=name, kind=AlarmKind.LIMIT)
     about = About(live.name, name, "", alarm.severity, name, live.description.name, "")
-    return LiveAlarm(about, None, made=True, state=state, watch=Watch(alarm, on=state.on))
+    return LiveAlarm(about, None, made=True, state=state, watch=ConditionWatch(alarm, on=state.on))

@@ -11,10 +11,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.clock import SECOND
-from talaia.hub.alarms.conditions import Condition, Reading, Seen, Truth, Verdict
+from talaia.hub.alarms.conditions import (
+    AlarmCondition,
+    ConditionReading,
+    ConditionVerdict,
+    DetectedThing,
+    Truth,
+)
 from talaia.hub.alarms.machine import Clear, Raise, State, Unshelve
 from talaia.hub.alarms.reminding import first_told
-from talaia.hub.alarms.watch import Turn, Watch
+from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 from talaia.hub.live.alarms.alarm_state import LiveAlarm, device_of
 from talaia.hub.live.pages.conflate import conflate, pick
 from talaia.hub.store.alarms.notification_outbox import About
@@ -54,8 +60,8 @@ class SiteAlarms:
         """Begin without any; ``put`` takes what is to happen, ``tell`` what is no longer known."""
         self.alarms: dict[str, LiveAlarm] = {}
         self._clock = clock
-        self._put = put
-        self._tell = tell
+        self._enqueue = put
+        self._publish = tell
         # For each channel of the wire's list, whether anybody looks at it, and who does.
         self._watched: NDArray[np.bool_] = np.zeros(0, bool)
         self._lookers: dict[int, list[LiveAlarm]] = {}
@@ -63,7 +69,7 @@ class SiteAlarms:
         # The newest value, its text and when it came (monotonic ns), by address.
         self._values: dict[str, tuple[float, str, int]] = {}
         # What goes on now, as detectors say, by whom and of what.
-        self._seen: dict[tuple[str, str], dict[tuple[int, str], Seen]] = {}
+        self._seen: dict[tuple[str, str], dict[tuple[int, str], DetectedThing]] = {}
 
     def described(
         self,
@@ -85,10 +91,10 @@ class SiteAlarms:
         self._index(live)
         return before
 
-    def take(
+    def evaluate_samples(
         self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
     ) -> None:
-        """Hold live samples against the conditions that look at them; see `Alarms.take`."""
+        """Hold live samples against the conditions; see `AlarmEngine.evaluate_samples`."""
         if not self._lookers or not len(columns) or len(self._watched) != len(live.channels):
             return
         keep = self._watched[columns.channel]
@@ -113,7 +119,7 @@ class SiteAlarms:
         live: LiveSite,
         what: tuple[str, str],
         which: tuple[int, str],
-        seen: Seen,
+        seen: DetectedThing,
         *,
         over: bool,
     ) -> None:
@@ -134,18 +140,18 @@ class SiteAlarms:
             for each in mine:
                 self._judge(live, each, now)
 
-    def look(self, live: LiveSite) -> None:
+    def evaluate_conditions(self, live: LiveSite) -> None:
         """Hold what is known against every condition: values age, delays and shelves end."""
         now, now_us = self._clock.monotonic_ns(), self._now_us()
         for each in self.alarms.values():
             self._judge(live, each, now)
             until = each.state.shelved_until_us
             if until and until <= now_us:
-                self._put(each, Unshelve(now_us))
+                self._enqueue(each, Unshelve(now_us))
             if each.alarm is not None:
-                again = each.reminding.look(each.alarm, each.state, now, now_us)
+                again = each.reminding.next_due(each.alarm, each.state, now, now_us)
                 if again is not None:
-                    self._put(each, again)
+                    self._enqueue(each, again)
 
     def _index(self, live: LiveSite) -> None:
         number = {channel.address: at for at, channel in enumerate(live.channels)}
@@ -167,31 +173,31 @@ class SiteAlarms:
         }  # fmt: skip
 
     def _judge(self, live: LiveSite, each: LiveAlarm, now: int) -> None:
-        edge = each.watch.take(self._verdict(live, each, now), now)
+        edge = each.watch.update_verdict(self._verdict(live, each, now), now)
         if edge is not None:
             event: Event = Clear(self._now_us(), edge.why)
-            if edge.turn is Turn.RAISE:
+            if edge.turn is ConditionTurn.RAISE:
                 to = first_told(each.alarm) if each.alarm is not None else ()
                 event = Raise(self._now_us(), edge.why, to)
-            self._put(each, event)
+            self._enqueue(each, event)
         # Of what is not known, without its age, which grows by itself.
         unknown = "" if each.watch.known else each.watch.why.partition(" is ")[0]
         if unknown != each.shown_unknown:
             each.shown_unknown = unknown
-            self._tell(each)
+            self._publish(each)
 
-    def _verdict(self, live: LiveSite, each: LiveAlarm, now: int) -> Verdict:
+    def _verdict(self, live: LiveSite, each: LiveAlarm, now: int) -> ConditionVerdict:
         condition = each.condition
         if condition is None:
-            return Verdict(Truth.UNKNOWN, each.problem)
+            return ConditionVerdict(Truth.UNKNOWN, each.problem)
         readings = {
-            address: Reading(value, text, (now - arrived) / SECOND)
+            address: ConditionReading(value, text, (now - arrived) / SECOND)
             for address in condition.channels
             if (found := self._values.get(address)) is not None
             for value, text, arrived in (found,)
             if not live.unreached or address.partition("/")[0] not in live.unreached
         }
-        seen: tuple[Seen, ...] = ()
+        seen: tuple[DetectedThing, ...] = ()
         if condition.happening is not None:
             seen = tuple(self._seen.get(condition.happening, {}).values())
         return condition.judge(
@@ -221,15 +227,15 @@ def _made_live(
     same = before is not None and before.alarm == alarm and before.condition is not None
     if before is not None and same and finding is None:
         before.about, before.made = about, made
-        before.condition = Condition(addresses, alarm)
+        before.condition = AlarmCondition(addresses, alarm)
         return before
     return LiveAlarm(
         about,
         alarm,
         made,
         state,
-        Watch(alarm, on=state.on),
-        None if finding else Condition(addresses, alarm),
+        ConditionWatch(alarm, on=state.on),
+        None if finding else AlarmCondition(addresses, alarm),
         str(finding).removeprefix("$.") if finding else "",
         before.undelivered if before else "",
     )

@@ -23,10 +23,10 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
 from talaia.hub.anomaly.guarded import GuardedDetector
-from talaia.hub.anomaly.runner import Began, Ended, Watched, score_address
+from talaia.hub.anomaly.runner import AnomalyBegan, AnomalyEnded, DetectorRunner, score_address
 from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted
 from talaia.hub.live.detection.thinning import Thinning
-from talaia.hub.ports import AnomalyNews
+from talaia.hub.ports import AnomalyReport
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     from talaia.hub.live.pages.fanout import Fanout
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalySink, DetectorSink, History
-    from talaia.hub.store.sites.detector_state import Learned
+    from talaia.hub.store.sites.detector_state import DetectorState
     from talaia.model.alarms.anomaly import Watch
     from talaia.model.site import Site
 
-__all__ = ["Watching"]
+__all__ = ["AnomalyService"]
 
 _LOG = logging.getLogger(__name__)
 # Samples that may wait to be looked at; a second of a hub with many fast signals.
@@ -70,7 +70,7 @@ class _SiteWatch:
 
     def __init__(self, description: Site) -> None:
         self.description = description
-        self.watched: dict[str, list[Watched]] = {}
+        self.watched: dict[str, list[DetectorRunner]] = {}
         self.ready = False
         # Place in the list of channels to whether it is watched; and the addresses.
         self.chosen = np.zeros(0, bool)
@@ -81,12 +81,12 @@ class _SiteWatch:
         # Scores that pages have not been shown yet: number, time (µs), score.
         self.fresh: list[tuple[int, int, float]] = []
 
-    def every(self) -> list[Watched]:
+    def every(self) -> list[DetectorRunner]:
         """List all detectors."""
         return [each for some in self.watched.values() for each in some]
 
 
-class Watching:
+class AnomalyService:
     """Runs the detectors that site descriptions ask for.
 
     Attributes:
@@ -95,7 +95,7 @@ class Watching:
     """
 
     def __init__(
-        self, sites: Sites, history: History, learned: Learned, fanout: Fanout, clock: Clock
+        self, sites: Sites, history: History, learned: DetectorState, fanout: Fanout, clock: Clock
     ) -> None:
         """Keep scores in ``history`` and what is learned in ``learned``; show scores live."""
         self._sites = sites
@@ -129,7 +129,7 @@ class Watching:
         """Tell ``sink`` from now on whenever a detector stands otherwise."""
         self._shown_to.append(sink)
 
-    def put(self, live: LiveSite, columns: Columns) -> None:
+    def enqueue_samples(self, live: LiveSite, columns: Columns) -> None:
         """Take what is watched out of a batch; never waits."""
         watch = self._watch(live)
         if not watch.addresses or not len(columns):
@@ -150,7 +150,7 @@ class Watching:
         self._count += int(at.size)
         self._news.set()
 
-    def of(self, site: str) -> list[Watched]:
+    def of(self, site: str) -> list[DetectorRunner]:
         """List the detectors of a site that are at work now."""
         live = self._sites.get(site)
         return [] if live is None else self._watch(live).every()
@@ -171,7 +171,7 @@ class Watching:
                 self._saved_at[site, address, detector] = -_SAVE_EVERY_S
                 if learns and live is not None:
                     if (ended := each.end()) is not None:
-                        self._tell(live, each, ended)
+                        self._publish_anomaly(live, each, ended)
                     else:
                         self._stands(live, each)
                 return learns
@@ -185,7 +185,7 @@ class Watching:
                 await self._news.wait()
                 self._news.clear()
                 while self._waiting:
-                    await self._look(self._waiting[0])
+                    await self._evaluate_piece(self._waiting[0])
                     self._count -= len(self._waiting.popleft().times)
         finally:
             ticking.cancel()
@@ -198,7 +198,7 @@ class Watching:
         with suppress(*_FAILS):
             await self._save(self._unsaved(None))
 
-    async def _look(self, piece: _Piece) -> None:
+    async def _evaluate_piece(self, piece: _Piece) -> None:
         watch = self._watch(piece.live)
         if not watch.ready:
             await self._wake(piece.live, watch)
@@ -210,7 +210,7 @@ class Watching:
                 except (ArithmeticError, LookupError, ValueError):
                     # One that fails must not end the others: it begins anew.
                     _LOG.exception("the detector %s of %s begins anew", each.word, address)
-                    watch.watched[address][place] = Watched(address, each.unit, each.watch)
+                    watch.watched[address][place] = DetectorRunner(address, each.unit, each.watch)
                     continue
                 self._after(piece.live, watch, each, turn, time_us)
             if time.perf_counter() > until:
@@ -223,12 +223,12 @@ class Watching:
         self,
         live: LiveSite,
         watch: _SiteWatch,
-        each: Watched,
-        turn: Began | Ended | None,
+        each: DetectorRunner,
+        turn: AnomalyBegan | AnomalyEnded | None,
         time_us: int,
     ) -> None:
         if turn is not None:
-            self._tell(live, each, turn)
+            self._publish_anomaly(live, each, turn)
         elif each.take_learned():
             self._stands(live, each)
         address = score_address(each.address, each.word)
@@ -276,7 +276,7 @@ class Watching:
             )
         for wish in wishes:
             fresh.watched[wish.address] = [
-                _again(before, wish.address, each) or Watched(wish.address, wish.unit, each)
+                _again(before, wish.address, each) or DetectorRunner(wish.address, wish.unit, each)
                 for each in wish.watches
             ]
             if wish.thin:
@@ -289,7 +289,7 @@ class Watching:
         fresh.thinning = Thinning(np.array([each in thin for each in fresh.addresses], bool))
         for each in before.values():
             if (ended := each.end()) is not None:
-                self._tell(live, each, ended)
+                self._publish_anomaly(live, each, ended)
         return fresh
 
     async def _wake(self, live: LiveSite, watch: _SiteWatch) -> None:
@@ -304,15 +304,17 @@ class Watching:
             for at, each in enumerate(some):
                 state = kept.get((address, each.word))
                 if state is not None:
-                    some[at] = Watched(address, each.unit, each.watch, state)
+                    some[at] = DetectorRunner(address, each.unit, each.watch, state)
 
-    def _tell(self, live: LiveSite, each: Watched, turn: Began | Ended) -> None:
-        news = AnomalyNews(
+    def _publish_anomaly(
+        self, live: LiveSite, each: DetectorRunner, turn: AnomalyBegan | AnomalyEnded
+    ) -> None:
+        news = AnomalyReport(
             site=live.name,
             channel=each.address,
             detector=each.word,
-            began_us=turn.time_us if isinstance(turn, Began) else turn.began_us,
-            ended_us=None if isinstance(turn, Began) else turn.ended_us,
+            began_us=turn.time_us if isinstance(turn, AnomalyBegan) else turn.began_us,
+            ended_us=None if isinstance(turn, AnomalyBegan) else turn.ended_us,
             score=turn.score,
             why=turn.why,
         )
@@ -320,7 +322,7 @@ class Watching:
             sink.anomaly(news)
         self._stands(live, each)
 
-    def _stands(self, live: LiveSite, each: Watched) -> None:
+    def _stands(self, live: LiveSite, each: DetectorRunner) -> None:
         for sink in self._shown_to:
             sink.detector(live.name, each)
 
@@ -370,7 +372,7 @@ class Watching:
                 raise
             self._first[site] = first + len(waiting)
 
-    def _unsaved(self, most: int | None) -> list[tuple[str, Watched]]:
+    def _unsaved(self, most: int | None) -> list[tuple[str, DetectorRunner]]:
         now, due = self._clock.monotonic_ns() / 1e9, []
         for site, watch in self._of.items():
             for each in watch.every():
@@ -381,7 +383,7 @@ class Watching:
                     due.append((site, each))
         return due if most is None else due[:most]
 
-    async def _save(self, due: Sequence[tuple[str, Watched]]) -> None:
+    async def _save(self, due: Sequence[tuple[str, DetectorRunner]]) -> None:
         now = self._clock.monotonic_ns() / 1e9
         rows = [(site, each.address, each.word, each.keep()) for site, each in due]
         try:
@@ -394,13 +396,15 @@ class Watching:
             self._saved_at[site, address, detector] = now
 
 
-def _again(before: dict[tuple[str, Watch], Watched], address: str, watch: Watch) -> Watched | None:
+def _again(
+    before: dict[tuple[str, Watch], DetectorRunner], address: str, watch: Watch
+) -> DetectorRunner | None:
     """Take a detector over from the description of before, if it is asked for alike."""
     key = (address, watch)
     return before.pop(key) if key in before else None
 
 
-def _seen(each: Watched, time_us: int, value: float) -> Began | Ended | None:
+def _seen(each: DetectorRunner, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
     """Let a detector see a sample; of an extension's it is judged how long it takes."""
     if not isinstance(each.detector, GuardedDetector):
         return each.see(time_us, value)

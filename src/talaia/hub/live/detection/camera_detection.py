@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from talaia.objects.things import Thing as Found
     from talaia.wire.frames import PictureFrame
 
-__all__ = ["Around", "Looking"]
+__all__ = ["CameraDetection", "DetectionHost"]
 
 _LOG = logging.getLogger(__name__)
 # Without a picture for so long, what is in sight may be gone (s).
@@ -37,14 +37,16 @@ _SILENCE_US = 1_000_000
 _LAST_US = 2**53
 
 
-class Around(Protocol):
+class DetectionHost(Protocol):
     """Where a camera's pictures come from, and where goes what is seen on them."""
 
-    def look(self, live: LiveSite, camera: str, take: Callable[[PictureFrame], None]) -> None:
+    def watch_camera(
+        self, live: LiveSite, camera: str, take: Callable[[PictureFrame], None]
+    ) -> None:
         """Have pictures of a camera."""
         ...
 
-    def look_away(self, live: LiveSite, camera: str) -> None:
+    def unwatch_camera(self, live: LiveSite, camera: str) -> None:
         """Need no pictures for now."""
         ...
 
@@ -65,11 +67,11 @@ class Around(Protocol):
         """Give what is on a picture to the pages that want to know."""
         ...
 
-    def tell(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
+    def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
         """Take news of sightings."""
         ...
 
-    def put(self, live: LiveSite, time_us: int, counts: Mapping[str, float]) -> None:
+    def publish_counts(self, live: LiveSite, time_us: int, counts: Mapping[str, float]) -> None:
         """Take counts, by the addresses of their signals."""
         ...
 
@@ -82,12 +84,12 @@ class Around(Protocol):
         ...
 
 
-class Looking:
+class CameraDetection:
     """One camera's task, and what it has seen."""
 
     def __init__(
         self,
-        around: Around,
+        around: DetectionHost,
         live: LiveSite,
         name: str,
         detect: Detect,
@@ -126,20 +128,20 @@ class Looking:
         """Look until cancelled; what is in sight then has ended."""
         try:
             while True:
-                self._around.look(self._live, self._name, self._arrived)
+                self._around.watch_camera(self._live, self._name, self._arrived)
                 try:
-                    await self._look()
+                    await self._examine_pictures()
                 except DetectorError as error:
                     _LOG.debug("%s of %s: %s", self._name, self._live.name, error)
                 except Exception:  # noqa: BLE001 - logged, and begun anew
                     _LOG.exception("%s of %s is looked at anew", self._name, self._live.name)
                 finally:
-                    self._around.look_away(self._live, self._name)
+                    self._around.unwatch_camera(self._live, self._name)
                 wait_s, self._wait_s = self._wait_s, min(_LONGEST_WAIT_S, self._wait_s * 2)
                 await asyncio.sleep(wait_s)
                 self._pass_time()
         finally:
-            self._around.tell(self._live, self._name, self._eyes.end())
+            self._around.publish_sightings(self._live, self._name, self._eyes.end())
 
     def _arrived(self, picture: PictureFrame) -> None:
         if picture.format == PictureForm.JPEG and 0 < picture.time_us < _LAST_US:
@@ -151,7 +153,7 @@ class Looking:
         self._news.clear()
         return picture
 
-    async def _look(self) -> None:
+    async def _examine_pictures(self) -> None:
         """Look at one picture after the other.
 
         Raises:
@@ -179,14 +181,16 @@ class Looking:
             if seen is not None:
                 self._say_unreadable("")
                 self._wait_s = _FIRST_WAIT_S
-                self._take(*seen)
+                self._publish_found(*seen)
 
     def _say_unreadable(self, why: str) -> None:
         if bool(why) != self._unreadable:
             self._unreadable = bool(why)
             self._around.tell_trouble(self._live, self._name, why)
 
-    def _take(self, picture: PictureFrame, rgb: NDArray[np.uint8], found: Sequence[Found]) -> None:
+    def _publish_found(
+        self, picture: PictureFrame, rgb: NDArray[np.uint8], found: Sequence[Found]
+    ) -> None:
         self._last_us = picture.time_us
         self._ahead_us = self._around.now_us() - picture.time_us
         counts = {}
@@ -196,12 +200,14 @@ class Looking:
             if value != said or not 0 <= picture.time_us - said_us < _SILENCE_US:
                 self._said[address] = (picture.time_us, value)
                 counts[address] = value
-        self._around.put(self._live, picture.time_us, counts)
+        self._around.publish_counts(self._live, picture.time_us, counts)
         self._around.boxes(self._live, self._name, picture, found)
-        self._around.tell(self._live, self._name, self._eyes.take(found, rgb, picture.time_us))
+        self._around.publish_sightings(
+            self._live, self._name, self._eyes.take(found, rgb, picture.time_us)
+        )
 
     def _pass_time(self) -> None:
         """Let what is in sight end, by the camera's clock, when no picture has come for a while."""
         if self._last_us:
             at_us = self._around.now_us() - self._ahead_us
-            self._around.tell(self._live, self._name, self._eyes.pass_time(at_us))
+            self._around.publish_sightings(self._live, self._name, self._eyes.pass_time(at_us))

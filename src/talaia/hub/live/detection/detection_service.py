@@ -1,9 +1,9 @@
 """Looks at the cameras that are to be looked at by the hub: boxes, sightings and counts.
 
-Each camera is a task of its own (`Looking`) and a viewer like a page: its newest picture is read
-on a thread, seen by a process beside this one (`talaia.objects.worker`), and what comes of it goes
-where a gateway's own words go. Counts are samples under a run of the hub's. Nothing of it holds up
-a link.
+Each camera is a task of its own (`CameraDetection`) and a viewer like a page: its newest picture
+is read on a thread, seen by a process beside this one (`talaia.objects.worker`), and what comes of
+it goes where a gateway's own words go. Counts are samples under a run of the hub's. Nothing of it
+holds up a link.
 
 A description comes from a gateway, so it names no file of the hub's: a detector of one's own is
 found by its name alone, in a folder where an admin has put it.
@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import numpy as np
 
-from talaia.hub.live.detection.camera_detection import Looking
+from talaia.hub.live.detection.camera_detection import CameraDetection
 from talaia.hub.live.detection.sightings import OWN
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.pictures.jpeg_decoder import pixels_of
@@ -38,10 +38,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.hub.live.detection.sightings import Sightings
+    from talaia.hub.live.detection.sightings import SightingJournal
     from talaia.hub.live.gateways.live_samples import LiveSamples
-    from talaia.hub.live.gateways.robot_events import Reporting
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.ports import History
     from talaia.model.derived_signals import Eye
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from talaia.objects.worker import Worker
     from talaia.wire.frames import PictureFrame
 
-__all__ = ["MODELS", "Detecting"]
+__all__ = ["MODELS", "DetectionService"]
 
 _LOG = logging.getLogger(__name__)
 # In the data folder: detectors of one's own.
@@ -70,22 +70,22 @@ class _SiteEyes:
 
     def __init__(self, live: LiveSite, ingest: Ingest) -> None:
         self.live = live
-        self.cameras: dict[str, tuple[Eye, Looking, asyncio.Task[None]]] = {}
+        self.cameras: dict[str, tuple[Eye, CameraDetection, asyncio.Task[None]]] = {}
         self.ingest = ingest
         self.storing = asyncio.create_task(ingest.run())
         self.sequence = 0
         self.too_many = False
 
 
-class Detecting:
+class DetectionService:
     """All cameras that the hub looks at itself."""
 
     def __init__(
         self,
         *,
-        media: Media,
-        sightings: Sightings,
-        reporting: Reporting,
+        media: PictureFanout,
+        sightings: SightingJournal,
+        reporting: RobotEvents,
         samples: LiveSamples,
         history: History,
         make_worker: Callable[[Callable[[str, str], None]], Worker],
@@ -146,7 +146,7 @@ class Detecting:
             if name in site.cameras:
                 site.cameras[name][1].recount(_counted(live, name))
                 continue
-            camera = Looking(self, live, name, detect, _counted(live, name))
+            camera = CameraDetection(self, live, name, detect, _counted(live, name))
             site.cameras[name] = (eye, camera, asyncio.create_task(camera.run()))
         self._rest()
 
@@ -244,13 +244,15 @@ class Detecting:
 
     # ── for a camera ────────────────────────────────────────────────────────────────────────
 
-    def look(self, live: LiveSite, camera: str, take: Callable[[PictureFrame], None]) -> None:
+    def watch_camera(
+        self, live: LiveSite, camera: str, take: Callable[[PictureFrame], None]
+    ) -> None:
         """Have pictures of a camera."""
-        self._media.look(live.name, camera, _FORM, take)
+        self._media.watch_stream(live.name, camera, _FORM, take)
 
-    def look_away(self, live: LiveSite, camera: str) -> None:
+    def unwatch_camera(self, live: LiveSite, camera: str) -> None:
         """Need no pictures for now."""
-        self._media.look_away(live.name, camera)
+        self._media.unwatch_stream(live.name, camera)
 
     async def seen(
         self, live: LiveSite, detect: Detect, newest: Callable[[], PictureFrame | None]
@@ -280,7 +282,7 @@ class Detecting:
             )
             self._media.boxes(live.name, said)
 
-    def tell(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
+    def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
         """Take news of sightings."""
         for sighting, thumbnail in news:
             seen = SightingReport(
@@ -292,9 +294,9 @@ class Detecting:
                 ended_us=sighting.ended_us or 0,
                 thumbnail=thumbnail,
             )
-            self._sightings.take(live, seen, self.boot)
+            self._sightings.record_sighting(live, seen, self.boot)
 
-    def put(self, live: LiveSite, time_us: int, counts: Mapping[str, float]) -> None:
+    def publish_counts(self, live: LiveSite, time_us: int, counts: Mapping[str, float]) -> None:
         """Take counts, by the addresses of their signals: to pages, alarms and the history."""
         site = self._of.get(live.name)
         number = {channel.address: at for at, channel in enumerate(live.channels)}
@@ -310,7 +312,7 @@ class Detecting:
         self._samples.publish_batch(live, columns)
         addresses = tuple(live.channels[at].address for at in known)
         own = Columns(np.arange(len(known), dtype=np.uint16), columns.time_us, columns.value, {})
-        site.ingest.put(Batch(self.boot, site.sequence, addresses, own))
+        site.ingest.enqueue_batch(Batch(self.boot, site.sequence, addresses, own))
         site.sequence += len(known)
 
     def now_us(self) -> int:

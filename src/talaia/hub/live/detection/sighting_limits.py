@@ -6,7 +6,7 @@ import datetime as dt
 from typing import TYPE_CHECKING, NamedTuple
 from zoneinfo import ZoneInfo
 
-from talaia.hub.store.safe_text import visible
+from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.model.detection import Detect
     from talaia.model.site import Site, Stream
 
-__all__ = ["Key", "SiteSightings", "Told", "detect_of", "merged", "said_of"]
+__all__ = ["Key", "KnownSighting", "SiteSightings", "detect_of", "merged", "said_of"]
 
 # Of one site: so many may begin, or show another picture, at once, and then so many a second.
 # A gateway that was away tells a few hundred at once.
@@ -27,7 +27,7 @@ _CALM_S = 60.0
 Key = tuple[str, str, str, int]
 
 
-class Told(NamedTuple):
+class KnownSighting(NamedTuple):
     """A sighting that is kept, and its number."""
 
     sighted: Sighted
@@ -45,7 +45,7 @@ class SiteSightings:
 
     def __init__(self, now_s: float) -> None:
         """Begin with nothing in sight."""
-        self.open: dict[Key, Told] = {}
+        self.open: dict[Key, KnownSighting] = {}
         self.asked_s = 0.0
         self._credit, self._since_s = float(_BURST), now_s
         self._left_out, self._left_out_s = 0, 0.0
@@ -100,7 +100,7 @@ def said_of(sighted: Sighted, site: Site | None) -> str:
     name = found.name if found else sighted.camera
     when = _when(sighted.began_us, sighted.ended_us, site.zone if site else "UTC")
     most = f" (at most {sighted.many})" if sighted.many > 1 else ""
-    return visible(f"{sighted.label} seen at {name} {when}{most}", 500)
+    return safe_text(f"{sighted.label} seen at {name} {when}{most}", 500)
 
 
 def _stream(site: Site, camera: str) -> Stream | None:

@@ -19,16 +19,16 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.hub.errors import StoreDown
 from talaia.hub.live.detection.sighting_limits import (
     Key,
+    KnownSighting,
     SiteSightings,
-    Told,
     detect_of,
     merged,
     said_of,
 )
 from talaia.hub.live.pictures.jpeg_validator import NotAPicture, bare_jpeg
-from talaia.hub.ports import Sighting
-from talaia.hub.store.audit import Entry
-from talaia.hub.store.safe_text import visible
+from talaia.hub.ports import SightingEvent
+from talaia.hub.store.audit import AuditEntry
+from talaia.hub.store.safe_text import safe_text
 from talaia.hub.store.sites.sightings import Sighted
 from talaia.model.detection import DetectAt
 from talaia.wire import browser as page
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.sites.sightings import Put, SightingStore
     from talaia.wire.frames import SightingReport
 
-__all__ = ["KIND", "OWN", "Sightings"]
+__all__ = ["KIND", "OWN", "SightingJournal"]
 
 _LOG = logging.getLogger(__name__)
 # What the logbook calls them.
@@ -65,7 +65,7 @@ _LAST_US = 2**53
 OWN = "hub "
 
 
-class Sightings:
+class SightingJournal:
     """Takes, keeps and tells what cameras have seen."""
 
     def __init__(
@@ -105,7 +105,7 @@ class Sightings:
         """
         for kept in await self._store.open():
             sighted = kept.sighted
-            self._site(sighted.site).open[sighted.key] = Told(sighted, kept.id)
+            self._site(sighted.site).open[sighted.key] = KnownSighting(sighted, kept.id)
             self._tell_sinks(sighted)
             if sighted.boot.startswith(OWN):
                 # The hub was killed while it looked.
@@ -124,9 +124,9 @@ class Sightings:
         elif not known and detect is not None and seen.label not in detect.classes:
             self._leave_out(live, f"{seen.label!r} is not looked for on {seen.stream}")
         else:
-            self.take(live, seen, live.boot)
+            self.record_sighting(live, seen, live.boot)
 
-    def take(self, live: LiveSite, seen: SightingReport, boot: str) -> None:
+    def record_sighting(self, live: LiveSite, seen: SightingReport, boot: str) -> None:
         """Take what is seen, by whomever (``boot`` names the run)."""
         if not (0 < seen.began_us < _LAST_US and 0 <= seen.ended_us < _LAST_US):
             self._leave_out(live, "its time cannot be right")
@@ -144,7 +144,7 @@ class Sightings:
             min(seen.many, _MOST_MANY),
             seen.confidence,
             self._now_us(),
-            visible(boot, 200),
+            safe_text(boot, 200),
         )
         picture = b""
         waits = self._waiting.get(sighted.key)
@@ -173,7 +173,7 @@ class Sightings:
         """Tell a page that has just come what is in sight."""
         for site in self._of.values():
             for told in site.open.values():
-                browser.tell(_news(told.id, told.sighted))
+                browser.send_message(_news(told.id, told.sighted))
 
     def _end(self, name: str, which: Callable[[Sighted], bool], at_us: int) -> None:
         site = self._site(name)
@@ -214,7 +214,7 @@ class Sightings:
             if not self._stopping:
                 await asyncio.sleep(_GATHER_S)
             try:
-                self.look()
+                self.end_forgotten()
                 await self.settle()
                 if self._now_s() - self._trimmed_s > _TRIM_S:
                     await self._trim()
@@ -242,7 +242,7 @@ class Sightings:
         self._stopping = True
         self._news.set()
 
-    def look(self) -> None:
+    def end_forgotten(self) -> None:
         """End what nobody speaks of any more: a gateway that is away, or knows nothing of it."""
         now_us, now_s = self._now_us(), self._now_s()
         for name, site in self._of.items():
@@ -253,7 +253,7 @@ class Sightings:
                 continue
             if site.asked_s and now_s - site.asked_s >= GRACE_S:
                 site.asked_s = 0.0
-                self._end(name, _of_others(visible(live.boot, 200)), live.last_seen_us)
+                self._end(name, _of_others(safe_text(live.boot, 200)), live.last_seen_us)
             if not site.open or live.online:
                 continue
             if now_us - live.since_us > _AWAY_S * 1e6:
@@ -269,7 +269,7 @@ class Sightings:
         while self._waiting:
             batch, self._waiting = self._waiting, {}
             try:
-                kept = await self._store.put(list(batch.values()), self._line)
+                kept = await self._store.save_sightings(list(batch.values()), self._line)
             except StoreDown:
                 # What came meanwhile is newer; a picture is not said twice.
                 self._waiting = merged(batch, self._waiting)
@@ -287,36 +287,36 @@ class Sightings:
             if sighted.ended_us:
                 open_.pop(sighted.key, None)
             else:
-                open_[sighted.key] = Told(sighted, kept.id)
+                open_[sighted.key] = KnownSighting(sighted, kept.id)
             if not again:
                 self._tell_sinks(sighted)
-            self._browsers.tell(_news(kept.id, sighted))
+            self._browsers.broadcast_message(_news(kept.id, sighted))
             if entry is not None:
                 self._tell_line(entry, sighted.began_us)
 
     def _tell_sinks(self, sighted: Sighted) -> None:
-        news = Sighting(
+        news = SightingEvent(
             sighted.site, sighted.camera, sighted.label, sighted.many, sighted.confidence,
             sighted.began_us, sighted.ended_us or None,
         )  # fmt: skip
         for sink in self._sinks:
             sink.sighting(news)
 
-    def _tell_line(self, entry: Entry, began_us: int) -> None:
+    def _tell_line(self, entry: AuditEntry, began_us: int) -> None:
         """Let logbooks on pages, and marks on charts, follow."""
-        self._browsers.tell(
+        self._browsers.broadcast_message(
             page.EventUpdate(
                 site=entry.site, kind=entry.kind, device=entry.device, message=entry.message,
                 time_us=began_us,
             )
         )  # fmt: skip
 
-    def _line(self, sighted: Sighted) -> Entry:
+    def _line(self, sighted: Sighted) -> AuditEntry:
         """Give the logbook's line of what is over."""
         live = self._sites.get(sighted.site)
         device, _, _ = sighted.camera.partition("/")
         message = said_of(sighted, None if live is None else live.description)
-        return Entry(self._now_us(), KIND, site=sighted.site, device=device, message=message)
+        return AuditEntry(self._now_us(), KIND, site=sighted.site, device=device, message=message)
 
     async def _trim(self) -> None:
         self._trimmed_s = self._now_s()

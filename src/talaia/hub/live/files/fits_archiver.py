@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.archive.fits_reader import NotKept
-from talaia.hub.live.files.uploads import Refused
+from talaia.hub.live.files.uploads import UploadRefused
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from talaia.hub.store.audit import Audit
     from talaia.wire.frames import ArchiveOffer
 
-__all__ = ["PictureKeeper"]
+__all__ = ["FitsArchiver"]
 
 
-class PictureKeeper:
+class FitsArchiver:
     """A `Keeper` of pictures."""
 
     def __init__(self, sites: Sites, archive: Archive, audit: Audit) -> None:
@@ -31,12 +31,12 @@ class PictureKeeper:
         """See `Keeper`."""
         live = self._sites.get(site)
         if live is None:
-            raise Refused(f"there is no site {site!r}")
+            raise UploadRefused(f"there is no site {site!r}")
         try:
-            kept = await self._archive.take(site, live.description.zone, offer, path)
+            kept = await self._archive.archive_file(site, live.description.zone, offer, path)
         except NotKept as error:
-            self._audit.note(
+            self._audit.append_record(
                 "picture refused", site=site, device=offer.device, message=str(error), good=False
             )
-            raise Refused(str(error)) from error
-        self._audit.note("picture kept", site=site, device=offer.device, message=kept.name)
+            raise UploadRefused(str(error)) from error
+        self._audit.append_record("picture kept", site=site, device=offer.device, message=kept.name)

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
     from pathlib import Path
 
-    from talaia.hub.history.import_file import Head, Stretch
+    from talaia.hub.history.import_file import Head, ImportChunk
     from talaia.hub.ports import History
 
-__all__ = ["ANSWER", "BAD", "Inbox", "Taken", "answer_of"]
+__all__ = ["ANSWER", "BAD", "ImportInbox", "ImportResult", "answer_of"]
 
 _LOG = logging.getLogger(__name__)
 ANSWER, BAD = ".done", ".bad"
@@ -36,7 +36,7 @@ _REST_S = 0.005
 _ANSWERS_KEPT_S = 3600.0
 
 
-class Taken(NamedTuple):
+class ImportResult(NamedTuple):
     """How a parcel was taken over.
 
     Attributes:
@@ -49,11 +49,11 @@ class Taken(NamedTuple):
     there: int
 
 
-class Inbox:
+class ImportInbox:
     """The folder of parcels."""
 
     def __init__(
-        self, history: History, folder: Path, taken: Callable[[Head, Taken], Awaitable[None]]
+        self, history: History, folder: Path, taken: Callable[[Head, ImportResult], Awaitable[None]]
     ) -> None:
         """Store into ``history``; ``taken`` is told of each parcel that is stored."""
         self._history = history
@@ -69,7 +69,7 @@ class Inbox:
                 await self._try(path)
             await asyncio.sleep(_LOOK_S)
 
-    async def take(self, path: Path) -> Taken:
+    async def import_file(self, path: Path) -> ImportResult:
         """Store one parcel and remove its file.
 
         Raises:
@@ -91,7 +91,7 @@ class Inbox:
                 known = min(count, max(0, before[each.address] - each.first))
                 there, stored = there + known, stored + count - known
             await asyncio.sleep(_REST_S)
-        taken = Taken(stored, there)
+        taken = ImportResult(stored, there)
         await self._taken(head, taken)
         await asyncio.to_thread(self._answer, path, taken)
         _LOG.info(
@@ -100,7 +100,7 @@ class Inbox:
         )  # fmt: skip
         return taken
 
-    async def _append(self, head: Head, stretch: Stretch) -> None:
+    async def _append(self, head: Head, stretch: ImportChunk) -> None:
         boot = boot_of(head.digest, stretch.address)
         await self._history.append(
             head.site, boot, stretch.first, [stretch.address], stretch.columns
@@ -108,7 +108,7 @@ class Inbox:
 
     async def _try(self, path: Path) -> None:
         try:
-            await self.take(path)
+            await self.import_file(path)
         except FileNotFoundError:
             return
         except ParcelDamaged as error:
@@ -121,7 +121,7 @@ class Inbox:
         else:
             self._waits = False
 
-    def _answer(self, path: Path, taken: Taken) -> None:
+    def _answer(self, path: Path, taken: ImportResult) -> None:
         partial = path.with_suffix(ANSWER + ".tmp")
         partial.write_text(json.dumps(taken._asdict()))
         partial.replace(path.with_suffix(ANSWER))
@@ -135,11 +135,11 @@ class Inbox:
                 path.unlink(missing_ok=True)
 
 
-def answer_of(path: Path) -> Taken | None:
+def answer_of(path: Path) -> ImportResult | None:
     """Give how a parcel was taken over, once, or none as long as it is not."""
     answer = path.with_suffix(ANSWER)
     try:
-        found = Taken(**json.loads(answer.read_text()))
+        found = ImportResult(**json.loads(answer.read_text()))
     except FileNotFoundError:
         return None
     answer.unlink(missing_ok=True)

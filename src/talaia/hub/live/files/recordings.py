@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.live.files.uploads import Uploads
-    from talaia.hub.live.gateways.open_links import Links
+    from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.recordings import RecordingList
     from talaia.hub.store.sites.site_registry import GatewayKey
@@ -115,16 +115,16 @@ class GatewayFiles:
                     if offered is None or offered.id != message.id:
                         raise PeerError("a piece of a file that was not offered")
                     if not isinstance(offered, ArchiveOffer):
-                        answer = await recordings.take(site, offered, message)
+                        answer = await recordings.append_piece(site, offered, message)
                     else:
-                        answer = await uploads.take(site, offered, message)
+                        answer = await uploads.append_piece(site, offered, message)
             await self._socket.send_bytes(FILES_FROM_HUB.encode(answer))
 
 
 class FileLinks:
     """Takes in the files of gateways: recordings, films and pictures for the archive."""
 
-    def __init__(self, *, links: Links, recordings: Recordings, uploads: Uploads) -> None:
+    def __init__(self, *, links: OpenLinks, recordings: Recordings, uploads: Uploads) -> None:
         """Keep in ``recordings`` and ``uploads``; ``links`` closes who has a revoked key."""
         self._links = links
         self._recordings = recordings
@@ -179,12 +179,12 @@ class Recordings:
             before = rows.get(key)
             if before is None or before.state is not recorded.state:
                 _LOG.info("the recording %s of %s is in the list again", key[1], key[0])
-                await self._rows.put(recorded)
+                await self._rows.save_recording(recorded)
         for key, row in rows.items():
             if key not in found and row.state is not RecordingState.FAILED:
                 note = "its file is not there"
                 failed = row._replace(state=RecordingState.FAILED, note=note, have=0)
-                await self._rows.put(failed)
+                await self._rows.save_recording(failed)
                 _LOG.warning("the file of the recording %s of %s is not there", key[1], key[0])
 
     async def offered(self, site: str, offer: FileOffer | FilmOffer) -> FileProgress:
@@ -208,12 +208,14 @@ class Recordings:
                 have = await asyncio.to_thread(self._begin, recorded)
             except OSError as error:
                 raise StoreDown(f"the recording cannot be written: {error}") from error
-            await self._rows.put(recorded._replace(have=have))
+            await self._rows.save_recording(recorded._replace(have=have))
             if have == offer.size:
                 return await self._finish(recorded)
             return FileProgress(id=offer.id, have=have)
 
-    async def take(self, site: str, offer: FileOffer | FilmOffer, piece: FilePiece) -> FileProgress:
+    async def append_piece(
+        self, site: str, offer: FileOffer | FilmOffer, piece: FilePiece
+    ) -> FileProgress:
         """Take a piece of an offered file.
 
         Raises:
@@ -240,7 +242,7 @@ class Recordings:
                 return await self._finish(row)
             if have - self._told.get(key, 0) >= _TELL_BYTES:
                 self._told[key] = have
-                await self._rows.put(row._replace(have=have))
+                await self._rows.save_recording(row._replace(have=have))
             return FileProgress(id=offer.id, have=have)
 
     async def remove(self, recorded: Recorded) -> None:
@@ -251,14 +253,16 @@ class Recordings:
     async def _finish(self, row: Recorded) -> FileProgress:
         good = await asyncio.to_thread(self._close, row)
         if good:
-            await self._rows.put(row._replace(state=RecordingState.COMPLETE, have=row.size))
-            self._audit.note(
+            await self._rows.save_recording(
+                row._replace(state=RecordingState.COMPLETE, have=row.size)
+            )
+            self._audit.append_record(
                 "recording stored", site=row.site, message=f"{row.id}: {row.size} bytes; {row.why}"
             )
             return FileProgress(id=row.id, have=row.size, done=True)
         note = "what came is not what its gateway has; it is sent again"
         _LOG.warning("the recording %s of %s: %s", row.id, row.site, note)
-        await self._rows.put(row._replace(have=0, note=note))
+        await self._rows.save_recording(row._replace(have=0, note=note))
         return FileProgress(id=row.id, have=0)
 
     async def _make_room(self, coming: Recorded) -> bool:
@@ -275,7 +279,7 @@ class Recordings:
             if oldest.state is RecordingState.COMPLETE:
                 await self._delete(oldest)
                 total -= oldest.size
-                self._audit.note(
+                self._audit.append_record(
                     "recording deleted",
                     site=oldest.site,
                     message=f"{oldest.id}: the oldest had to go, for all may take"

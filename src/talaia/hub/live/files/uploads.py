@@ -28,14 +28,14 @@ if TYPE_CHECKING:
 
     from talaia.wire.frames import ArchiveOffer, FilePiece
 
-__all__ = ["Keeper", "Refused", "Uploads"]
+__all__ = ["Keeper", "UploadRefused", "Uploads"]
 
 log = logging.getLogger(__name__)
 _SPARE_BYTES = 512 * 1024 * 1024
 _FORGET_S = 14 * 86_400
 
 
-class Refused(TalaiaError):
+class UploadRefused(TalaiaError):
     """A file that its keeper does not want, with the reason."""
 
 
@@ -74,7 +74,7 @@ class Uploads:
         async with self._turn:
             return await self._answered(site, offer, None)
 
-    async def take(self, site: str, offer: ArchiveOffer, piece: FilePiece) -> FileProgress:
+    async def append_piece(self, site: str, offer: ArchiveOffer, piece: FilePiece) -> FileProgress:
         """Take a piece of an offered file.
 
         Raises:
@@ -100,7 +100,7 @@ class Uploads:
             if have < offer.size:
                 return FileProgress(id=offer.id, have=have)
             return await self._finish(site, offer)
-        except Refused as error:
+        except UploadRefused as error:
             log.warning("a file of %s is refused: %s", site, error)
             return FileProgress(id=offer.id, refused=str(error)[:2000])
         except (OSError, TalaiaError, SQLAlchemyError) as error:
@@ -110,9 +110,11 @@ class Uploads:
 
     async def _begin(self, site: str, offer: ArchiveOffer) -> int:
         if offer.kind not in self._keepers:
-            raise Refused(f"this hub keeps no files of the kind {offer.kind!r}")
+            raise UploadRefused(f"this hub keeps no files of the kind {offer.kind!r}")
         if offer.size > self._most:
-            raise Refused(f"a file of {offer.size} bytes is more than the {self._most} allowed")
+            raise UploadRefused(
+                f"a file of {offer.size} bytes is more than the {self._most} allowed"
+            )
         return await asyncio.to_thread(self._found, site, offer)
 
     async def _finish(self, site: str, offer: ArchiveOffer) -> FileProgress:
@@ -123,7 +125,7 @@ class Uploads:
             return FileProgress(id=offer.id)
         try:
             await self._keepers[offer.kind](site, offer, path)
-        except Refused:
+        except UploadRefused:
             path.unlink(missing_ok=True)
             raise
         return FileProgress(id=offer.id, have=offer.size, done=True)

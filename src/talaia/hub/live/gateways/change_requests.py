@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.store.sites.site_registry import SiteRegistry
 
-__all__ = ["Changes"]
+__all__ = ["ChangeRequests"]
 
 # Zeros for ten seconds, a slow disk and a slow network; after that nobody knows.
 ANSWER_S = 25.0
 
 
-class Changes:
+class ChangeRequests:
     """Asks gateways, and gives each answer to whoever asked."""
 
     def __init__(self, registry: SiteRegistry) -> None:
@@ -68,7 +68,7 @@ class Changes:
         """Give what was noted of a change that is being waited for."""
         return self._notes.get(change_id, "")
 
-    def told(self, live: LiveSite, state: ChangeState) -> None:
+    def receive_state(self, live: LiveSite, state: ChangeState) -> None:
         """Take what a gateway says of a change, or of its own file."""
         if not state.id:
             live.problem = state if state.phase is ChangePhase.REFUSED else None

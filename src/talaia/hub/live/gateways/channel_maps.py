@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from talaia.wire.columns import Columns
     from talaia.wire.frames import NewestBatch, SampleBatch
 
-__all__ = ["ChannelLists"]
+__all__ = ["ChannelMaps"]
 
 # A peer that describes itself anew all the time must not fill the memory.
 _MOST = 100
 
 
-class ChannelLists:
+class ChannelMaps:
     """Knows every list that was told on the link, and where its channels are shown now."""
 
     def __init__(
@@ -37,7 +37,7 @@ class ChannelLists:
         self._shown: tuple[str, ...] = tuple(addresses)
         self._order: dict[tuple[str, ...], NDArray[np.int64]] = {}
 
-    def told(self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str]) -> None:
+    def add_map(self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str]) -> None:
         """Take another list, by which batches are numbered from now on.
 
         What still comes by an earlier one is taken for the channels that those have become.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.errors import TalaiaError
-from talaia.hub.live.gateways.fingerprint import told_by
+from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.renames import renames
@@ -21,18 +21,18 @@ from talaia.wire.sealing import inflated
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.hub.live.gateways.change_requests import Changes
-    from talaia.hub.live.gateways.channel_maps import ChannelLists
+    from talaia.hub.live.gateways.change_requests import ChangeRequests
+    from talaia.hub.live.gateways.channel_maps import ChannelMaps
     from talaia.hub.live.gateways.ingest import Ingest
-    from talaia.hub.live.gateways.robot_events import Reporting
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import History
     from talaia.hub.store.sites.descriptions import Descriptions
     from talaia.hub.store.sites.site_registry import SiteRegistry
     from talaia.model.site import Site
 
-__all__ = ["Describing", "DescriptionFollower", "Redescription", "source_of"]
+__all__ = ["DescriptionFollower", "DescriptionIntake", "Redescription", "source_of"]
 
 _LOG = logging.getLogger(__name__)
 _RETRY_S = 1.0
@@ -57,7 +57,7 @@ class DescriptionFollower(Protocol):
         ...
 
 
-class Describing:
+class DescriptionIntake:
     """Puts another description in a site's place: history, tables, pages, versions."""
 
     def __init__(
@@ -65,12 +65,12 @@ class Describing:
         *,
         sites: Sites,
         followers: Sequence[DescriptionFollower],
-        reporting: Reporting,
-        media: Media,
+        reporting: RobotEvents,
+        media: PictureFanout,
         history: History,
         registry: SiteRegistry,
         versions: Descriptions,
-        changes: Changes,
+        changes: ChangeRequests,
     ) -> None:
         """Show a description to ``followers`` in their order, and keep it in ``versions``."""
         self._sites = sites
@@ -93,7 +93,7 @@ class Describing:
         """
         site = description.site
         live = self._sites.get(site)
-        told = told_by(hello.description, hello.catalogue)
+        told = fingerprint_of(hello.description, hello.catalogue)
         if live is None or live.told != told:
             if live is not None:
                 await self._history.rename(site, renames(live.description, description))
@@ -108,9 +108,9 @@ class Describing:
         for follower in self._followers:
             follower.described(live)
 
-    def told(self, live: LiveSite, state: frames.ChangeState) -> None:
+    def receive_change_state(self, live: LiveSite, state: frames.ChangeState) -> None:
         """Pass on what a gateway says of a change."""
-        self._changes.told(live, state)
+        self._changes.receive_state(live, state)
 
     def link_lost(self, live: LiveSite) -> None:
         """Nobody answers for the changes that were asked for."""
@@ -119,7 +119,7 @@ class Describing:
     def later(self, live: LiveSite, states: list[frames.DeviceState]) -> None:
         """Tell what was said of devices that were not known yet."""
         for state in states:
-            self._reporting.tell(live, state)
+            self._reporting.publish_message(live, state)
 
     def note_of(self, told: frames.DescriptionUpdate) -> str:
         """Say in a few words how a description came about; asked when it comes."""
@@ -156,10 +156,12 @@ class Describing:
             del live.enclosures[name]
         for name in [each for each in live.interlocks if each not in description.interlocks]:
             # Pages that show it as locked are told while it is known by name.
-            self._reporting.tell(live, frames.InterlockState(interlock=name, locked=False))
+            self._reporting.publish_message(
+                live, frames.InterlockState(interlock=name, locked=False)
+            )
             del live.interlocks[name]
         self._sites.describe(description, told.catalogue, told.renamed)
-        live.told = told_by(said, told.catalogue)
+        live.told = fingerprint_of(said, told.catalogue)
         live.source = source
         live.problem = None
         for known in (live.leases, live.stops, live.drives, live.unreached):
@@ -177,7 +179,7 @@ class Redescription:
     """The descriptions that come over one link, one after the other."""
 
     def __init__(
-        self, describing: Describing, live: LiveSite, lists: ChannelLists, ingest: Ingest
+        self, describing: DescriptionIntake, live: LiveSite, lists: ChannelMaps, ingest: Ingest
     ) -> None:
         """Follow for ``live``; batches are read by ``lists`` and stored by ``ingest``."""
         self._describing = describing
@@ -190,9 +192,9 @@ class Redescription:
         self._later: list[frames.DeviceState] = []
         self.pending = 0
 
-    def put(self, told: frames.DescriptionUpdate) -> None:
+    def enqueue_description(self, told: frames.DescriptionUpdate) -> None:
         """Take a description; from here on batches may be numbered by its list."""
-        self._lists.told(told.catalogue, told.addresses, told.renamed)
+        self._lists.add_map(told.catalogue, told.addresses, told.renamed)
         renamed = {old: told.renamed.get(new, new) for old, new in self._live.renamed.items()}
         self._live.renamed = {**renamed, **told.renamed}
         self.pending += 1
@@ -214,12 +216,12 @@ class Redescription:
             told, note, renamed = await self._waiting.get()
             # Before channels of the new names are made.
             await renamed.wait()
-            await self._put(told, note)
+            await self._apply(told, note)
             self.pending -= 1
             later, self._later = self._later, []
             self._describing.later(self._live, later)
 
-    async def _put(self, told: frames.DescriptionUpdate, note: str) -> None:
+    async def _apply(self, told: frames.DescriptionUpdate, note: str) -> None:
         live = self._live
         source = source_of(told)
         said, description = await asyncio.to_thread(_read, told.description)

@@ -9,19 +9,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from talaia.hub.live.gateways.robot_events import Reporting
+    from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.sites import LiveSite
 
-__all__ = ["KEPT_OUT", "Rivals"]
+__all__ = ["KEPT_OUT", "DuplicateGateways"]
 
 KEPT_OUT = "another gateway of this site, started later, is linked"
 _MOST_KEPT = 100
 
 
-class Rivals:
+class DuplicateGateways:
     """Decides, and raises the alarm once for each rival: the loser goes on dialling."""
 
-    def __init__(self, reporting: Reporting) -> None:
+    def __init__(self, reporting: RobotEvents) -> None:
         """Tell by ``reporting``."""
         self._reporting = reporting
 
@@ -29,15 +29,15 @@ class Rivals:
         """Tell whether the run ``boot`` must leave the site to the one that is linked."""
         if live is None or live.link is None or boot >= live.boot:
             return False
-        self._tell(live, boot, "the one that was started earlier is kept out")
+        self._publish(live, boot, "the one that was started earlier is kept out")
         return True
 
     def replaced(self, live: LiveSite, by: str) -> None:
         """Note that the linked run gives way; one that dials anew is no other."""
         if live.boot != by:
-            self._tell(live, live.boot, "the one that was started later was taken")
+            self._publish(live, live.boot, "the one that was started later was taken")
 
-    def _tell(self, live: LiveSite, boot: str, message: str) -> None:
+    def _publish(self, live: LiveSite, boot: str, message: str) -> None:
         self._reporting.rival_seen(live)
         if boot in live.rivals:
             return

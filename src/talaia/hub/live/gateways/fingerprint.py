@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 
-__all__ = ["told_by"]
+__all__ = ["fingerprint_of"]
 
 
-def told_by(description: str, catalogue: str) -> tuple[bytes, str]:
+def fingerprint_of(description: str, catalogue: str) -> tuple[bytes, str]:
     """Give what `LiveSite.told` is for a gateway with this description."""
     return hashlib.sha256(description.encode()).digest(), catalogue

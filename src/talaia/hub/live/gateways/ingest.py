@@ -93,7 +93,7 @@ class Ingest:
         run = self._runs.get(boot)
         return 0 if run is None else run.below
 
-    def put(self, item: Batch | SampleGap) -> None:
+    def enqueue_batch(self, item: Batch | SampleGap) -> None:
         """Take a batch or a gap; what finds no room will be asked for again."""
         if self._samples >= _MOST_WAITING:
             last = item.last if isinstance(item, SampleGap) else item.first + len(item.columns) - 1

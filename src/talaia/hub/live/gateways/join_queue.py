@@ -17,10 +17,10 @@ from talaia.hub.errors import HubBusy
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-__all__ = ["Admission"]
+__all__ = ["JoinQueue"]
 
 
-class Admission:
+class JoinQueue:
     """Turns, first come, first served."""
 
     # Twice this is less than half of the database's connections: the others are for people.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.gateways.clock_offset import ClockOffset
-from talaia.hub.live.gateways.send_lanes import Lanes
+from talaia.hub.live.gateways.send_lanes import SendLanes
 from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
 
@@ -33,13 +33,13 @@ class GatewayLink:
         """Speak over ``socket``, which is accepted already."""
         self.offset = ClockOffset()
         self._socket = socket
-        self._lanes = Lanes()
+        self._lanes = SendLanes()
         self._wake = asyncio.Event()
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 
     def send(self, message: FromHub) -> None:
         """Queue a message."""
-        if not self._lanes.put(message):
+        if not self._lanes.enqueue_message(message):
             self.dismiss("it does not listen")
         self._wake.set()
 
@@ -66,7 +66,7 @@ class GatewayLink:
             await self._wake.wait()
             self._wake.clear()
             while self._lanes:
-                await self._socket.send_bytes(LINK_FROM_HUB.encode(self._lanes.take()))
+                await self._socket.send_bytes(LINK_FROM_HUB.encode(self._lanes.next_message()))
 
     async def dismissed(self) -> str:
         """Wait until somebody dismisses this link; give the reason."""

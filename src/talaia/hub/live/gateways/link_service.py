@@ -15,10 +15,10 @@ from talaia import __version__
 from talaia.errors import TalaiaError
 from talaia.hub.errors import HubBusy
 from talaia.hub.live.first_completed import until_first
-from talaia.hub.live.gateways.channel_maps import ChannelLists
+from talaia.hub.live.gateways.channel_maps import ChannelMaps
 from talaia.hub.live.gateways.description_intake import Redescription, source_of
-from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, Rivals
-from talaia.hub.live.gateways.fingerprint import told_by
+from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, DuplicateGateways
+from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.gateways.link import GONE, GatewayLink
 from talaia.model.checks.site_checks import raise_first
@@ -34,21 +34,21 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.clock import Clock
-    from talaia.hub.live.detection.sightings import Sightings
-    from talaia.hub.live.gateways.description_intake import Describing
-    from talaia.hub.live.gateways.join_queue import Admission
+    from talaia.hub.live.detection.sightings import SightingJournal
+    from talaia.hub.live.gateways.description_intake import DescriptionIntake
+    from talaia.hub.live.gateways.join_queue import JoinQueue
     from talaia.hub.live.gateways.live_samples import LiveSamples
-    from talaia.hub.live.gateways.open_links import Links
-    from talaia.hub.live.gateways.robot_events import Reporting
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.gateways.open_links import OpenLinks
+    from talaia.hub.live.gateways.robot_events import RobotEvents
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
-    from talaia.hub.store.sites.gateway_presence import Attendance
+    from talaia.hub.store.sites.gateway_presence import GatewayPresence
     from talaia.hub.store.sites.site_registry import GatewayKey
     from talaia.model.site import Site
 
-__all__ = ["Gateways", "told_by"]
+__all__ = ["LinkService", "fingerprint_of"]
 
 _LOG = logging.getLogger(__name__)
 _MISSED_BEATS = 3
@@ -62,22 +62,22 @@ TRY_LATER = 1013
 STORE_AFTER_S = 2.0
 
 
-class Gateways:
+class LinkService:
     """Takes links in, reads them, and lets them go."""
 
     def __init__(
         self,
         *,
         sites: Sites,
-        describing: Describing,
-        reporting: Reporting,
+        describing: DescriptionIntake,
+        reporting: RobotEvents,
         samples: LiveSamples,
-        sightings: Sightings,
-        media: Media,
+        sightings: SightingJournal,
+        media: PictureFanout,
         history: History,
-        attendance: Attendance,
-        links: Links,
-        admission: Admission,
+        attendance: GatewayPresence,
+        links: OpenLinks,
+        admission: JoinQueue,
         settings: Settings,
         clock: Clock,
     ) -> None:
@@ -110,7 +110,7 @@ class Gateways:
         self._admission = admission
         self._settings = settings
         self._clock = clock
-        self._rivals = Rivals(reporting)
+        self._rivals = DuplicateGateways(reporting)
         self._parting = asyncio.Lock()
 
     async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
@@ -133,7 +133,7 @@ class Gateways:
             return
         if hello is None or description is None:
             return
-        told = told_by(hello.description, hello.catalogue)
+        told = fingerprint_of(hello.description, hello.catalogue)
         if self._rivals.keeps_out(self._sites.get(site), hello.boot):
             await link.farewell(KEPT_OUT, REPLACED)
             return
@@ -188,7 +188,7 @@ class Gateways:
         if hello.site != site:
             raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
         live = self._sites.get(site)
-        if live is not None and live.told == told_by(hello.description, hello.catalogue):
+        if live is not None and live.told == fingerprint_of(hello.description, hello.catalogue):
             # Word for word what it said before: there is nothing to read.
             return hello, live.description
         # A large description takes a while to read: not in the way of the others.
@@ -253,7 +253,7 @@ class Gateways:
 
     async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
         addresses = [channel.address for channel in live.channels]
-        lists = ChannelLists(live.catalogue, addresses, live.renamed)
+        lists = ChannelMaps(live.catalogue, addresses, live.renamed)
         redescription = Redescription(self._describing, live, lists, ingest)
         results = await until_first(
             self._read_all(link, live, ingest, lists, redescription),
@@ -278,7 +278,7 @@ class Gateways:
         link: GatewayLink,
         live: LiveSite,
         ingest: Ingest,
-        lists: ChannelLists,
+        lists: ChannelMaps,
         redescription: Redescription,
     ) -> None:
         while (message := await link.receive()) is not None:
@@ -292,17 +292,17 @@ class Gateways:
                             self._samples.publish_batch(live, shown, boot=batch.boot, end=end)
                         else:
                             self._samples.publish_late_batch(live, shown)
-                    ingest.put(batch)
+                    ingest.enqueue_batch(batch)
                 case frames.NewestBatch():
                     self._tell_newest(live, message, lists, ingest)
                 case frames.DescriptionUpdate():
-                    redescription.put(message)
+                    redescription.enqueue_description(message)
                 case frames.ChangeState():
-                    self._describing.told(live, message)
+                    self._describing.receive_change_state(live, message)
                 case frames.DeviceState() if redescription.pending:
                     redescription.later(message)
                 case frames.SampleGap():
-                    ingest.put(message)
+                    ingest.enqueue_batch(message)
                 case frames.SightingReport():
                     self._sightings.seen(live, message)
                 case frames.Beat():
@@ -319,13 +319,13 @@ class Gateways:
                 case frames.Hello():
                     raise PeerError("hello is said once, at the beginning")
                 case _:
-                    self._reporting.tell(live, message)
+                    self._reporting.publish_message(live, message)
         # When a switch dies, hundreds go at one blow: one by one, and the loop's turn in between.
         async with self._parting:
             await asyncio.sleep(0)
 
     def _tell_newest(
-        self, live: LiveSite, message: frames.NewestBatch, lists: ChannelLists, ingest: Ingest
+        self, live: LiveSite, message: frames.NewestBatch, lists: ChannelMaps, ingest: Ingest
     ) -> None:
         """Take what was said while nobody heard it for what counts now, and keep it first."""
         addresses, told = lists.newest(message)
@@ -336,7 +336,7 @@ class Gateways:
             fresh = chosen_newest(shown, newer)
             self._samples.publish_newest(live, fresh, message.boot, now_ns)
         for first, columns in runs_of(told, ingest.below(message.boot)):
-            ingest.put(Batch(message.boot, first, addresses, columns))
+            ingest.enqueue_batch(Batch(message.boot, first, addresses, columns))
 
     async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
         sent = 0

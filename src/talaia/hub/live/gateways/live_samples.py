@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.live.alarms.alarm_engine import Alarms
-    from talaia.hub.live.detection.anomaly_service import Watching
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
+    from talaia.hub.live.detection.anomaly_service import AnomalyService
     from talaia.hub.live.pages.fanout import Fanout
     from talaia.hub.live.sites import LiveSite
     from talaia.wire.columns import Columns
@@ -20,7 +20,7 @@ class LiveSamples:
     """The one way by which samples reach those who follow them; never waits."""
 
     def __init__(
-        self, *, fanout: Fanout, alarms: Alarms, anomalies: Watching, clock: Clock
+        self, *, fanout: Fanout, alarms: AlarmEngine, anomalies: AnomalyService, clock: Clock
     ) -> None:
         """Show samples on pages by ``fanout``, judge them by ``alarms`` and ``anomalies``."""
         self._fanout = fanout
@@ -34,16 +34,16 @@ class LiveSamples:
         """Hand on a live batch; ``boot`` is its run and ``end`` one past its last number there."""
         live.latest.update(columns, self._clock.monotonic_ns(), boot, end)
         self._fanout.publish(live, columns)
-        self._alarms.take(live, columns)
-        self._anomalies.put(live, columns)
+        self._alarms.evaluate_samples(live, columns)
+        self._anomalies.enqueue_samples(live, columns)
 
     def publish_late_batch(self, live: LiveSite, columns: Columns) -> None:
         """Hand on a batch that waited for its link: detectors learn from it, nothing is shown."""
-        self._anomalies.put(live, columns)
+        self._anomalies.enqueue_samples(live, columns)
 
     def publish_newest(self, live: LiveSite, newest: NewestSamples, boot: str, now_ns: int) -> None:
         """Hand on the newest sample of each channel, with the age it had at ``now_ns``."""
         live.latest.correct(newest, boot, now_ns)
         self._fanout.publish_known(live, newest.columns.channel)
-        self._alarms.take(live, newest.columns, now_ns - newest.age_ms * 1e6)
-        self._anomalies.put(live, newest.columns)
+        self._alarms.evaluate_samples(live, newest.columns, now_ns - newest.age_ms * 1e6)
+        self._anomalies.enqueue_samples(live, newest.columns)

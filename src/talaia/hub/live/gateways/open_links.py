@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.store.sites.site_registry import SiteRegistry
 
-__all__ = ["Links", "Open"]
+__all__ = ["OpenConnection", "OpenLinks"]
 
 _LOG = logging.getLogger(__name__)
 
 
-class Open(Protocol):
+class OpenConnection(Protocol):
     """A connection of a gateway: its link, or the one for pictures."""
 
     def dismiss(self, reason: str) -> None:
@@ -29,17 +29,17 @@ class Open(Protocol):
         ...
 
 
-class Links:
+class OpenLinks:
     """Who of the gateways is connected."""
 
     def __init__(self, sites: Sites, registry: SiteRegistry) -> None:
         """Ask ``registry`` whose key is still good."""
         self._sites = sites
         self._registry = registry
-        self._open: dict[Open, int] = {}
+        self._open: dict[OpenConnection, int] = {}
 
     @contextmanager
-    def opened(self, gateway: int, connection: Open) -> Iterator[None]:
+    def opened(self, gateway: int, connection: OpenConnection) -> Iterator[None]:
         """Count a connection as open."""
         self._open[connection] = gateway
         try:

@@ -15,15 +15,15 @@ from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
-    from talaia.hub.anomaly.runner import Watched
-    from talaia.hub.live.alarms.alarm_engine import Alarms
+    from talaia.hub.anomaly.runner import DetectorRunner
+    from talaia.hub.live.alarms.alarm_engine import AlarmEngine
     from talaia.hub.live.pages.outbox import Frame
     from talaia.hub.live.pages.page_connections import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
-    from talaia.hub.ports import AnomalyNews
+    from talaia.hub.ports import AnomalyReport
     from talaia.hub.store.audit import Audit
 
-__all__ = ["Reporting", "site_news"]
+__all__ = ["RobotEvents", "site_news"]
 
 # One that is kept out dials again at least this often (µs), and then some.
 RIVAL_US = 120_000_000
@@ -37,7 +37,7 @@ _FINAL = frozenset(
     }
 )
 
-Told = (
+RobotMessage = (
     frames.LeaseState
     | frames.ControlTick
     | frames.DriveState
@@ -52,11 +52,11 @@ Told = (
 )
 
 
-class Reporting:
+class RobotEvents:
     """Tells pages what is so, now and whenever it changes."""
 
     def __init__(
-        self, sites: Sites, browsers: Browsers, alarms: Alarms, audit: Audit, clock: Clock
+        self, sites: Sites, browsers: Browsers, alarms: AlarmEngine, audit: Audit, clock: Clock
     ) -> None:
         """Write down in ``audit`` what happened and how it ended."""
         self._alarms = alarms
@@ -68,25 +68,25 @@ class Reporting:
     def greet(self, browser: Browser) -> None:
         """Tell a page that has just come what is true now, of all it may see."""
         for live in self._sites:
-            browser.tell(site_news(live))
+            browser.send_message(site_news(live))
             for device in live.leases:
-                browser.tell(self._lease_news(live, device, browser))
+                browser.send_message(self._lease_news(live, device, browser))
             for stop in live.stops.values():
-                browser.tell(_stop_news(live, stop))
+                browser.send_message(_stop_news(live, stop))
             for drive in live.drives.values():
-                browser.tell(_drive_news(live, drive))
+                browser.send_message(_drive_news(live, drive))
             self.greet_interlocks(live, browser)
             for device in live.unreached:
-                browser.tell(self._device_news(live, device))
+                browser.send_message(self._device_news(live, device))
             now_ns = self._clock.monotonic_ns()
             for state, heard_ns in live.acting.values():
                 later_s = (now_ns - heard_ns) / SECOND
-                browser.tell(_command_news(live, state, state.who, later_s))
+                browser.send_message(_command_news(live, state, state.who, later_s))
         self._alarms.greet(browser)
 
     def publish_site(self, live: LiveSite) -> None:
         """Tell every page how a site stands."""
-        self._browsers.tell(site_news(live))
+        self._browsers.broadcast_message(site_news(live))
 
     def publish_description(self, live: LiveSite) -> None:
         """Tell every page how a site stands that is described anew, and its interlocks."""
@@ -99,7 +99,7 @@ class Reporting:
         for name in live.interlocks:
             self._tell_interlock(live, name, browser)
 
-    def tell(self, live: LiveSite, told: Told) -> None:
+    def publish_message(self, live: LiveSite, told: RobotMessage) -> None:
         """Pass on what a gateway says, to each page that may know."""
         match told:
             case frames.LeaseState():
@@ -109,16 +109,16 @@ class Reporting:
                 for session in {state.session for state, _ in live.leases.values()}:
                     browser = self._browsers.get(session)
                     if browser is not None:
-                        browser.tell(news)
+                        browser.send_message(news)
             case frames.DriveState():
                 live.drives[told.device] = told
-                self._browsers.tell(_drive_news(live, told))
+                self._browsers.broadcast_message(_drive_news(live, told))
             case frames.StopState():
                 self._stop(live, told)
             case frames.ResetToken():
                 browser = self._browsers.get(told.session)
                 if browser is not None:
-                    browser.tell(
+                    browser.send_message(
                         page.ResetTokenUpdate(
                             site=live.name,
                             device=told.device,
@@ -156,10 +156,10 @@ class Reporting:
         time_us: int = 0,
     ) -> None:
         """Write an event down and tell it to all who may know."""
-        entry = self._audit.note(
+        entry = self._audit.append_record(
             kind, who=who, site=live.name, device=device, message=message, good=good
         )
-        self._browsers.tell(
+        self._browsers.broadcast_message(
             page.EventUpdate(
                 site=live.name,
                 kind=kind,
@@ -171,7 +171,7 @@ class Reporting:
             )
         )
 
-    def anomaly(self, news: AnomalyNews) -> None:
+    def anomaly(self, news: AnomalyReport) -> None:
         """Tell of an anomaly that began or ended; see `AnomalySink`."""
         live = self._sites.get(news.site)
         if live is None:
@@ -186,7 +186,7 @@ class Reporting:
         good = news.ended_us is not None
         self.event(live, kind, device, f"{name}: {news.why}", good=good, time_us=time_us)
 
-    def detector(self, site: str, watched: Watched) -> None:
+    def detector(self, site: str, watched: DetectorRunner) -> None:
         """Tell everyone who may see the signal how a detector stands; see `DetectorSink`."""
         live = self._sites.get(site)
         if live is None:
@@ -208,12 +208,12 @@ class Reporting:
         encoded: dict[bool, Frame] = {}
         for browser in self._browsers:
             if sees_signal(browser.who.grants, live.description, device, signal):
-                browser.tell(news, encoded)
+                browser.send_message(news, encoded)
 
     def rival_seen(self, live: LiveSite) -> None:
         """Show people that another gateway has this one's key, for as long as it goes on."""
         live.rival_us = self._clock.wall_ns() // 1000
-        self._browsers.tell(site_news(live))
+        self._browsers.broadcast_message(site_news(live))
 
     def forget_rival(self, live: LiveSite) -> None:
         """Show it no more once the other gateway has not been there for a while."""
@@ -251,7 +251,7 @@ class Reporting:
         else:
             since_us = self._clock.wall_ns() // 1000 - state.for_ms * 1000
             live.unreached[state.device] = (state.why, since_us)
-        self._browsers.tell(self._device_news(live, state.device))
+        self._browsers.broadcast_message(self._device_news(live, state.device))
 
     def _device_news(self, live: LiveSite, device: str) -> page.DeviceUpdate:
         why, since_us = live.unreached.get(device, ("", 0))
@@ -264,7 +264,7 @@ class Reporting:
         now = (self._clock.monotonic_ns(), self._clock.wall_ns())
         news = interlock_news(live, name, browser.who.grants, *now)
         if news is not None:
-            browser.tell(news)
+            browser.send_message(news)
 
     def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
         before = live.leases.get(state.device)
@@ -272,15 +272,15 @@ class Reporting:
         if state.refused:
             browser = self._browsers.get(state.asked)
             if browser is not None:
-                browser.tell(self._lease_news(live, state.device, browser, answer=True))
+                browser.send_message(self._lease_news(live, state.device, browser, answer=True))
         else:
             for browser in self._browsers:
-                browser.tell(self._lease_news(live, state.device, browser))
+                browser.send_message(self._lease_news(live, state.device, browser))
         held = (before[0].session, before[0].epoch) if before else ("", 0)
         if held[0] != state.session or (state.session and held[1] != state.epoch):
             kind = "lease taken" if state.session else "lease freed"
             who = state.who or (before[0].who if before else "")
-            self._note(live, kind, who, state.device, f"epoch {state.epoch or held[1]}")
+            self._append_record(live, kind, who, state.device, f"epoch {state.epoch or held[1]}")
 
     def _lease_news(
         self, live: LiveSite, device: str, browser: Browser, *, answer: bool = False
@@ -306,13 +306,13 @@ class Reporting:
     def _stop(self, live: LiveSite, state: frames.StopState) -> None:
         before = live.stops.get(state.device)
         live.stops[state.device] = state
-        self._browsers.tell(_stop_news(live, state))
+        self._browsers.broadcast_message(_stop_news(live, state))
         said = (state.latched, state.confirmed)
         if said != ((before.latched, before.confirmed) if before else (False, False)):
             what = "stop released"
             if state.latched:
                 what = "stop confirmed by the robot" if state.confirmed else "stop latched"
-            self._note(live, what, state.who, state.device)
+            self._append_record(live, what, state.who, state.device)
 
     def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
         pending = live.pending.get(state.id)
@@ -321,13 +321,13 @@ class Reporting:
             live.acting[state.id] = state, self._clock.monotonic_ns()
         else:
             live.acting.pop(state.id, None)
-        self._browsers.tell(_command_news(live, state, who))
+        self._browsers.broadcast_message(_command_news(live, state, who))
         if state.over:
             message = f"{state.command} {state.id} interrupts {state.over}"
-            self._note(live, "command interrupts", who, state.device, message)
+            self._append_record(live, "command interrupts", who, state.device, message)
         if state.phase in _FINAL:
             live.pending.pop(state.id, None)
-            self._audit.note(
+            self._audit.append_record(
                 f"command {state.phase}",
                 who=who,
                 site=live.name,
@@ -336,8 +336,10 @@ class Reporting:
                 good=state.phase is CommandPhase.SUCCEEDED,
             )
 
-    def _note(self, live: LiveSite, kind: str, who: str, device: str, message: str = "") -> None:
-        self._audit.note(kind, who=who, site=live.name, device=device, message=message)
+    def _append_record(
+        self, live: LiveSite, kind: str, who: str, device: str, message: str = ""
+    ) -> None:
+        self._audit.append_record(kind, who=who, site=live.name, device=device, message=message)
 
 
 def site_news(live: LiveSite) -> page.SiteUpdate:

@@ -20,12 +20,12 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from talaia.wire.frames import FromHub
 
-__all__ = ["Lanes"]
+__all__ = ["SendLanes"]
 
 _MOST_WAITING = 4096
 
 
-class Lanes:
+class SendLanes:
     """Messages for one gateway, in order of priority."""
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class Lanes:
         """Tell whether anything waits."""
         return any(self._lanes)
 
-    def put(self, message: FromHub) -> bool:
+    def enqueue_message(self, message: FromHub) -> bool:
         """Take a message; a driving frame, or an ack, takes the place of an older one.
 
         That the driver has let go is not passed over for a press that follows: the gateway may
@@ -64,7 +64,7 @@ class Lanes:
         lane.append(message)
         return len(lane) <= _MOST_WAITING
 
-    def take(self) -> FromHub:
+    def next_message(self) -> FromHub:
         """Take the most urgent message.
 
         Raises:

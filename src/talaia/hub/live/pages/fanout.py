@@ -68,7 +68,7 @@ class Fanout:
         group = self._group(live, selection, asked.every_ms)
         group.members[browser, asked.sub] = asked
         self._of[browser, asked.sub] = group
-        browser.tell(Subscribed(sub=asked.sub, refused=list(selection.refused)))
+        browser.send_message(Subscribed(sub=asked.sub, refused=list(selection.refused)))
         browser.known = self.known
         browser.owe(asked.sub, (selection.channels >= 0).nonzero()[0].tolist(), first=True)
 

@@ -8,7 +8,7 @@ from talaia.hub.auth.permissions import sees_stream
 from talaia.hub.policy import (
     FROM_BROWSER,
     TO_BROWSER,
-    Need,
+    AccessNeed,
     allows,
     need_of_message,
 )
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import Sites
     from talaia.wire.message import Message
 
-__all__ = ["STORE", "Gate"]
+__all__ = ["STORE", "MessageAuthorizer"]
 
 # Of a problem that ends by itself: who may do what is not known just now.
 STORE = "store"
@@ -37,7 +37,7 @@ class KnowsRights(Protocol):
         ...
 
 
-class Gate:
+class MessageAuthorizer:
     """Holds messages against the policy table and the person's rights."""
 
     def __init__(self, *, sites: Sites, rights: KnowsRights) -> None:
@@ -56,14 +56,14 @@ class Gate:
         described = live.description if live else None
         tag = str(type(message).__struct_config__.tag)
         if allows(need, grants, described, device):
-            if need is Need.SESSION or self._rights.sure or _makes_safe(message):
+            if need is AccessNeed.SESSION or self._rights.sure or _makes_safe(message):
                 return None
             return RequestError(
                 code=STORE,
                 message=_UNSURE_SUBSCRIBED if isinstance(message, Subscribe) else _UNSURE,
                 about=tag,
             )
-        if need is not Need.NEVER and not allows(Need.SEE, grants, described, device):
+        if need is not AccessNeed.NEVER and not allows(AccessNeed.SEE, grants, described, device):
             what = f"device {device!r} at site {site!r}" if device else f"site {site!r}"
             return RequestError(code="unknown", message=f"there is no {what}", about=tag)
         return RequestError(
@@ -73,7 +73,7 @@ class Gate:
     def may_get(self, grants: Grants, message: Message) -> bool:
         """Tell whether a message may be sent to a person."""
         need = need_of_message(TO_BROWSER, message)
-        if need is Need.SESSION:
+        if need is AccessNeed.SESSION:
             return True
         site, device = _object(message)
         live = self._sites.get(site)

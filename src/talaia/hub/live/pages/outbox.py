@@ -92,7 +92,7 @@ class Outbox:
         """Bytes that wait now."""
         return self._notes_weight + self._states_weight + self._values_weight
 
-    def note(self, frame: Frame) -> None:
+    def enqueue_frame(self, frame: Frame) -> None:
         """Add a message that goes out in order."""
         self._notes.append(frame)
         self._notes_weight += len(frame)
@@ -140,7 +140,7 @@ class Outbox:
         """
         (self._owed_first if first else self._owed).setdefault(sub, set()).update(places)
 
-    def take(self) -> list[Frame]:
+    def next_frames(self) -> list[Frame]:
         """Take what goes out next: all notes and states, else the values of one subscription.
 
         The rest stays, open to conflation, until the browser has taken these.

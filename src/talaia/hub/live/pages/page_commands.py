@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from talaia.hub.store.audit import Audit
     from talaia.model.interlocks.interlock import Interlock
 
-__all__ = ["Commanding"]
+__all__ = ["PageCommands"]
 
 _MOST_PENDING = 1000
 
@@ -37,7 +37,7 @@ Asked = (
 )
 
 
-class Commanding:
+class PageCommands:
     """Passes on what people ask of a robot."""
 
     def __init__(self, sites: Sites, audit: Audit) -> None:
@@ -65,14 +65,14 @@ class Commanding:
                         device=asked.device, session=browser.key, who=browser.who.name
                     )
                 )
-                self._note(live, "lease force asked", browser.who.name, asked.device)
+                self._append_record(live, "lease force asked", browser.who.name, asked.device)
             case page.PageDrive():
                 self._drive(browser, live, asked)
             case page.PageStop():
                 live.link.send(
                     frames.StopRequest(device=asked.device, id=asked.id, who=browser.who.name)
                 )
-                self._note(live, "stop pressed", browser.who.name, asked.device)
+                self._append_record(live, "stop pressed", browser.who.name, asked.device)
             case page.PageReset():
                 live.link.send(
                     frames.ResetRequest(
@@ -84,14 +84,14 @@ class Commanding:
                     )
                 )
                 if asked.token:
-                    self._note(live, "stop reset asked", browser.who.name, asked.device)
+                    self._append_record(live, "stop reset asked", browser.who.name, asked.device)
             case page.PageCommand():
                 self._command(browser, live, asked)
             case page.PageCommandCancel():
                 live.link.send(
                     frames.CommandCancel(id=asked.id, device=asked.device, who=browser.who.name)
                 )
-                self._note(live, "cancel asked", browser.who.name, asked.device, asked.id)
+                self._append_record(live, "cancel asked", browser.who.name, asked.device, asked.id)
             case page.PageOverride():
                 self._override(browser, live, asked)
 
@@ -141,7 +141,7 @@ class Commanding:
         )
         named = f" ({asked.condition})" if asked.condition else ""
         said = f"{asked.interlock}{named} for {asked.seconds:g} s: {asked.reason}"
-        self._note(live, "override asked", who, "", said)
+        self._append_record(live, "override asked", who, "", said)
 
     def _command(self, browser: Browser, live: LiveSite, asked: page.PageCommand) -> None:
         command = live.description.devices[asked.device].commands.get(asked.command)
@@ -174,13 +174,13 @@ class Commanding:
         said = ", ".join(f"{key}={value!r}" for key, value in asked.args.items())
         over = f" over {asked.over}" if asked.over else ""
         message = f"{asked.command}({said}) {asked.id}{over}"
-        self._note(live, "command asked", who, asked.device, message)
+        self._append_record(live, "command asked", who, asked.device, message)
 
     def _refuse(self, browser: Browser, asked: Asked, code: str, message: str) -> None:
         about = str(type(asked).__struct_config__.tag)
-        browser.tell(page.RequestError(code=code, message=message, about=about))
+        browser.send_message(page.RequestError(code=code, message=message, about=about))
         if isinstance(asked, page.PageCommand):
-            browser.tell(
+            browser.send_message(
                 page.CommandUpdate(
                     site=asked.site,
                     device=asked.device,
@@ -192,7 +192,7 @@ class Commanding:
                 )
             )
         if not isinstance(asked, page.PageDrive):
-            self._audit.note(
+            self._audit.append_record(
                 f"{about} refused",
                 who=browser.who.name,
                 site=asked.site,
@@ -201,8 +201,10 @@ class Commanding:
                 good=False,
             )
 
-    def _note(self, live: LiveSite, kind: str, who: str, device: str, message: str = "") -> None:
-        self._audit.note(kind, who=who, site=live.name, device=device, message=message)
+    def _append_record(
+        self, live: LiveSite, kind: str, who: str, device: str, message: str = ""
+    ) -> None:
+        self._audit.append_record(kind, who=who, site=live.name, device=device, message=message)
 
 
 def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseRequest:

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.hub.auth.permissions import Who
-    from talaia.hub.live.pages.message_authorizer import Gate
+    from talaia.hub.live.pages.message_authorizer import MessageAuthorizer
     from talaia.hub.live.pages.outbox import Frame
     from talaia.wire.browser import FromBrowser, ToBrowser, Values
     from talaia.wire.columns import Columns
@@ -76,7 +76,7 @@ class Browser:
 
     """
 
-    def __init__(self, socket: WebSocket, who: Who, gate: Gate, *, text: bool) -> None:
+    def __init__(self, socket: WebSocket, who: Who, gate: MessageAuthorizer, *, text: bool) -> None:
         """Speak JSON with ``text``, else MessagePack."""
         self.who = who
         self.key = new_token()
@@ -103,7 +103,7 @@ class Browser:
         """Write a message in the form this browser reads."""
         return TO_BROWSER.encode_text(message) if self.text else TO_BROWSER.encode(message)
 
-    def tell(self, message: ToBrowser, encoded: dict[bool, Frame] | None = None) -> None:
+    def send_message(self, message: ToBrowser, encoded: dict[bool, Frame] | None = None) -> None:
         """Send a message if this person may get it; never waits.
 
         ``encoded`` keeps its bytes, by form, for others who get the same.
@@ -116,7 +116,7 @@ class Browser:
             frame = encoded[self.text] = self.encode(message)
         key = _state_key(message)
         if key is None:
-            self._outbox.note(frame)
+            self._outbox.enqueue_frame(frame)
         else:
             self._outbox.state(key, frame)
         self._wake.set()
@@ -144,7 +144,7 @@ class Browser:
 
     def tell_end(self, ends_us: int, *, idle: bool) -> None:
         """Tell the person when the session ends (UTC, µs); 0: it goes on after all."""
-        self.tell(SessionUpdate(ends_us=ends_us, idle=idle))
+        self.send_message(SessionUpdate(ends_us=ends_us, idle=idle))
 
     def take_use(self) -> bool:
         """Tell whether the person has done something since this was last asked."""
@@ -179,7 +179,9 @@ class Browser:
             try:
                 message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
             except UnknownKind as error:
-                self.tell(RequestError(code="unknown", message=str(error), about=error.kind[:200]))
+                self.send_message(
+                    RequestError(code="unknown", message=str(error), about=error.kind[:200])
+                )
                 continue
             if self._over.is_set():
                 return
@@ -194,7 +196,7 @@ class Browser:
         if problem is None:
             handle(self, message)
             return
-        self.tell(problem)
+        self.send_message(problem)
         if (
             isinstance(message, Subscribe)
             and problem.code == STORE
@@ -216,7 +218,7 @@ class Browser:
                 if problem is None:
                     handle(self, message)
                 else:
-                    self.tell(problem)
+                    self.send_message(problem)
             if not self._wishes:
                 self._wished.clear()
 
@@ -225,7 +227,7 @@ class Browser:
             await self._wake.wait()
             self._wake.clear()
             while self._outbox:
-                for frame in self._outbox.take():
+                for frame in self._outbox.next_frames():
                     await self._send(frame)
 
     async def _send(self, frame: Frame) -> None:
@@ -271,11 +273,11 @@ class Browsers:
         """Find the socket with a key."""
         return self._browsers.get(key)
 
-    def tell(self, message: ToBrowser) -> None:
+    def broadcast_message(self, message: ToBrowser) -> None:
         """Send a message to everyone who may get it."""
         encoded: dict[bool, Frame] = {}
         for browser in self:
-            browser.tell(message, encoded)
+            browser.send_message(message, encoded)
 
 
 def _by_hand(message: FromBrowser) -> bool:

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.auth.permissions import Who
     from talaia.hub.settings import Settings
-    from talaia.hub.store.accounts.sessions import Alive
+    from talaia.hub.store.accounts.sessions import LiveSession
 
-__all__ = ["Register", "Seat", "Seats"]
+__all__ = ["CredentialLookup", "SessionSocket", "SocketSessions"]
 
 _LOG = logging.getLogger(__name__)
 # A check that takes longer than this counts as failed (s).
@@ -24,7 +24,7 @@ _CHECK_S = 5.0
 _OVER = "your session is over; sign in again"
 
 
-class Seat(Protocol):
+class SessionSocket(Protocol):
     """A socket of a person."""
 
     who: Who
@@ -42,30 +42,30 @@ class Seat(Protocol):
         ...
 
 
-class Register(Protocol):
+class CredentialLookup(Protocol):
     """Who is signed in, by the database."""
 
-    async def living(self, keys: Collection[str]) -> Mapping[str, Alive]:
+    async def living(self, keys: Collection[str]) -> Mapping[str, LiveSession]:
         """Give those of the sessions and tokens that are alive, with their rights of now."""
         ...
 
-    async def touch(self, used: Collection[Alive]) -> int:
+    async def touch(self, used: Collection[LiveSession]) -> int:
         """Write down that sessions are used."""
         ...
 
 
-class Seats:
+class SocketSessions:
     """The open sockets of all people."""
 
-    def __init__(self, register: Register, clock: Clock, settings: Settings) -> None:
+    def __init__(self, register: CredentialLookup, clock: Clock, settings: Settings) -> None:
         """Ask ``register`` who is still signed in."""
         self._register = register
         self._clock = clock
         self._warn_us = round(min(settings.warn_s, settings.idle_s / 2) * 1e6)
         self._unsure_ns = round(settings.unsure_s * 1e9)
-        self._seats: set[Seat] = set()
-        self._warned: dict[Seat, int] = {}
-        self._last: Mapping[str, Alive] = {}
+        self._seats: set[SessionSocket] = set()
+        self._warned: dict[SessionSocket, int] = {}
+        self._last: Mapping[str, LiveSession] = {}
         self._checked_ns = clock.monotonic_ns()
 
     @property
@@ -73,11 +73,11 @@ class Seats:
         """Whether it was known a moment ago who may do what."""
         return self._clock.monotonic_ns() - self._checked_ns <= self._unsure_ns
 
-    def add(self, seat: Seat) -> None:
+    def add(self, seat: SessionSocket) -> None:
         """Take a seat in."""
         self._seats.add(seat)
 
-    def remove(self, seat: Seat) -> None:
+    def remove(self, seat: SessionSocket) -> None:
         """Let a seat go."""
         self._seats.discard(seat)
         self._warned.pop(seat, None)
@@ -150,7 +150,7 @@ class Seats:
         if used:
             await self._register.touch(used)
 
-    def _warn(self, seat: Seat, alive: Alive) -> None:
+    def _warn(self, seat: SessionSocket, alive: LiveSession) -> None:
         """Tell, once, that the end is near; and once that it is not any more."""
         ends_us = min(alive.idle_ends_us, alive.ends_us)
         near = ends_us - self._now_us() <= self._warn_us

@@ -1,4 +1,4 @@
-"""One page that looks at one camera: a socket, and in `Flow` what goes over it when."""
+"""One page that looks at one camera: a socket, and in `PicturePacing` what goes over it when."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.first_completed import until_first
 from talaia.hub.live.pages.page_connections import SESSION_OVER
-from talaia.hub.live.pictures.picture_pacing import Flow
+from talaia.hub.live.pictures.picture_pacing import PicturePacing
 from talaia.wire.browser import (
     MEDIA_FROM_BROWSER,
     MEDIA_TO_BROWSER,
@@ -68,7 +68,7 @@ class Viewer:
         self.site = site
         self.stream = stream
         self.text = text
-        self.flow = Flow(able)
+        self.flow = PicturePacing(able)
         self.hears_problems = bool(able)
         # What is seen on the pictures is wanted, too.
         self.wants_boxes = False
@@ -87,14 +87,14 @@ class Viewer:
         """Hand over a picture; what waits and is of no use any more gives way."""
         self.flow.offer(ready, self._now_us())
         self._wake.set()
-        self._tell()
+        self._send_state()
 
     def boxes(self, frame: Frame) -> None:
         """Hand over what is seen on a picture, in place of what has not gone out yet."""
         self._boxes = frame
         self._wake.set()
 
-    def _tell(self) -> None:
+    def _send_state(self) -> None:
         if self.flow.broken or self.flow.form is not self._told:
             self._told = self.flow.form
             self.on_flow(self)
@@ -147,7 +147,7 @@ class Viewer:
                 case BoxesRequest():
                     self._ask_boxes(on=message.on)
             self._wake.set()
-            self._tell()
+            self._send_state()
 
     async def _write(self) -> None:
         while True:
@@ -155,7 +155,7 @@ class Viewer:
             self._wake.clear()
             while self._notes:
                 await self._send(self._notes.popleft())
-            while (frame := self.flow.take(self._now_us())) is not None:
+            while (frame := self.flow.next_picture(self._now_us())) is not None:
                 await self._send(frame)
             # While a picture waits for the connection, boxes must not take it up.
             if self._boxes is not None and not self.flow.waits:

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
     from talaia.clock import Clock
-    from talaia.hub.live.gateways.open_links import Links
-    from talaia.hub.live.pictures.picture_fanout import Media
+    from talaia.hub.live.gateways.open_links import OpenLinks
+    from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import Sites
     from talaia.hub.store.sites.site_registry import GatewayKey
 
@@ -107,7 +107,9 @@ class GatewayCamera:
 class MediaLinks:
     """Takes in the pictures of gateways; of each site the newest connection counts."""
 
-    def __init__(self, *, sites: Sites, media: Media, links: Links, clock: Clock) -> None:
+    def __init__(
+        self, *, sites: Sites, media: PictureFanout, links: OpenLinks, clock: Clock
+    ) -> None:
         """Hand pictures to ``media``; ``links`` closes a connection whose key is revoked."""
         self._sites = sites
         self._media = media

@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.wire.frames import DetectedBoxes, PictureFrame, StreamError
 
-__all__ = ["Media"]
+__all__ = ["PictureFanout"]
 
 _SMALL = {PictureForm.H264_SMALL.value, PictureForm.JPEG_SMALL.value}
 
 
-class Media:
+class PictureFanout:
     """All viewers, and what the gateways are asked to send for them."""
 
     def __init__(self, sites: Sites, clock: Clock, linger_s: float) -> None:
@@ -63,7 +63,7 @@ class Media:
         viewers = self._viewers.get(key, set())
         viewers.discard(viewer)
         if viewers:
-            self._look(key)
+            self._request_stream(key)
         elif key in self._viewers and key not in self._timers:
             loop = asyncio.get_running_loop()
             self._timers[key] = loop.call_later(self._linger_s, self._rest, key)
@@ -80,17 +80,17 @@ class Media:
             boxed = sorted(stream for where, stream in self._boxed if where == site)
             live.link.send(StreamSubscription(streams=list(forms), forms=forms, boxes=boxed))
 
-    def look(
+    def watch_stream(
         self, site: str, stream: str, form: PictureForm, take: Callable[[PictureFrame], None]
     ) -> None:
         """Let the hub itself look at a stream: ``take`` gets each picture, at once."""
         self._eyes[site, stream] = (form, take)
-        self._look((site, stream))
+        self._request_stream((site, stream))
 
-    def look_away(self, site: str, stream: str) -> None:
+    def unwatch_stream(self, site: str, stream: str) -> None:
         """Look no more."""
         if self._eyes.pop((site, stream), None) is not None:
-            self._look((site, stream))
+            self._request_stream((site, stream))
 
     def looked_at(self, site: str, stream: str) -> bool:
         """Tell whether a page wants to know what is seen on a stream."""
@@ -172,13 +172,13 @@ class Media:
 
     def _flow(self, viewer: Viewer) -> None:
         """Ask the gateway for what a viewer wants now, where that is new."""
-        self._look((viewer.site, viewer.stream))
+        self._request_stream((viewer.site, viewer.stream))
         if viewer.flow.wants_key(self._clock.monotonic_ns() // 1000):
             live = self._sites.get(viewer.site)
             if live is not None and live.link is not None:
                 live.link.send(KeyframeRequest(stream=viewer.stream, form=viewer.flow.form))
 
-    def _look(self, key: tuple[str, str]) -> None:
+    def _request_stream(self, key: tuple[str, str]) -> None:
         viewers = self._viewers.get(key, ())
         wanted = frozenset(each.flow.form for each in viewers)
         if not wanted and key in self._viewers:
@@ -200,4 +200,4 @@ class Media:
         del self._timers[key]
         if not self._viewers.get(key):
             self._viewers.pop(key, None)
-            self._look(key)
+            self._request_stream(key)

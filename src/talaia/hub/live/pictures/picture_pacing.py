@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.live.pages.outbox import Frame
 
-__all__ = ["Flow", "Ready"]
+__all__ = ["PicturePacing", "Ready"]
 
 # Single pictures that may be under way to a page: one being sent, one being drawn.
 CREDIT = 2
@@ -64,7 +64,7 @@ class Ready(NamedTuple):
     frame: Frame
 
 
-class Flow:
+class PicturePacing:
     """One page's pictures of one camera."""
 
     def __init__(self, able: Collection[str]) -> None:
@@ -119,7 +119,7 @@ class Flow:
             if self._least_us and again:
                 self._descend(now_us)
 
-    def take(self, now_us: int) -> Frame | None:
+    def next_picture(self, now_us: int) -> Frame | None:
         """Give what goes out now, if the connection has room for it."""
         if not self._waiting or not self._has_room(now_us, film=self._waiting[0].film):
             return None

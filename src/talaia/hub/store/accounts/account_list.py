@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from talaia.hub.store.accounts.sessions import Sessions
     from talaia.hub.store.database import Database
 
-__all__ = ["Entry", "Roster"]
+__all__ = ["AccountEntry", "AccountList"]
 
 
-class Entry(NamedTuple):
+class AccountEntry(NamedTuple):
     """One person; ``sessions`` counts those that are alive. Times in µs (UTC), 0: never."""
 
     id: int
@@ -33,7 +33,7 @@ class Entry(NamedTuple):
     sessions: int
 
 
-class Roster:
+class AccountList:
     """Lists people and changes what they are. The last admin who can sign in always stays one."""
 
     def __init__(self, database: Database, alive: Sessions) -> None:
@@ -41,12 +41,12 @@ class Roster:
         self._database = database
         self._alive = alive
 
-    async def all(self) -> list[Entry]:
+    async def all(self) -> list[AccountEntry]:
         """List everyone by name."""
         async with self._database.read() as connection:
             return await self._entries(connection)
 
-    async def one(self, user: int) -> Entry:
+    async def one(self, user: int) -> AccountEntry:
         """Find a person.
 
         Raises:
@@ -63,7 +63,7 @@ class Roster:
         role: str | None = None,
         disabled: bool | None = None,
         password_hash: str | None = None,
-    ) -> Entry:
+    ) -> AccountEntry:
         """Change what is given; every session of the person ends with any change of theirs.
 
         Raises:
@@ -87,7 +87,7 @@ class Roster:
             await _someone_manages(connection)
             return await self._one(connection, user)
 
-    async def remove(self, user: int) -> Entry:
+    async def remove(self, user: int) -> AccountEntry:
         """Remove a person with sessions and tokens; give what was known of them.
 
         Raises:
@@ -103,13 +103,15 @@ class Roster:
             await _someone_manages(connection)
         return gone
 
-    async def _one(self, connection: AsyncConnection, user: int) -> Entry:
+    async def _one(self, connection: AsyncConnection, user: int) -> AccountEntry:
         found = await self._entries(connection, user)
         if not found:
             raise UnknownPerson("there is no such person")
         return found[0]
 
-    async def _entries(self, connection: AsyncConnection, user: int | None = None) -> list[Entry]:
+    async def _entries(
+        self, connection: AsyncConnection, user: int | None = None
+    ) -> list[AccountEntry]:
         open_now = (
             select(sessions.c.user_id, func.count().label("open"))
             .where(self._alive.alive_now())
@@ -133,7 +135,7 @@ class Roster:
         )
         rows = await connection.execute(asked if user is None else asked.where(users.c.id == user))
         return [
-            Entry(
+            AccountEntry(
                 row.id,
                 row.name,
                 row.role,

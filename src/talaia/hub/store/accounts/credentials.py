@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from talaia.hub.store.accounts.sessions import Alive, Sessions
+    from talaia.hub.store.accounts.sessions import LiveSession, Sessions
     from talaia.hub.store.accounts.tokens import ApiTokens
 
-__all__ = ["Register"]
+__all__ = ["Credentials"]
 
 
-class Register:
+class Credentials:
     """Sessions and tokens by the names that a `Who` carries."""
 
     def __init__(self, sessions: Sessions, tokens: ApiTokens) -> None:
@@ -21,10 +21,10 @@ class Register:
         self._sessions = sessions
         self._tokens = tokens
 
-    async def living(self, keys: Collection[str]) -> dict[str, Alive]:
+    async def living(self, keys: Collection[str]) -> dict[str, LiveSession]:
         """Give those that are alive, with their rights of now."""
         return {**await self._sessions.living(keys), **await self._tokens.living(keys)}
 
-    async def touch(self, used: Collection[Alive]) -> int:
+    async def touch(self, used: Collection[LiveSession]) -> int:
         """Write down that sessions are used; give when they end if nobody does any more (µs)."""
         return await self._sessions.touch(used)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import delete, insert, select
 
-from talaia.hub.auth.throttle import FORGET_NS, Counted, Kind
+from talaia.hub.auth.throttle import FORGET_NS, AttemptKind, CountedAttempts
 from talaia.hub.store.tables import wrong_tries
 
 if TYPE_CHECKING:
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from talaia.hub.auth.throttle import Throttle
     from talaia.hub.store.database import Database
 
-__all__ = ["Tries"]
+__all__ = ["FailedLogins"]
 
 
-class Tries:
+class FailedLogins:
     """Keeps what a throttle counts."""
 
     def __init__(self, database: Database, clock: Clock, throttle: Throttle) -> None:
@@ -35,7 +35,8 @@ class Tries:
                 .order_by(wrong_tries.c.last_us)
             )
             self._throttle.bring_back(
-                Counted(Kind(row.kind), row.key_hash, row.wrong, row.last_us * 1000) for row in rows
+                CountedAttempts(AttemptKind(row.kind), row.key_hash, row.wrong, row.last_us * 1000)
+                for row in rows
             )
 
     async def count(self, user: str, address: str, browser: str) -> int:

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from talaia.hub.auth.secret_box import Seal
     from talaia.hub.store.database import Database
 
-__all__ = ["Factors", "Verdict"]
+__all__ = ["CodeVerdict", "SecondFactors"]
 
 
-class Verdict(Enum):
+class CodeVerdict(Enum):
     """What became of a code."""
 
     RIGHT = auto()
@@ -34,7 +34,7 @@ class Verdict(Enum):
     REPLAYED = auto()
 
 
-class Factors:
+class SecondFactors:
     """Sets up, asks for and removes second factors."""
 
     def __init__(self, database: Database, clock: Clock, seal: Callable[[], Seal]) -> None:
@@ -82,7 +82,7 @@ class Factors:
             )
         return codes
 
-    async def use(self, user: int, code: str) -> Verdict:
+    async def use(self, user: int, code: str) -> CodeVerdict:
         """Take a code of time, or a recovery code, each at most once."""
         async with self._database.write() as connection:
             gone = await connection.execute(
@@ -92,18 +92,18 @@ class Factors:
                 )
             )
             if gone.rowcount:
-                return Verdict.RECOVERY
+                return CodeVerdict.RECOVERY
             sealed = await _column(connection, user, "factor_secret")
             secret = self._seal().open(sealed, _about(user)) if sealed else None
             step = step_of(secret, code, self._now_s()) if secret else None
             if step is None:
-                return Verdict.WRONG
+                return CodeVerdict.WRONG
             taken = await connection.execute(
                 update(users)
                 .where(users.c.id == user, users.c.factor_step < step)
                 .values(factor_step=step)
             )
-        return Verdict.RIGHT if taken.rowcount else Verdict.REPLAYED
+        return CodeVerdict.RIGHT if taken.rowcount else CodeVerdict.REPLAYED
 
     async def remove(self, user: int) -> bool:
         """Take a person's factor and recovery codes away; False when there was none.

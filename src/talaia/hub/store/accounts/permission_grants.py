@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from sqlalchemy import Column, Table
     from sqlalchemy.ext.asyncio import AsyncConnection
 
-__all__ = ["OF_ROLES", "OF_TOKENS", "Relation", "give", "grants_of"]
+__all__ = ["OF_ROLES", "OF_TOKENS", "Relation", "grant_permissions", "grants_of"]
 
 
 class Relation:
@@ -52,7 +52,7 @@ async def grants_of(
     return {holder: Grants(frozenset(each)) for holder, each in held.items()}
 
 
-async def give(
+async def grant_permissions(
     connection: AsyncConnection, relation: Relation, holder: int, given: Iterable[Permission]
 ) -> None:
     """Let a holder have exactly these permissions."""

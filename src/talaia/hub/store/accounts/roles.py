@@ -8,7 +8,7 @@ from sqlalchemy import delete, func, insert, select, update
 
 from talaia.hub.auth.passwords import name_key
 from talaia.hub.errors import NameTaken, RoleInUse, SeededRole, UnknownRole
-from talaia.hub.store.accounts.permission_grants import OF_ROLES, give, grants_of
+from talaia.hub.store.accounts.permission_grants import OF_ROLES, grant_permissions, grants_of
 from talaia.hub.store.tables import roles, users
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class Roles:
             added = await connection.execute(insert(roles).values(name=name, seeded=False))
             key = added.inserted_primary_key
             role = int(key[0]) if key else 0
-            await give(connection, OF_ROLES, role, given)
+            await grant_permissions(connection, OF_ROLES, role, given)
         return role
 
     async def change(self, role: int, name: str, given: Iterable[Permission]) -> None:
@@ -100,7 +100,7 @@ class Roles:
                 raise SeededRole("the permissions of admin cannot be changed")
             await _free(connection, name, role)
             await connection.execute(update(roles).where(roles.c.id == role).values(name=name))
-            await give(connection, OF_ROLES, role, given)
+            await grant_permissions(connection, OF_ROLES, role, given)
 
     async def remove(self, role: int) -> str:
         """Remove a role; give the name it had.
@@ -119,7 +119,7 @@ class Roles:
             count = (await connection.execute(people)).scalar_one()
             if count:
                 raise RoleInUse(f"{count} people have the role {name!r}", "give them another first")
-            await give(connection, OF_ROLES, role, ())
+            await grant_permissions(connection, OF_ROLES, role, ())
             await connection.execute(delete(roles).where(roles.c.id == role))
         return name
 

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from talaia.hub.settings import Settings
     from talaia.hub.store.database import Database
 
-__all__ = ["Alive", "Open", "Sessions"]
+__all__ = ["LiveSession", "OpenSession", "Sessions"]
 
 # A use is written down at most this often, so that reading costs no writing.
 _TOUCH_US = 60_000_000
 
 
-class Alive(NamedTuple):
+class LiveSession(NamedTuple):
     """Someone who is signed in, and when that ends: unused, and however much it is used."""
 
     who: Who
@@ -36,7 +36,7 @@ class Alive(NamedTuple):
     used_us: int
 
 
-class Open(NamedTuple):
+class OpenSession(NamedTuple):
     """A session as its person sees it in the list."""
 
     id: str
@@ -56,7 +56,7 @@ class Sessions:
         self._idle_us = round(settings.idle_s * 1e6)
         self._life_us = round(settings.life_s * 1e6)
 
-    async def begin(self, user: int, address: str, agent: str = "") -> tuple[str, Alive]:
+    async def begin(self, user: int, address: str, agent: str = "") -> tuple[str, LiveSession]:
         """Start a session; give the token for the cookie and whom it stands for."""
         token = new_token()
         hashed = hash_token(token)
@@ -77,7 +77,7 @@ class Sessions:
             found = await self._read(connection, [hashed])
         return token, found[hashed]
 
-    async def who(self, token: str, *, used: bool = True) -> Alive | None:
+    async def who(self, token: str, *, used: bool = True) -> LiveSession | None:
         """Tell who holds ``token``; None when it stands for no living session.
 
         Args:
@@ -91,14 +91,14 @@ class Sessions:
             return found
         return found._replace(idle_ends_us=await self.touch([found]))
 
-    async def living(self, hashes: Collection[str]) -> dict[str, Alive]:
+    async def living(self, hashes: Collection[str]) -> dict[str, LiveSession]:
         """Give those of the sessions that are alive, with their people's rights of now."""
         if not hashes:
             return {}
         async with self._database.read() as connection:
             return await self._read(connection, hashes)
 
-    async def touch(self, used: Collection[Alive]) -> int:
+    async def touch(self, used: Collection[LiveSession]) -> int:
         """Write down that sessions are used; give when they end if nobody does any more (µs)."""
         now = self._now_us()
         old = [each.who for each in used if each.used_us < now - _TOUCH_US]
@@ -116,7 +116,7 @@ class Sessions:
                 )
         return now + self._idle_us
 
-    async def of(self, user: int) -> list[Open]:
+    async def of(self, user: int) -> list[OpenSession]:
         """List the living sessions of a person, the last used first."""
         async with self._database.read() as connection:
             rows = await connection.execute(
@@ -130,7 +130,7 @@ class Sessions:
                 .where(sessions.c.user_id == user, self.alive_now())
                 .order_by(sessions.c.used_us.desc(), sessions.c.token_hash)
             )
-            return [Open(*row) for row in rows]
+            return [OpenSession(*row) for row in rows]
 
     async def end_of(self, user: int, hashed: str) -> bool:
         """End one session of a person; False when they have none of that name."""
@@ -152,7 +152,9 @@ class Sessions:
                 delete(sessions).where(sessions.c.user_id == user, sessions.c.token_hash != keep)
             )
 
-    async def _read(self, connection: AsyncConnection, hashes: Collection[str]) -> dict[str, Alive]:
+    async def _read(
+        self, connection: AsyncConnection, hashes: Collection[str]
+    ) -> dict[str, LiveSession]:
         rows = await connection.execute(
             select(
                 sessions.c.token_hash,
@@ -171,7 +173,7 @@ class Sessions:
         people = rows.all()
         held = await grants_of(connection, OF_ROLES, {row.role_id for row in people})
         return {
-            row.token_hash: Alive(
+            row.token_hash: LiveSession(
                 Who(
                     row.token_hash,
                     row.id,

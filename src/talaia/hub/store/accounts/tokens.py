@@ -8,8 +8,13 @@ from sqlalchemy import delete, func, insert, select, update
 
 from talaia.hub.auth.permissions import Who
 from talaia.hub.auth.tokens import hash_token, new_token
-from talaia.hub.store.accounts.permission_grants import OF_ROLES, OF_TOKENS, give, grants_of
-from talaia.hub.store.accounts.sessions import Alive
+from talaia.hub.store.accounts.permission_grants import (
+    OF_ROLES,
+    OF_TOKENS,
+    grant_permissions,
+    grants_of,
+)
+from talaia.hub.store.accounts.sessions import LiveSession
 from talaia.hub.store.tables import api_tokens, roles, users
 
 if TYPE_CHECKING:
@@ -94,7 +99,7 @@ class ApiTokens:
             )
             key = added.inserted_primary_key
             token = int(key[0]) if key else 0
-            await give(connection, OF_TOKENS, token, given)
+            await grant_permissions(connection, OF_TOKENS, token, given)
         return token, text
 
     async def remove(self, user: int, token: int) -> str | None:
@@ -103,11 +108,11 @@ class ApiTokens:
             mine = (api_tokens.c.id == token, api_tokens.c.user_id == user)
             name = (await connection.execute(select(api_tokens.c.name).where(*mine))).scalar()
             if name is not None:
-                await give(connection, OF_TOKENS, token, ())
+                await grant_permissions(connection, OF_TOKENS, token, ())
                 await connection.execute(delete(api_tokens).where(*mine))
         return name
 
-    async def who(self, text: str) -> Alive | None:
+    async def who(self, text: str) -> LiveSession | None:
         """Tell for whom a token speaks; None when it is unknown, revoked or has ended."""
         key = _NAMED + hash_token(text)
         found = (await self.living([key])).get(key)
@@ -115,7 +120,7 @@ class ApiTokens:
             await self._touch(key)
         return found
 
-    async def living(self, keys: Collection[str]) -> dict[str, Alive]:
+    async def living(self, keys: Collection[str]) -> dict[str, LiveSession]:
         """Give those of the tokens that are good, with what is left of their rights now.
 
         A token never has more than its person has at this moment.
@@ -148,7 +153,7 @@ class ApiTokens:
             theirs = await grants_of(connection, OF_ROLES, {row.role_id for row in rows})
             asked = await grants_of(connection, OF_TOKENS, {row.id for row in rows})
         return {
-            _NAMED + row.token_hash: Alive(
+            _NAMED + row.token_hash: LiveSession(
                 Who(
                     _NAMED + row.token_hash,
                     row.user,

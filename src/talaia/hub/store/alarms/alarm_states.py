@@ -14,8 +14,8 @@ from sqlalchemy import delete, insert, select, update
 from talaia.hub.alarms.machine import Happened, Phase, State, What
 from talaia.hub.store.alarm_tables import alarm_definitions, alarm_history, alarm_states
 from talaia.hub.store.alarms.notification_outbox import add_notices
-from talaia.hub.store.audit import Entry, append
-from talaia.hub.store.safe_text import visible
+from talaia.hub.store.audit import AuditEntry, append
+from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from talaia.hub.store.alarms.notification_outbox import About
     from talaia.hub.store.database import Database
 
-__all__ = ["AlarmStore", "Change", "Made", "Past"]
+__all__ = ["AlarmChange", "AlarmStore", "MadeAlarm", "Past"]
 
 _SENTENCE = 2000
 
 
-class Change(NamedTuple):
+class AlarmChange(NamedTuple):
     """An alarm's new state, and what happened to bring it about."""
 
     about: About
@@ -36,7 +36,7 @@ class Change(NamedTuple):
     happened: tuple[Happened, ...]
 
 
-class Made(NamedTuple):
+class MadeAlarm(NamedTuple):
     """An alarm that was made in the page; the definition is JSON."""
 
     site: str
@@ -70,10 +70,10 @@ class AlarmStore:
             for row in found
         }
 
-    async def commit(self, changes: Sequence[Change], now_us: int) -> None:
+    async def commit(self, changes: Sequence[AlarmChange], now_us: int) -> None:
         """Write states, what happened, and the notices of it, all or nothing."""
         async with self._database.write() as connection:
-            entries: list[Entry] = []
+            entries: list[AuditEntry] = []
             for change in changes:
                 about = change.about
                 key = {"site": about.site, "alarm": about.alarm}
@@ -82,8 +82,8 @@ class AlarmStore:
                     alarm_states.c.alarm == about.alarm,
                 )
                 row = {**dataclasses.asdict(change.state), "phase": change.state.phase.value}
-                row["why"] = visible(change.state.why, _SENTENCE)
-                row["shelved_why"] = visible(change.state.shelved_why, _SENTENCE)
+                row["why"] = safe_text(change.state.why, _SENTENCE)
+                row["shelved_why"] = safe_text(change.state.shelved_why, _SENTENCE)
                 there = await connection.execute(select(alarm_states.c.site).where(*same))
                 if there.first() is None:
                     await connection.execute(insert(alarm_states).values(**key, **row))
@@ -97,8 +97,8 @@ class AlarmStore:
                             episode=happened.episode,
                             what=happened.what.value,
                             time_us=happened.time_us,
-                            who=visible(happened.who, 200),
-                            message=visible(happened.message, _SENTENCE),
+                            who=safe_text(happened.who, 200),
+                            message=safe_text(happened.message, _SENTENCE),
                         )
                     )
                     number = added.inserted_primary_key
@@ -125,13 +125,13 @@ class AlarmStore:
                 for row in rows
             ]
 
-    async def made(self) -> list[Made]:
+    async def made(self) -> list[MadeAlarm]:
         """List the alarms that were made in the page."""
         async with self._database.read() as connection:
             rows = await connection.execute(select(alarm_definitions))
-            return [Made(*row) for row in rows]
+            return [MadeAlarm(*row) for row in rows]
 
-    async def define(self, made: Made) -> None:
+    async def define(self, made: MadeAlarm) -> None:
         """Keep an alarm that was made in the page, in place of the one of its name."""
         table = alarm_definitions
         same = (table.c.site == made.site, table.c.alarm == made.alarm)
@@ -149,15 +149,15 @@ class AlarmStore:
         return done.rowcount == 1
 
 
-def _entry(about: About, happened: Happened) -> Entry:
+def _entry(about: About, happened: Happened) -> AuditEntry:
     """Give the line of the logbook."""
-    return Entry(
+    return AuditEntry(
         happened.time_us,
         f"alarm {happened.what}",
-        visible(happened.who, 200),
+        safe_text(happened.who, 200),
         "",
         about.site,
         about.device,
-        visible(f"{about.name}: {happened.message}".rstrip(": "), _SENTENCE),
+        safe_text(f"{about.name}: {happened.message}".rstrip(": "), _SENTENCE),
         happened.what not in {What.RAISED, What.REMINDED, What.UNSHELVED},
     )

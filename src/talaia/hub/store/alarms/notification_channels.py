@@ -170,7 +170,7 @@ class NotifyStore:
         """Change one of a person's rules; it keeps its number.
 
         What waits in the outbox by it is told all the same, at the time that it was to be told:
-        whoever delivers asks the rule where to (`Notices.take`).
+        whoever delivers asks the rule where to (`NotificationOutbox.claim_due`).
         """
         async with self._database.write() as connection:
             done = await connection.execute(

@@ -21,7 +21,7 @@ from talaia.hub.auth.permissions import ANY, Right
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.store.accounts.permission_grants import OF_ROLES, grants_of
 from talaia.hub.store.alarm_tables import notices, notify_rules
-from talaia.hub.store.safe_text import visible
+from talaia.hub.store.safe_text import safe_text
 from talaia.hub.store.tables import users
 from talaia.model.alarms.alarm import Severity
 
@@ -33,7 +33,15 @@ if TYPE_CHECKING:
     from talaia.hub.alarms.machine import Happened
     from talaia.hub.store.database import Database
 
-__all__ = ["About", "Notice", "NoticeState", "Notices", "Parcel", "add_notices", "rule_of"]
+__all__ = [
+    "About",
+    "NoticeState",
+    "NotificationOutbox",
+    "OutboxMessage",
+    "OutboxNotice",
+    "add_notices",
+    "rule_of",
+]
 
 _AT_ONCE = 50
 _PARCEL = 32
@@ -65,7 +73,7 @@ class About(NamedTuple):
     advice: str
 
 
-class Notice(NamedTuple):
+class OutboxNotice(NamedTuple):
     """One line of a message."""
 
     id: int
@@ -78,7 +86,7 @@ class Notice(NamedTuple):
     time_us: int
 
 
-class Parcel(NamedTuple):
+class OutboxMessage(NamedTuple):
     """What goes out as one message, by one rule.
 
     Attributes:
@@ -95,7 +103,7 @@ class Parcel(NamedTuple):
     target: str
     zone: str
     tries: int
-    notices: tuple[Notice, ...]
+    notices: tuple[OutboxNotice, ...]
 
 
 async def add_notices(
@@ -133,7 +141,7 @@ async def add_notices(
                 "episode": happened.episode,
                 "what": happened.what.value,
                 "severity": about.severity.value,
-                "title": visible(f"{about.site_name}: {about.name}", 200),
+                "title": safe_text(f"{about.site_name}: {about.name}", 200),
                 "text": _text(about, happened),
                 "time_us": happened.time_us,
                 "state": NoticeState.PENDING.value,
@@ -168,8 +176,8 @@ def rule_of(row: object) -> Rule:
 
 
 def _text(about: About, happened: Happened) -> str:
-    said = visible(happened.message, 1000)
-    advice = visible(about.advice, 1000) if happened.what is not What.CLEARED else ""
+    said = safe_text(happened.message, 1000)
+    advice = safe_text(about.advice, 1000) if happened.what is not What.CLEARED else ""
     return f"{said}\n{advice}".strip()
 
 
@@ -190,7 +198,7 @@ async def _with_the_others(connection: AsyncConnection, rule: Rule, now_us: int,
     return due if first is None else min(due, int(first))
 
 
-class Notices:
+class NotificationOutbox:
     """The outbox, as whoever delivers sees it."""
 
     def __init__(self, database: Database) -> None:
@@ -208,7 +216,7 @@ class Notices:
             due = found.scalar()
         return None if due is None else int(due)
 
-    async def take(self, now_us: int) -> Parcel | None:
+    async def claim_due(self, now_us: int) -> OutboxMessage | None:
         """Take what is due by one rule as one message; from now on it is ``sending``.
 
         What was part of a message before (it is sent once more) keeps its key and goes alone, by
@@ -244,7 +252,7 @@ class Notices:
             found_target = await self._target(connection, rows[0])
             if found_target is None:
                 await self._mark(connection, ids, NoticeState.DROPPED, now_us, "")
-                return Parcel(key, first.rule, 0, 0, "", "UTC", 0, ())
+                return OutboxMessage(key, first.rule, 0, 0, "", "UTC", 0, ())
             rule_way, target, zone = found_target
             way = rows[0].way if first.parcel else rule_way
             await connection.execute(
@@ -259,21 +267,21 @@ class Notices:
             )
         told = tuple(_notice(row) for row in rows)
         tries = max(row.tries for row in rows) + 1
-        return Parcel(key, first.rule, rows[0].user_id, way, target, zone, tries, told)
+        return OutboxMessage(key, first.rule, rows[0].user_id, way, target, zone, tries, told)
 
-    async def sent(self, parcel: Parcel, now_us: int) -> None:
+    async def sent(self, parcel: OutboxMessage, now_us: int) -> None:
         """It has arrived."""
         await self._settle(parcel, NoticeState.SENT, now_us, "")
 
-    async def failed(self, parcel: Parcel, now_us: int, problem: str) -> None:
+    async def failed(self, parcel: OutboxMessage, now_us: int, problem: str) -> None:
         """It has not arrived, and is not tried again."""
         await self._settle(parcel, NoticeState.FAILED, now_us, problem)
 
-    async def unsure(self, parcel: Parcel, now_us: int, problem: str) -> None:
+    async def unsure(self, parcel: OutboxMessage, now_us: int, problem: str) -> None:
         """It may have arrived."""
         await self._settle(parcel, NoticeState.UNSURE, now_us, problem)
 
-    async def again(self, parcel: Parcel, due: int, problem: str, *, same: bool) -> None:
+    async def again(self, parcel: OutboxMessage, due: int, problem: str, *, same: bool) -> None:
         """It is tried once more, later.
 
         Args:
@@ -287,7 +295,7 @@ class Notices:
         values: dict[str, object] = {
             "state": NoticeState.PENDING.value,
             "due_us": due,
-            "problem": visible(problem, 2000),
+            "problem": safe_text(problem, 2000),
         }
         if not same:
             values["parcel"] = ""
@@ -366,7 +374,9 @@ class Notices:
             return None
         return int(there.way), str(there.target), str(there.zone)
 
-    async def _settle(self, parcel: Parcel, state: NoticeState, now_us: int, problem: str) -> None:
+    async def _settle(
+        self, parcel: OutboxMessage, state: NoticeState, now_us: int, problem: str
+    ) -> None:
         ids = [notice.id for notice in parcel.notices]
         async with self._database.write() as connection:
             await self._mark(connection, ids, state, now_us, problem)
@@ -382,13 +392,13 @@ class Notices:
         await connection.execute(
             update(notices)
             .where(notices.c.id.in_(list(ids)))
-            .values(state=state.value, done_us=now_us, problem=visible(problem, 2000))
+            .values(state=state.value, done_us=now_us, problem=safe_text(problem, 2000))
         )
 
 
-def _notice(row: object) -> Notice:
+def _notice(row: object) -> OutboxNotice:
     found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
-    return Notice(
+    return OutboxNotice(
         found["id"],
         found["site"],
         found["alarm"],

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["Learned"]
+__all__ = ["DetectorState"]
 
 
-class Learned:
+class DetectorState:
     """Rows of bytes by site, address and detector."""
 
     def __init__(self, database: Database, clock: Clock) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["CODE_LIFE_US", "Enrolled", "Enrolment", "OpenCode", "Refused"]
+__all__ = ["CODE_LIFE_US", "Enrolled", "Enrolment", "EnrolmentRefusal", "OpenCode"]
 
 CODE_LIFE_US = 15 * 60 * 1_000_000
 # For so long after its end a code is told from one that never was.
@@ -29,7 +29,7 @@ _SALT = b"talaia enrolment code v1"
 _AT_ONCE = 2
 
 
-class Refused(Enum):
+class EnrolmentRefusal(Enum):
     """Why a code is not taken."""
 
     UNKNOWN = "unknown"
@@ -105,7 +105,7 @@ class Enrolment:
             done = await connection.execute(delete(codes).where(*unused))
         return OpenCode(*row) if done.rowcount else None
 
-    async def redeem(self, secret: str, name: str) -> Enrolled | Refused:
+    async def redeem(self, secret: str, name: str) -> Enrolled | EnrolmentRefusal:
         """Use a code: of two at once exactly one gets a key.
 
         Args:
@@ -128,10 +128,10 @@ class Enrolment:
             )
             row = found.first()
             if row is None:
-                return Refused.UNKNOWN
+                return EnrolmentRefusal.UNKNOWN
             # The database has counted the one row that it changed: of two at once, for one only.
             if used.rowcount != 1:
-                return Refused.USED if row.used_us else Refused.EXPIRED
+                return EnrolmentRefusal.USED if row.used_us else EnrolmentRefusal.EXPIRED
             gateway, key, replaced = await add_key(connection, row.site, row.name or name, now)
         return Enrolled(gateway, row.site, key, replaced)
 

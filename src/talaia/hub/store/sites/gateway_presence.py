@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["Attendance"]
+__all__ = ["GatewayPresence"]
 
 _LOG = logging.getLogger(__name__)
 _EVERY_S = 1.0
@@ -32,7 +32,7 @@ _FAILS = (SQLAlchemyError, TalaiaError, OSError)
 _Key = TypeVar("_Key", int, str)
 
 
-class Attendance:
+class GatewayPresence:
     """What is known of the coming and going of gateways and is not in the database yet."""
 
     def __init__(self, database: Database, clock: Clock) -> None:

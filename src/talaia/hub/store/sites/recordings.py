@@ -80,7 +80,7 @@ class RecordingList:
         found = await self._select(_table.c.site == site, _table.c.id == name)
         return found[0] if found else None
 
-    async def put(self, recorded: Recorded) -> None:
+    async def save_recording(self, recorded: Recorded) -> None:
         """Write a row, in place of the one that is there."""
         row = {
             **recorded._asdict(),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from sqlalchemy import Row
     from sqlalchemy.ext.asyncio import AsyncConnection
 
-    from talaia.hub.store.audit import Entry
+    from talaia.hub.store.audit import AuditEntry
     from talaia.hub.store.database import Database
 
 __all__ = ["Kept", "Put", "Sighted", "SightingStore", "SightingsAsked"]
@@ -88,7 +88,7 @@ class Put(NamedTuple):
 
     kept: Kept
     again: bool
-    entry: Entry | None
+    entry: AuditEntry | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,8 +118,8 @@ class SightingStore:
         """Work on ``database``."""
         self._database = database
 
-    async def put(
-        self, told: Sequence[Sighted], note: Callable[[Sighted], Entry | None]
+    async def save_sightings(
+        self, told: Sequence[Sighted], note: Callable[[Sighted], AuditEntry | None]
     ) -> list[Put]:
         """Keep sightings in place of what was told of them before; all or nothing.
 
@@ -135,7 +135,7 @@ class SightingStore:
 
         """
         written: list[Put] = []
-        entries: list[Entry] = []
+        entries: list[AuditEntry] = []
         async with self._database.write() as connection:
             for each in told:
                 before = await _before(connection, each)

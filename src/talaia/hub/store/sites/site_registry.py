@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import insert, select, update
 
 from talaia.hub.auth.tokens import hash_token, new_token
-from talaia.hub.store.sites.gateway_presence import Attendance
+from talaia.hub.store.sites.gateway_presence import GatewayPresence
 from talaia.hub.store.tables import gateways, sites
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class SiteRegistry:
         """Work on ``database``; ``clock`` stamps what is added."""
         self._database = database
         self._clock = clock
-        self.attendance = Attendance(database, clock)
+        self.attendance = GatewayPresence(database, clock)
 
     async def new_key(self, site: str, name: str = "") -> str:
         """Make a key for a site's gateway; the keys it had before are revoked."""
