@@ -50,7 +50,7 @@ class Sink:
         return self.share
 
     def look(self, *_look: object) -> None:
-        """See `PictureSink.look`."""
+        """See `PictureSink.offer_frame`."""
 
     def filming(self, _stream: str, _time_us: int) -> Filming:
         """See `PictureSink.filming`."""
@@ -102,7 +102,7 @@ def once(sink: Sink, count: int) -> float:
     for at in range(count + 30):
         if at == 30:
             begin = time.thread_time()
-        taker.take(sent[at % len(sent)], at * STEP_US, at * STEP_US, sink)
+        taker.process_picture(sent[at % len(sent)], at * STEP_US, at * STEP_US, sink)
     return (time.thread_time() - begin) / count * 1e3
 
 

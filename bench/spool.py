@@ -44,7 +44,7 @@ def batches(count: int, size: int, period_us: int) -> list[Columns]:
 def spool_in(folder: str) -> Spool:
     """Open a spool for one boot."""
     head = SegmentHead("bench", "catalogue", [f"base/s{each}" for each in range(CHANNELS)])
-    return Spool(Path(folder), head, 4 << 30)
+    return Spool(folder=Path(folder), head=head, bound=4 << 30)
 
 
 def rate() -> dict[str, float]:

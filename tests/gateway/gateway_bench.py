@@ -179,7 +179,7 @@ async def running(
     site = raise_first(load_site(text))
     hub = HubAddress.checked(url, fingerprint=fingerprint, allow_plain=True)
     settings = GatewaySettings(hub=hub, key=key, data=data, accepts=accepts)
-    gateway = Gateway(site, settings, SystemClock(), copy)
+    gateway = Gateway(site=site, settings=settings, clock=SystemClock(), file=copy)
     ended = asyncio.Event()
     task = asyncio.ensure_future(gateway.run(ended))
     try:

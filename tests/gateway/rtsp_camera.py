@@ -41,7 +41,7 @@ class RtspCamera:
 
         """
         height, width = pictures[0].shape[:2]
-        encoder = Encoder(width, height, 20, 4_000_000)
+        encoder = Encoder(width=width, height=height, rate=20, bits=4_000_000)
         self._film: list[list[bytes]] = []
         for at, each in enumerate(pictures):
             made = encoder.encode(Pixels("RGB", width, height, each), at * 50_000, key=at == 0)

@@ -41,7 +41,7 @@ def held(spool: Spool) -> set[int]:
 def test_torn_tail_is_a_gap_that_spans_what_was_in_it(batches: int, cut: int, acked: int) -> None:
     with TemporaryDirectory() as folder:
         path = Path(folder)
-        spool = Spool(path, HEAD, LARGE)
+        spool = Spool(folder=path, head=HEAD, bound=LARGE)
         for number in range(batches):
             spool.append(record(number * 10))
         spool.ack("boot-a", min(acked, batches) * 10)
@@ -49,7 +49,7 @@ def test_torn_tail_is_a_gap_that_spans_what_was_in_it(batches: int, cut: int, ac
         # Killed: nobody closes it. And the disk has lost the end of the file.
         (file,) = path.glob("*.seg")
         os.truncate(file, min(cut, file.stat().st_size))
-        later = Spool(path, SegmentHead("boot-b", "cat", []), LARGE)
+        later = Spool(folder=path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
         gaps = [each for each in later.gaps() if each.boot == "boot-a"]
         told = {n for each in gaps for n in range(each.first, each.last + 1)}
         there = held(later)
@@ -66,12 +66,12 @@ def test_what_the_hub_has_is_no_gap_when_the_file_was_emptied_and_the_gateway_ki
     tmp_path: Path, monkeypatch
 ) -> None:
     monkeypatch.setattr(journal, "TRIM_BYTES", 100)
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     for number in range(10):
         spool.append(record(number * 10))
     spool.ack("boot-a", 100)
     spool.append(record(100))
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
     assert later.gaps() == []
     assert held(later) == set(range(100, 110))
 
@@ -79,24 +79,24 @@ def test_what_the_hub_has_is_no_gap_when_the_file_was_emptied_and_the_gateway_ki
 def test_what_was_only_in_memory_when_the_gateway_was_killed_is_a_gap(
     tmp_path, monkeypatch
 ) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     spool.append(record(0))
     monkeypatch.setattr(Spool, "_write", lambda *_: False)
     spool.append(record(10))
     monkeypatch.undo()
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
     assert [(each.first, each.last) for each in later.gaps()] == [(10, 19)]
 
 
 def test_loss_of_a_run_that_was_killed_is_kept_before_the_next_one_leaves_word(tmp_path) -> None:
-    first = Spool(tmp_path, HEAD, LARGE)
+    first = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     first.append(record(0))
     (file,) = tmp_path.glob("*.seg")
     os.truncate(file, file.stat().st_size - 1)
-    second = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
+    second = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
     second.append(record(0))
     # Killed before its first second is over.
-    third = Spool(tmp_path, SegmentHead("boot-c", "cat", []), LARGE)
+    third = Spool(folder=tmp_path, head=SegmentHead("boot-c", "cat", []), bound=LARGE)
     assert [(each.boot, each.first, each.last) for each in third.gaps()] == [("boot-a", 0, 9)]
 
 
@@ -132,7 +132,7 @@ def test_gap_of_the_beginning_ends_with_the_first_of_the_last_channel_that_misse
         if at >= deaf[channel]
     )
     for at, channel in spoken:
-        heard.take(np.array([channel], np.uint16), at * SECOND // 1000)
+        heard.add_batch(np.array([channel], np.uint16), at * SECOND // 1000)
     for channel, period in enumerate(periods):
         first = next(at for at, each in spoken if each == channel)
         if first > period:
@@ -142,32 +142,38 @@ def test_gap_of_the_beginning_ends_with_the_first_of_the_last_channel_that_misse
 
 
 def test_gap_that_the_hub_has_been_told_of_is_no_damage_to_the_next_run(tmp_path: Path) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     spool.append(record(0))
     spool.lose(SampleRecord(10, 1, 5, 6, b""), "stood still")
     spool.append(record(11))
     spool.ack("boot-a", 15)
     spool.sync(1)
-    assert Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE).gaps() == []
+    assert Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE).gaps() == []
 
 
 async def test_spool_that_is_new_has_no_run_before_it_and_later_it_has(tmp_path: Path) -> None:
-    keeper = SpoolThread(Spool(tmp_path, HEAD, LARGE, wall_us=lambda: 7, machine="m"))
+    keeper = SpoolThread(
+        Spool(folder=tmp_path, head=HEAD, bound=LARGE, wall_us=lambda: 7, machine="m")
+    )
     assert keeper.former is None
     keeper.append(record(0))
     await keeper.sync(20_000)
     await keeper.close()
-    later = SpoolThread(Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE, wall_us=lambda: 9))
+    later = SpoolThread(
+        Spool(
+            folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE, wall_us=lambda: 9
+        )
+    )
     assert later.former == ProgressMark("boot-a", 10, 0, 7, 20_000, 0.0, 0, "m")
     later.append(record(0))
     await later.sync(30_000)
     await later.close()
-    last = Spool(tmp_path, SegmentHead("boot-c", "cat", []), LARGE)
+    last = Spool(folder=tmp_path, head=SegmentHead("boot-c", "cat", []), bound=LARGE)
     assert last.former is not None
     assert last.former.deaf_us == 9
     last.all_heard()
     last.append(record(0))
-    assert Spool(tmp_path, SegmentHead("boot-d", "cat", []), LARGE).former == ProgressMark(
-        "boot-c", 10, 0, 0, 9000, 0.0, 0, ""
-    )
+    assert Spool(
+        folder=tmp_path, head=SegmentHead("boot-d", "cat", []), bound=LARGE
+    ).former == ProgressMark("boot-c", 10, 0, 0, 9000, 0.0, 0, "")
     await asyncio.sleep(0)

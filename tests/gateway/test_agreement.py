@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 from talaia.clock import SECOND
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.gateway.safety.sensor_agreement import Sensor, closed_by
+from talaia.gateway.safety.sensor_agreement import RoofSensor, closed_by
 from talaia.model.checks.site_checks import check
 from talaia.model.interlocks.capabilities import Capabilities, capabilities_of
 from talaia.model.yaml_text.load import dump_site, load_site
@@ -101,7 +101,9 @@ class Roof:
         self.asked: list[str] = []
         self.notes: list[tuple[str, str]] = []
         self.problems: list[str] = []
-        self.interlocks = Interlocks(self.site, self, self, self.run, 0)
+        self.interlocks = Interlocks(
+            site=self.site, readings=self, output=self, run=self.run, now_ns=0
+        )
 
     def latest(self, address: str) -> ChannelReading | None:
         device, _, signal = address.partition("/")
@@ -112,7 +114,9 @@ class Roof:
         if isinstance(message, EnclosureState):
             self.problems.append(message.why)
 
-    def note(self, kind: str, _device: str, message: str, *_more: object, **_good: object) -> None:
+    def record_event(
+        self, kind: str, _device: str, message: str, *_more: object, **_good: object
+    ) -> None:
         self.notes.append((kind, message))
 
     def run(self, _label: str, steps: tuple) -> None:
@@ -312,13 +316,15 @@ def test_a_flap_is_closed_too_and_by_its_own_command_only_while_it_is_open() -> 
 
 
 says = st.lists(st.sampled_from([True, False, None]), min_size=1, max_size=3).map(
-    lambda said: [Sensor(each, str(each)) for each in said]
+    lambda said: [RoofSensor(each, str(each)) for each in said]
 )
 
 
 @given(says, st.dictionaries(st.sampled_from("we"), says), st.dictionaries(st.just("flap"), says))
 def test_a_roof_is_closed_exactly_when_every_sensor_of_it_says_so(
-    whole: list[Sensor], segments: dict[str, list[Sensor]], others: dict[str, list[Sensor]]
+    whole: list[RoofSensor],
+    segments: dict[str, list[RoofSensor]],
+    others: dict[str, list[RoofSensor]],
 ) -> None:
     every = [
         *whole,

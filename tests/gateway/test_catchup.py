@@ -21,7 +21,7 @@ BATCHES, SIZE = 40, 10
 
 
 def keeper_of(folder: Path, batches: int = BATCHES) -> SpoolThread:
-    spool = Spool(folder, SegmentHead("b", "c", ["base/v"]), 1 << 30)
+    spool = Spool(folder=folder, head=SegmentHead("b", "c", ["base/v"]), bound=1 << 30)
     for number in range(batches):
         first = number * SIZE
         columns = Columns(
@@ -52,7 +52,9 @@ async def test_what_the_hub_asks_for_again_is_sent_again_and_no_more(tmp_path: P
     keeper, lanes = keeper_of(tmp_path), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
-        CatchUp(keeper, lanes, "b", lambda: "c", 10_000_000).run(BATCHES * SIZE)
+        CatchUp(spool=keeper, lanes=lanes, boot="b", catalogue=lambda: "c", rate=10_000_000).run(
+            BATCHES * SIZE
+        )
     )
     assert await sent(lanes, BATCHES) == [*range(0, BATCHES * SIZE, SIZE)]
     lanes.owe("b", 105, 121)
@@ -70,7 +72,9 @@ async def test_what_was_packed_is_not_sent_at_one_blow(tmp_path: Path, monkeypat
     keeper, lanes = keeper_of(tmp_path, batches), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
-        CatchUp(keeper, lanes, "b", lambda: "c", rate).run(batches * SIZE)
+        CatchUp(spool=keeper, lanes=lanes, boot="b", catalogue=lambda: "c", rate=rate).run(
+            batches * SIZE
+        )
     )
     loop = asyncio.get_running_loop()
     began, got, largest = loop.time(), 0, 0
@@ -95,7 +99,9 @@ async def test_old_samples_wait_while_the_hub_stores_nothing_and_stop_never_wait
     keeper, lanes = keeper_of(tmp_path), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
-        CatchUp(keeper, lanes, "b", lambda: "c", 20_000).run(BATCHES * SIZE)
+        CatchUp(spool=keeper, lanes=lanes, boot="b", catalogue=lambda: "c", rate=20_000).run(
+            BATCHES * SIZE
+        )
     )
     taken = 0
     # Long enough for all of them at this rate.

@@ -70,7 +70,7 @@ def test_channel_keeps_its_number_whatever_comes_and_goes_around_it() -> None:
     roster = ChannelNumbering(BEFORE)
     rain = roster.numbers(BEFORE)["weather/rain"]
     after = changed(("      wind:", f"      gust: {{name: G, source: {SOURCE}}}\n      wind:"))
-    roster.take(after, {})
+    roster.add_channels(after, {})
     assert roster.numbers(after)["weather/rain"] == rain
     columns = Columns(np.array([rain, 0], np.uint16), np.zeros(2, np.int64), np.ones(2), {})
     shown = renumbered(columns, roster.order(after))
@@ -85,7 +85,7 @@ def test_renamed_channel_keeps_its_number_and_a_removed_one_has_no_place() -> No
         ("      wind: {", "      gale: {was: wind, "), ("weather/wind", "weather/gale"),
         (f"      rain: {{name: Rain, source: {SOURCE}}}\n", ""),
     )  # fmt: skip
-    roster.take(after, renames(BEFORE, after))
+    roster.add_channels(after, renames(BEFORE, after))
     assert roster.numbers(after)["weather/gale"] == wind
     columns = Columns(
         np.array([rain, wind], np.uint16), np.arange(2), np.arange(2.0), {0: "gone", 1: "here"}
@@ -100,7 +100,7 @@ def test_full_roster_says_so_and_stays_as_it_was(monkeypatch: pytest.MonkeyPatch
     roster = ChannelNumbering(BEFORE)
     after = changed(("      wind:", f"      gust: {{name: G, source: {SOURCE}}}\n      wind:"))
     with pytest.raises(ChannelNumbersFull):
-        roster.take(after, {})
+        roster.add_channels(after, {})
     assert len(roster.order(BEFORE)) == 3
 
 
@@ -134,7 +134,7 @@ def test_hub_may_change_what_the_gateway_permits_and_no_more(
 
 
 class World:
-    """Readings, mouth and runner of interlocks, written down."""
+    """Readings, output and runner of interlocks, written down."""
 
     def __init__(self) -> None:  # noqa: D107
         self.value = 1.0
@@ -146,7 +146,7 @@ class World:
 
     def send(self, message: object) -> None: ...
 
-    def note(self, kind: str, *_more: object, **_good: object) -> None:
+    def record_event(self, kind: str, *_more: object, **_good: object) -> None:
         self.notes.append(kind)
 
     def run(self, label: str, _steps: object) -> None:
@@ -154,7 +154,7 @@ class World:
 
 
 def released(world: World) -> Interlocks:
-    interlocks = Interlocks(BEFORE, world, world, world.run, 0)
+    interlocks = Interlocks(site=BEFORE, readings=world, output=world, run=world.run, now_ns=0)
     for second in range(62):
         world.now_ns = second * SECOND
         interlocks.step(world.now_ns)
@@ -191,7 +191,7 @@ def batch(first: int, catalogue: str) -> object:
 
 
 def test_spool_keeps_each_batch_by_the_list_of_its_time(tmp_path) -> None:
-    spool = Spool(tmp_path, SegmentHead("b", "old", ["a/x"]), 10**7)
+    spool = Spool(folder=tmp_path, head=SegmentHead("b", "old", ["a/x"]), bound=10**7)
     spool.append(batch(0, "old"))
     spool.redescribe(SegmentHead("b", "new", ["a/y"]))
     spool.append(batch(1, "new"))

@@ -102,7 +102,7 @@ def test_end_is_final_whatever_comes_after_it(steps: list[CommandPhase]) -> None
     assert book.open(state(P.ACCEPTED))
     ended = None
     for phase in steps:
-        moved = book.move("i", phase)
+        moved = book.move(command_id="i", phase=phase)
         if ended is not None:
             assert moved is None
             assert book.get("i").phase is ended
@@ -145,7 +145,7 @@ class Dome:
 class Bench:
     """Commanding with its robot, clock and what it said."""
 
-    def __init__(self, folder: Path, mouth: Any = None) -> None:  # noqa: D107
+    def __init__(self, folder: Path, output: Any = None) -> None:  # noqa: D107
         self.clock = HandClock()
         self.dome = Dome()
         self.said: list[CommandState] = []
@@ -153,15 +153,15 @@ class Bench:
         self.barred = ""
         self.held: Hold | None = None
         self.commanding = CommandService(
-            SITE,
-            self.clock,
-            self.dome,
-            CommandJournal(folder / "c.jsonl"),
-            self.on_disk,
-            self.say,
-            lambda _device, _command, _args: self.barred,
+            site=SITE,
+            clock=self.clock,
+            target=self.dome,
+            journal=CommandJournal(folder / "c.jsonl"),
+            on_disk=self.on_disk,
+            send=self.say,
+            refusal=lambda _device, _command, _args: self.barred,
             hold=lambda _device, _command: self.held,
-            trouble=DiskTrouble(mouth),
+            trouble=DiskTrouble(output),
         )
         self.changed = asyncio.Event()
 
@@ -307,7 +307,9 @@ async def test_trouble_with_the_journal_is_said_once_and_its_end_once(tmp_path: 
     said: list[str] = []
 
     class Mouth:
-        def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        def record_event(
+            self, kind: str, device: str, message: str, who: str, *, good: bool
+        ) -> None:
             said.append(kind)
 
     bench = Bench(tmp_path, Mouth())
@@ -347,7 +349,9 @@ async def run_sequence(bench: Bench, steps: tuple[Step, ...]) -> list[str]:
     done = asyncio.Event()
 
     class Mouth:
-        def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        def record_event(
+            self, kind: str, device: str, message: str, who: str, *, good: bool
+        ) -> None:
             notes.append(f"{kind}: {message}")
             if kind == "sequence_done" or "not done" in message:
                 done.set()
@@ -402,7 +406,9 @@ async def test_a_command_whose_end_is_reached_all_the_same_has_not_failed(
     notes: list[str] = []
 
     class Mouth:
-        def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+        def record_event(
+            self, kind: str, device: str, message: str, who: str, *, good: bool
+        ) -> None:
             notes.append(kind)
 
     looks = 0

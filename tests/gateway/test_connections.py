@@ -12,7 +12,7 @@ from gateway_bench import Peer, addresses_of, filled, running
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
-from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.adapters.null_adapter import NullAdapter
@@ -108,7 +108,9 @@ class Told:
         self.back: list[str] = []
         self.changed = asyncio.Event()
 
-    def tell(self, kind: str, message: str, *, device: str = "", good: bool = False) -> None:
+    def report_event(
+        self, kind: str, message: str, *, device: str = "", good: bool = False
+    ) -> None:
         self.events.append((kind, message))
         self.changed.set()
 
@@ -134,7 +136,8 @@ async def test_a_lost_connection_is_told_once_comes_back_by_itself_and_hurts_no_
     left, right = Fragile(posts["left"], told), Fragile(posts["right"], told)
     right.there.set()
     adapters = {"left": (left, posts["left"]), "right": (right, posts["right"])}
-    many = MultiAdapter(of, adapters, reach, told, told.lost.extend, told.back.extend)
+    many = MultiAdapter(of=of, adapters=adapters, reach=reach, events=told)
+    many.subscribe_losses(lost=told.lost.extend, back=told.back.extend)
     running = asyncio.ensure_future(many.run())
     await told.until(lambda: len(told.states) == 2 and left.runs > 3)
     assert told.events == [("connection lost", "left: nobody answers")]
@@ -170,13 +173,13 @@ async def test_what_an_adapter_cannot_help_ends_the_gateway() -> None:
             raise ZeroDivisionError("a defect")
 
     post = ConnectionStatus("x", asyncio.get_running_loop(), reach)
-    many = MultiAdapter({}, {"x": (Broken(), post)}, reach, Told(), list, list)
+    many = MultiAdapter(of={}, adapters={"x": (Broken(), post)}, reach=reach, events=Told())
     with pytest.raises(ZeroDivisionError, match="a defect"):
         await asyncio.wait_for(many.run(), PATIENCE_S)
 
 
 def test_each_share_has_its_own_devices_and_the_places_of_their_channels_in_the_whole() -> None:
-    left, right = shares_of(load_site(TWO % (1, 2)))
+    left, right = scopes_of(load_site(TWO % (1, 2)))
     assert (left.name, list(left.devices)) == ("left", ["a"])
     assert left.channel == {"a/pose": 0, "a/number": 3}
     assert right.channel == {"b/number": 4}

@@ -70,7 +70,7 @@ class Robot:
     def send(self, message: object) -> None:
         self.sent.append(message)
 
-    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+    def record_event(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
         self.notes.append(kind)
 
     def latest(self, address: str) -> ChannelReading | None:
@@ -100,13 +100,13 @@ class Bench:
             work()
 
         return DriveService(
-            self.site,
-            self.clock,
-            self.robot,
-            self.robot,
-            LeaseEpochs(self.folder / "epochs.json").next,
-            PersistentStops(self.folder / "stops.json"),
-            on_disk,
+            site=self.site,
+            clock=self.clock,
+            output=self.robot,
+            readings=self.robot,
+            next_epoch=LeaseEpochs(self.folder / "epochs.json").next,
+            stops=PersistentStops(self.folder / "stops.json"),
+            on_disk=on_disk,
         )
 
     def lease(self, session: str = "tab", op: LeaseOp = LeaseOp.TAKE) -> LeaseState:
@@ -114,7 +114,7 @@ class Bench:
         return self.robot.last(LeaseState)
 
     def drive(self, linear: float = 0.1, session: str = "tab", epoch: int | None = None) -> None:
-        held = self.control.seats["base"].lease.holder(self.clock.monotonic_ns())
+        held = self.control.controllers["base"].lease.holder(self.clock.monotonic_ns())
         self.control.drive(
             DriveFrame(
                 device="base",
@@ -291,7 +291,7 @@ def test_refusals_are_written_down_once_for_a_hold(bench: Bench) -> None:
     for _ in range(20):
         bench.drive(epoch=999)
     assert bench.robot.notes.count("drive_refused") == 1
-    assert bench.control.seats["base"].driving.refused == 20
+    assert bench.control.controllers["base"].driving.refused == 20
 
 
 def test_lease_that_is_not_renewed_ends_with_zeros_and_is_told(bench: Bench) -> None:
@@ -419,7 +419,7 @@ def test_lease_is_refused_while_no_epoch_can_be_kept(
     def full() -> int:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(bench.control.seats["base"].lease, "_next_epoch", full)
+    monkeypatch.setattr(bench.control.controllers["base"].lease, "_next_epoch", full)
     state = bench.lease()
     assert state.session == ""
     assert "No space left" in state.refused

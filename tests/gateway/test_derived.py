@@ -68,7 +68,12 @@ class Roof:
         self.wall_s = float(NOON_S)
         self.values = {"temperature": 15.0, "dew_point": 5.0, "humidity": 50.0}
         self.interlocks = Interlocks(
-            self.site, self, self, lambda *_: None, 0, lambda: round(self.wall_s * SECOND)
+            site=self.site,
+            readings=self,
+            output=self,
+            run=lambda *_: None,
+            now_ns=0,
+            wall_ns=lambda: round(self.wall_s * SECOND),
         )
 
     def latest(self, address: str) -> ChannelReading | None:
@@ -77,7 +82,7 @@ class Roof:
 
     def send(self, message: object) -> None: ...
 
-    def note(self, kind: str, *_more: object, **_good: object) -> None: ...
+    def record_event(self, kind: str, *_more: object, **_good: object) -> None: ...
 
     def says(self, **values: float | None) -> str:
         self.values |= {name: value for name, value in values.items() if value is not None}

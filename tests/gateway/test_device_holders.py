@@ -35,10 +35,14 @@ class Robot:
         self.numbers = itertools.count()
         self.waits: Hold | None = None
         self.commanding = CommandService(
-            EXAMPLE, self.clock, self, CommandJournal(folder / "c.jsonl"), self.on_disk,
-            self.said.append,
+            site=EXAMPLE,
+            clock=self.clock,
+            target=self,
+            journal=CommandJournal(folder / "c.jsonl"),
+            on_disk=self.on_disk,
+            send=self.said.append,
             hold=lambda _device, command: self.waits if command == "open" else None,
-        )  # fmt: skip
+        )
 
     def act(
         self, device: str, command: str, fields: dict, done: Callable[[CommandOutcome], None]

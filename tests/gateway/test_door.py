@@ -54,8 +54,8 @@ class House:
     """A gateway with its door open, and how one gets in."""
 
     def __init__(self, gateway: Gateway, folder: Path) -> None:  # noqa: D107
-        assert gateway.door is not None
-        self.door, self.folder = gateway.door, folder
+        assert gateway.legacy.server is not None
+        self.door, self.folder = gateway.legacy.server, folder
         self.token = (folder / "data" / "classic.token").read_text().strip()
         self.context = ssl.create_default_context(cafile=folder / "data" / "classic.crt")
 
@@ -81,13 +81,13 @@ async def house(tmp_path: Path) -> AsyncIterator[House]:
     settings = GatewaySettings(
         hub=hub, key="k", data=tmp_path / "data", door=LegacySettings(port=0)
     )
-    gateway = Gateway(site_of(text, "observatory"), settings, SystemClock())
+    gateway = Gateway(site=site_of(text, "observatory"), settings=settings, clock=SystemClock())
     ended = asyncio.Event()
     task = asyncio.ensure_future(gateway.run(ended))
     try:
-        assert gateway.door is not None
+        assert gateway.legacy.server is not None
         async with asyncio.timeout(PATIENCE_S):
-            while not gateway.door.port:  # noqa: ASYNC110 - it says so in the log only
+            while not gateway.legacy.server.port:  # noqa: ASYNC110 - it says so in the log only
                 await asyncio.sleep(0.01)
         yield House(gateway, tmp_path)
     finally:

@@ -12,7 +12,14 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.safety.enclosure_guard import Act, EnclosureGuard, Follower, Said, Seen, hold_of
+from talaia.gateway.safety.enclosure_guard import (
+    EnclosureAction,
+    EnclosureEvent,
+    EnclosureGuard,
+    EnclosureReadings,
+    Follower,
+    hold_of,
+)
 from talaia.model.interlocks.enclosure import (
     ClosingOrder,
     Enclosure,
@@ -71,8 +78,8 @@ class World:
             self.now += TICK
             self._move()
             closed = None if self.blind else self.position <= 0
-            seen = Seen(closed, self.closing, self.parked, self.opening)
-            self.do(self.guard.look(self.why, seen, self.now))
+            seen = EnclosureReadings(closed, self.closing, self.parked, self.opening)
+            self.do(self.guard.update_enclosure(self.why, seen, self.now))
 
     def _move(self) -> None:
         if self.closing and not self.stuck:
@@ -87,9 +94,9 @@ class World:
             self.parked_ns += TICK
             self.parked = self.parked_ns >= 5 * SECOND
 
-    def do(self, acts: list[Act | Said]) -> None:
+    def do(self, acts: list[EnclosureAction | EnclosureEvent]) -> None:
         for act in acts:
-            if isinstance(act, Said):
+            if isinstance(act, EnclosureEvent):
                 self.said.append((act.kind, act.message))
                 continue
             self.asked.append((self.now / SECOND, act.step.command))
@@ -367,13 +374,13 @@ def test_a_dome_follows_to_the_final_target_only_and_only_when_it_is_worth_it(
     settled: bool,  # noqa: FBT001 - given by the table
     expected: float | None,
 ) -> None:
-    step = Follower(FOLLOW).look(target, azimuth, 0, settled=settled)
+    step = Follower(FOLLOW).next_step(target, azimuth, 0, settled=settled)
     assert (None if step is None else step.args["azimuth"]) == expected
 
 
 def test_a_dome_that_does_not_come_is_not_asked_at_every_look() -> None:
     one = Follower(FOLLOW)
-    asked = [one.look(100.0, 0.0, at * TICK, settled=True) for at in range(100)]
+    asked = [one.next_step(100.0, 0.0, at * TICK, settled=True) for at in range(100)]
     assert sum(each is not None for each in asked) == 2
 
 

@@ -38,7 +38,7 @@ async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_bef
     async with fake_hub(addresses_of) as hub:
         # Cut in the middle of the recording; meanwhile a picture is taken.
         hub.cut_after = 5
-        source = Source(shelf, lambda: outbox.put(tmp_path / "made", "fits", "camera", 7))
+        source = Source(shelf, lambda: outbox.add_file(tmp_path / "made", "fits", "camera", 7))
         lanes = [FileLane("pictures", outbox, 1e9), FileLane("recordings", source, 1e9)]
         settings = GatewaySettings(
             hub=HubAddress.checked(hub.url, allow_plain=True), key="test-key", data=data
@@ -84,7 +84,7 @@ async def test_a_hub_that_does_not_know_pictures_still_gets_recordings(
     monkeypatch.setattr("talaia.gateway.uplink.files.DONE_S", 0.2)
     outbox = ArchiveOutbox(tmp_path / "outbox", 10**9, lambda: None)
     (tmp_path / "made").write_bytes(b"picture")
-    outbox.put(tmp_path / "made", "fits", "camera", 7)
+    outbox.add_file(tmp_path / "made", "fits", "camera", 7)
     shelf = RecordingStore(tmp_path / "recordings", 10**9, 0)
     shelf.open(lambda _part, _whole: None)
     kept = StoredRecording(id="20260101T000000Z-abcdef", why="test")
@@ -114,7 +114,7 @@ def test_the_outbox_keeps_to_its_size_and_offers_what_is_whole_and_not_refused(
     outbox = ArchiveOutbox(tmp_path / "outbox", 25, lambda: None)
     for number in range(4):
         (tmp_path / "made").write_bytes(b"0123456789")
-        outbox.put(tmp_path / "made", "fits", "camera", number)
+        outbox.add_file(tmp_path / "made", "fits", "camera", number)
     third, fourth = outbox.offers()
     assert (third.time_us, fourth.time_us) == (2, 3)
     outbox.refuse(third.id)
@@ -128,7 +128,7 @@ def test_the_outbox_keeps_to_its_size_and_offers_what_is_whole_and_not_refused(
 async def test_a_file_that_is_damaged_here_is_not_sent_for_ever(tmp_path: Path) -> None:
     outbox = ArchiveOutbox(tmp_path / "outbox", 10**9, lambda: None)
     (tmp_path / "made").write_bytes(b"picture")
-    outbox.put(tmp_path / "made", "fits", "camera", 7)
+    outbox.add_file(tmp_path / "made", "fits", "camera", 7)
     async with fake_hub(addresses_of) as hub:
         hub.finds_damage = True
         settings = GatewaySettings(

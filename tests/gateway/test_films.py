@@ -71,18 +71,23 @@ class Bench:
         self.events: list[tuple[str, str]] = []
         self.finished = threading.Semaphore(0)
         self.films = FilmRecorder(
-            Recording(**plan), cameras, self.shelf, self.clock, self, self.finished.release,
-            lambda: None,
-        )  # fmt: skip
+            plan=Recording(**plan),
+            cameras=cameras,
+            shelf=self.shelf,
+            clock=self.clock,
+            events=self,
+            finished=self.finished.release,
+            changed=lambda: None,
+        )
         self.films.start()
         self.hall = Hall()
         self.hall.filming = self.films.filming
-        self.hall.film = self.films.put
+        self.hall.film = self.films.add_picture
         self.camera, _ = stream(max_rate=30.0)
         self.seq = 0
         self.times: list[int] = []
 
-    def tell(self, kind: str, message: str, **_: object) -> None:
+    def report_event(self, kind: str, message: str, **_: object) -> None:
         self.events.append((kind, message))
         if kind == "recording_failed":
             self.finished.release()
@@ -93,7 +98,7 @@ class Bench:
         for _ in range(count):
             wall, mono = self.clock.wall_ns() // 1000, self.clock.monotonic_ns() // 1000
             picture = packed(numbered(self.seq, *size), "rgb8")
-            self.camera.take(picture, wall, mono, self.hall)
+            self.camera.process_picture(picture, wall, mono, self.hall)
             times.append(wall)
             self.seq += 1
             self.clock.advance(step_ns)
@@ -128,7 +133,7 @@ def test_what_is_held_begins_with_a_picture_that_needs_none_and_reaches_back_far
         took = ring.add(picture)
         assert ring.bytes <= most
         assert took == (len(ring) > 0)
-    held = ring.take()
+    held = ring.drain_pictures()
     assert (len(ring), ring.bytes) == (0, 0)
     assert held == sent[len(sent) - len(held) :]
     if held:
@@ -255,7 +260,7 @@ def test_viewers_and_film_share_one_encoding_while_the_line_is_good() -> None:
 
     def take(first: int, count: int) -> None:
         for at in range(first, first + count):
-            taker.take(packed(numbered(at), "rgb8"), at * 33_333, at * 33_333, hall)
+            taker.process_picture(packed(numbered(at), "rgb8"), at * 33_333, at * 33_333, hall)
 
     take(0, 30)
     shared = {id(each) for each in hall.got}
@@ -348,27 +353,27 @@ sys.path.insert(0, {tests!r})
 from pathlib import Path
 from talaia.clock import SystemClock
 from talaia.gateway.recording.film_file import recover_film
-from talaia.gateway.recording.film_recorder import Films
-from talaia.gateway.recording.recording_store import FILM, Shelf
+from talaia.gateway.recording.film_recorder import FilmRecorder
+from talaia.gateway.recording.recording_store import FILM, RecordingStore
 from talaia.model.recording import Recording
 from gateway.pictures.scenes import numbered, packed
 from gateway.pictures.test_camera import Hall, stream
 
 class Events:
-    def tell(self, *_, **__): pass
+    def report_event(self, *_, **__): pass
 
-shelf = Shelf(Path({folder!r}), 10**9, 0, FILM)
+shelf = RecordingStore(Path({folder!r}), 10**9, 0, FILM)
 shelf.open(recover_film)
-films = Films(Recording(), (), shelf, SystemClock(), Events(), lambda: None, lambda: None)
+films = FilmRecorder(Recording(), (), shelf, SystemClock(), Events(), lambda: None, lambda: None)
 films.start()
 films.begin("ada", "", 600.0, "cam/front")
 hall = Hall()
-hall.filming, hall.film = films.filming, films.put
+hall.filming, hall.film = films.filming, films.add_picture
 taker, _ = stream()
 clock = SystemClock()
 for at in range(10_000):
     stamp = (clock.wall_ns() // 1000, clock.monotonic_ns() // 1000)
-    taker.take(packed(numbered(at), "rgb8"), *stamp, hall)
+    taker.process_picture(packed(numbered(at), "rgb8"), *stamp, hall)
     print(at, flush=True)
     time.sleep(0.02)
 """
@@ -399,7 +404,7 @@ async def test_a_network_camera_is_filmed_though_nobody_looks(tmp_path: Path) ->
     bench = Bench(tmp_path / "films")
     async with watched(f"url: 'rtsp://127.0.0.1:{camera.port}/x'", tmp_path) as (hall, _, video):
         hall.forms = ()
-        hall.filming, hall.film = bench.films.filming, bench.films.put
+        hall.filming, hall.film = bench.films.filming, bench.films.add_picture
         bench.films.begin("ada", "", 600.0, "gate/front")
         video.watch(bench.films.wanted())
         await until(lambda: (r := bench.films._reels["gate/front"]).file and r.file.pictures > 30)
@@ -429,7 +434,7 @@ async def test_a_robot_s_camera_is_filmed_around_stop_and_alone_when_a_person_as
     ):
         await hub.until(lambda: hub.hellos, "a hello")
         assert (await hub.next(RecorderState)).can_film
-        films = gateway.taping.films
+        films = gateway.recording.films
         # Nobody looks, and the last seconds are held all the same.
         async with asyncio.timeout(PATIENCE_S):
             while not (films._reels and len(films._reels["base/front"].ring) > 5):

@@ -113,20 +113,22 @@ class Bench(ControlBench):
     def build(self) -> DriveService:
         self.world = self.robot = World(self.clock)
         now = self.clock.monotonic_ns()
-        self.interlocks = Interlocks(SITE, self.world, self.world, self.world.run, now)
+        self.interlocks = Interlocks(
+            site=SITE, readings=self.world, output=self.world, run=self.world.run, now_ns=now
+        )
 
         async def on_disk(work) -> None:
             work()
 
         return DriveService(
-            SITE,
-            self.clock,
-            self.world,
-            self.world,
-            LeaseEpochs(self.folder / "epochs.json").next,
-            PersistentStops(self.folder / "stops.json"),
-            on_disk,
-            self.interlocks,
+            site=SITE,
+            clock=self.clock,
+            output=self.world,
+            readings=self.world,
+            next_epoch=LeaseEpochs(self.folder / "epochs.json").next,
+            stops=PersistentStops(self.folder / "stops.json"),
+            on_disk=on_disk,
+            interlocks=self.interlocks,
         )
 
     def refusal(self, device: str = "dome", what: str = "open") -> str:
@@ -503,7 +505,9 @@ def test_only_a_fresh_finite_value_within_limits_is_safe(
     limit: float,
 ) -> None:
     reading = ChannelReading(value, 0) if known else None
-    verdict = judged(Condition(signal="w/w", above=limit), WIND, reading, age)
+    verdict = judged(
+        condition=Condition(signal="w/w", above=limit), signal=WIND, reading=reading, age_ns=age
+    )
     if not verdict.why:
         assert known
         assert age <= 2 * SECOND
@@ -516,7 +520,7 @@ def test_a_state_that_is_none_of_the_described_is_never_safe(
     value: float, bad: list[str], good: list[str]
 ) -> None:
     condition = Condition(signal="w/r", is_one_of=tuple(bad), is_not=tuple(good))
-    verdict = judged(condition, RAIN, ChannelReading(value, 0), 0)
+    verdict = judged(condition=condition, signal=RAIN, reading=ChannelReading(value, 0), age_ns=0)
     if not verdict.why:
         assert value in (0.0, 1.0)
         word = RAIN.states[int(value)]
@@ -582,7 +586,7 @@ def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
         # Looked at each second, as the gateway does ten times a second.
         for _ in range(seconds):
             now += SECOND
-            changes = one.look(verdict, now)
+            changes = one.update_state(verdict, now)
             if verdict.why:
                 unsafe_ns = now
             if InterlockChange.OVERRIDE_ENDED in changes:
@@ -613,8 +617,8 @@ def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
             case "unsure":
                 verdict = InterlockVerdict("nothing yet", certain=False)
             case "override":
-                if not one.overrule("Ada", "to see", 45.0, now):
+                if not one.overrule(who="Ada", reason="to see", seconds=45.0, now_ns=now):
                     over_until = now + 45 * SECOND
             case "end":
-                one.overrule("Ada", "", 0.0, now)
+                one.overrule(who="Ada", reason="", seconds=0.0, now_ns=now)
                 over_until = -1

@@ -18,36 +18,36 @@ def lease() -> DeviceLease:
 
 def test_free_lease_is_granted() -> None:
     one = lease()
-    assert one.take("tab", "Ada", 0) == ""
+    assert one.take_lease("tab", "Ada", 0) == ""
     assert one.holder(0).session == "tab"
 
 
 def test_second_asker_is_told_who_drives() -> None:
     one = lease()
-    one.take("tab", "Ada", 0)
-    assert one.take("other", "Ben", 0) == "Ada is driving"
+    one.take_lease("tab", "Ada", 0)
+    assert one.take_lease("other", "Ben", 0) == "Ada is driving"
 
 
 def test_lease_that_is_not_renewed_ends_by_time_alone() -> None:
     one = lease()
-    one.take("tab", "Ada", 0)
+    one.take_lease("tab", "Ada", 0)
     assert one.holder(3 * SECOND - 1) is not None
     assert one.holder(3 * SECOND) is None
 
 
 def test_renewal_that_comes_too_late_does_not_bring_it_back() -> None:
     one = lease()
-    one.take("tab", "Ada", 0)
+    one.take_lease("tab", "Ada", 0)
     assert one.renew("tab", 3 * SECOND) != ""
     assert one.holder(3 * SECOND) is None
 
 
 def test_renewal_keeps_the_epoch_and_a_second_take_raises_it() -> None:
     one = lease()
-    one.take("tab", "Ada", 0)
+    one.take_lease("tab", "Ada", 0)
     one.renew("tab", SECOND)
     assert one.holder(SECOND).epoch == 1
-    one.take("tab", "Ada", SECOND)
+    one.take_lease("tab", "Ada", SECOND)
     assert one.holder(SECOND).epoch == 2
 
 
@@ -68,7 +68,7 @@ def test_there_are_never_two_holders_and_epochs_strictly_rise(
         now += wait
         before = one.holder(now)
         if what == "take":
-            refused = one.take(session, session, now)
+            refused = one.take_lease(session, session, now)
             after = one.holder(now)
             assert bool(refused) == (before is not None and before.session != session)
             if refused:

@@ -47,7 +47,11 @@ class Bench:
         self.world = World(self.clock)
         self.world.values = {"weather/wind": 3.0, "weather/rain": 0.0, "dome/closed": 0.0}
         self.interlocks = Interlocks(
-            under_a_roof(), self.world, self.world, self.world.run, self.clock.monotonic_ns()
+            site=under_a_roof(),
+            readings=self.world,
+            output=self.world,
+            run=self.world.run,
+            now_ns=self.clock.monotonic_ns(),
         )
 
     def run(self, seconds: float) -> None:

@@ -48,9 +48,16 @@ def read(data: bytes | None) -> dict[int, tuple[int, float]]:
 
 
 async def test_newest_of_this_run_goes_by_the_channel_list_that_counts_now() -> None:
-    batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, lambda _: None, lambda *_: None)
-    batcher.put(columns((0, 1, 1.0), (1, 2, 2.0), (0, 3, 3.0)))
-    batcher.put(columns((2, 4, np.nan), texts={0: "open"}))
+    batcher = Batcher(
+        loop=asyncio.get_running_loop(),
+        boot="b",
+        catalogue="c",
+        flush=60.0,
+        keep=lambda _: None,
+        lose=lambda *_: None,
+    )
+    batcher.put_samples(columns((0, 1, 1.0), (1, 2, 2.0), (0, 3, 3.0)))
+    batcher.put_samples(columns((2, 4, np.nan), texts={0: "open"}))
     batcher.flush()
     told = batcher.newest()
     assert told.columns.channel.tolist() == [1, 0, 2]
@@ -69,7 +76,7 @@ def killed(folder: Path, runs: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 1200)
     for run in range(runs):
         boot = f"boot-{run}"
-        spool = Spool(folder, SegmentHead(boot, "c", ADDRESSES), 1 << 30)
+        spool = Spool(folder=folder, head=SegmentHead(boot, "c", ADDRESSES), bound=1 << 30)
         for number in range(30):
             rows = [(0, number, run * 100.0 + number)]
             if run == 0 and number == 3:
@@ -88,14 +95,23 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
 ) -> None:
     killed(tmp_path, 2, monkeypatch)
     batcher = Batcher(
-        asyncio.get_running_loop(), "boot-9", "c", 60.0, lambda _: None, lambda *_: None
+        loop=asyncio.get_running_loop(),
+        boot="boot-9",
+        catalogue="c",
+        flush=60.0,
+        keep=lambda _: None,
+        lose=lambda *_: None,
     )
     keeper, lanes = (
-        SpoolThread(Spool(tmp_path, SegmentHead("boot-9", "c", ADDRESSES), 1 << 30)),
+        SpoolThread(
+            Spool(folder=tmp_path, head=SegmentHead("boot-9", "c", ADDRESSES), bound=1 << 30)
+        ),
         SendLanes(lambda: None),
     )
     lanes.link_up()
-    teller = NewestSamplesSender(batcher.newest, keeper, lanes, HandClock(), "boot-9")
+    teller = NewestSamplesSender(
+        newest=batcher.newest, spool=keeper, lanes=lanes, clock=HandClock(), boot="boot-9"
+    )
     for _ in range(2):  # the second time from memory
         await teller.tell_former(lambda: ADDRESSES)
         told = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
@@ -112,7 +128,7 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
         }
         assert found == {"a/x": ("boot-1", 29, 129.0), "a/z": ("boot-0", 4, 11.0)}
     # What this run has heard itself is not asked of former ones.
-    batcher.put(columns((2, 50, 12.0)))
+    batcher.put_samples(columns((2, 50, 12.0)))
     batcher.flush()
     await teller.tell_former(lambda: ADDRESSES)
     (message,) = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
@@ -126,30 +142,41 @@ async def test_newest_goes_before_what_is_heard_after_it_and_is_told_again_when_
 ) -> None:
     monkeypatch.setattr(SendLanes, "MAX_LIVE", 600)
     lanes = SendLanes(lambda: None)
-    keeper = SpoolThread(Spool(tmp_path, SegmentHead("b", "c", ADDRESSES), 1 << 30))
+    keeper = SpoolThread(
+        Spool(folder=tmp_path, head=SegmentHead("b", "c", ADDRESSES), bound=1 << 30)
+    )
     batcher = Batcher(
-        asyncio.get_running_loop(), "b", "c", 60.0,
-        lambda record: lanes.live(record.body, record.first, record.end), lambda *_: None,
+        loop=asyncio.get_running_loop(), boot="b", catalogue="c", flush=60.0,
+        keep=lambda record: lanes.live(record.body, record.first, record.end), lose=lambda *_: None,
     )  # fmt: skip
-    teller = NewestSamplesSender(batcher.newest, keeper, lanes, HandClock(), "b")
-    batcher.put(columns((2, 1, 11.0)))
+    teller = NewestSamplesSender(
+        newest=batcher.newest, spool=keeper, lanes=lanes, clock=HandClock(), boot="b"
+    )
+    batcher.put_samples(columns((2, 1, 11.0)))
     batcher.flush()
     lanes.link_up()
     teller.tell_run("c")
-    batcher.put(columns((0, 2, 1.0)))
+    batcher.put_samples(columns((0, 2, 1.0)))
     batcher.flush()
     assert read(lanes.next()) == {2: (0, 11.0)}
     data = lanes.next()
     assert data is not None
     assert isinstance(LINK_FROM_GATEWAY.decode(data), SampleBatch)
     # Said once, and then so much of others that the lane is emptied.
-    batcher.put(columns((1, 3, 5.0)))
+    batcher.put_samples(columns((1, 3, 5.0)))
     batcher.flush()
     for at in range(20):
-        batcher.put(columns((0, 10 + at, 1.0 * at)))
+        batcher.put_samples(columns((0, 10 + at, 1.0 * at)))
         batcher.flush()
     assert lanes.overflowed is not None
-    catchup = CatchUp(keeper, lanes, "b", lambda: "c", 10**6, dropped=lambda: teller.tell_run("c"))
+    catchup = CatchUp(
+        spool=keeper,
+        lanes=lanes,
+        boot="b",
+        catalogue=lambda: "c",
+        rate=10**6,
+        dropped=lambda: teller.tell_run("c"),
+    )
     running = asyncio.ensure_future(catchup.run(batcher.next))
     async with asyncio.timeout(10):
         while lanes.overflowed is not None:  # noqa: ASYNC110 - looked at once a second

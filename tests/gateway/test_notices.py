@@ -20,10 +20,10 @@ from talaia.gateway.errors import SettingsError
 from talaia.gateway.notices.own_notices import OwnNotices, main
 from talaia.gateway.notices.sending import send_notice
 from talaia.gateway.notices.settings import NoticeSettings, read_notice_settings
-from talaia.gateway.notices.standing_notices import Notice, StandingNotices
+from talaia.gateway.notices.standing_notices import GatewayNotice, StandingNotices
 from talaia.wire.frames import EnclosureState
 
-NOTICE = Notice("dome-1-1", "dome", "Dome: NOT CLOSED after 3 tries", 1_700_000_000_000_000)
+NOTICE = GatewayNotice("dome-1-1", "dome", "Dome: NOT CLOSED after 3 tries", 1_700_000_000_000_000)
 
 
 class Mailbox:
@@ -188,7 +188,7 @@ class Events:
     def __init__(self) -> None:
         self.told: list[tuple[str, str]] = []
 
-    def tell(
+    def report_event(
         self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
     ) -> None:
         self.told.append((kind, message))
@@ -200,7 +200,9 @@ async def test_an_enclosure_that_is_not_closed_is_told_while_the_hub_is_away(
     mailbox, mail_port, receiver, web_port = peers
     settings = read_notice_settings(written(tmp_path, mail_port, web_port, "after = 60"))
     clock, events = HandClock(), Events()
-    ours = OwnNotices(settings, "Hill", clock, lambda: False, events)
+    ours = OwnNotices(
+        settings=settings, site="Hill", clock=clock, linked=lambda: False, events=events
+    )
     running = asyncio.ensure_future(ours.run())
     ours.hear_enclosure(EnclosureState(enclosure="dome", why="Dome: NOT CLOSED"))
     clock.advance(61 * SECOND)

@@ -89,10 +89,17 @@ def test_clock_that_is_set_back_by_much_is_another_time_and_taken_as_it_is() -> 
 
 async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
     kept: list[SampleRecord] = []
-    batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, kept.append, lambda *_: None)
-    batcher.put(columns([7], [BEGAN_US + 10]))
+    batcher = Batcher(
+        loop=asyncio.get_running_loop(),
+        boot="b",
+        catalogue="c",
+        flush=60.0,
+        keep=kept.append,
+        lose=lambda *_: None,
+    )
+    batcher.put_samples(columns([7], [BEGAN_US + 10]))
     batcher.flush()
-    batcher.put(columns([7, 7], [BEGAN_US + 9, BEGAN_US + 20]))
+    batcher.put_samples(columns([7, 7], [BEGAN_US + 9, BEGAN_US + 20]))
     batcher.flush()
     times = []
     for record in kept:
@@ -108,11 +115,11 @@ async def test_gap_of_what_could_not_be_kept_up_with_spans_all_of_it(monkeypatch
     monkeypatch.setattr("talaia.gateway.samples.batching.MAX_WAITING", 1)
     lost: list[tuple[SampleRecord, str]] = []
     batcher = Batcher(
-        asyncio.get_running_loop(), "b", "c", 60.0, lambda _: None,
-        lambda record, why: lost.append((record, why)),
+        loop=asyncio.get_running_loop(), boot="b", catalogue="c", flush=60.0, keep=lambda _: None,
+        lose=lambda record, why: lost.append((record, why)),
     )  # fmt: skip
-    batcher.put(columns([0, 0], [1, 2]))
-    batcher.put(columns([0, 0], [30, 40]))
-    batcher.put(columns([0], [50]))
+    batcher.put_samples(columns([0, 0], [1, 2]))
+    batcher.put_samples(columns([0, 0], [30, 40]))
+    batcher.put_samples(columns([0], [50]))
     batcher.flush()
     assert lost == [(SampleRecord(2, 3, 30, 50, b""), OVERRUN)]

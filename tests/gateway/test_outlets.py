@@ -47,15 +47,19 @@ class Robot:
         self.did: list[str] = []
         self.said: list[CommandState] = []
         self.interlocks = Interlocks(
-            site, self, self, lambda _label, _steps: None, self.clock.monotonic_ns()
+            site=site,
+            readings=self,
+            output=self,
+            run=lambda _label, _steps: None,
+            now_ns=self.clock.monotonic_ns(),
         )
         self.commanding = CommandService(
-            site,
-            self.clock,
-            self,
-            CommandJournal(folder / "c.jsonl"),
-            self.on_disk,
-            self.said.append,
+            site=site,
+            clock=self.clock,
+            target=self,
+            journal=CommandJournal(folder / "c.jsonl"),
+            on_disk=self.on_disk,
+            send=self.said.append,
             power_cut=lambda device, command, args: self.interlocks.refuse_power_cut(
                 device, command, self.clock.monotonic_ns(), args
             ),
@@ -151,7 +155,7 @@ async def test_a_dome_that_no_enclosure_watches_keeps_its_power_and_the_reason_s
 
 
 def powered(**outlets: Outlet) -> Site:
-    power = replace(EXAMPLE.devices["power"], outlets=outlets)
+    power = replace(EXAMPLE.devices["power"], context=outlets)
     return replace(EXAMPLE, devices={**EXAMPLE.devices, "power": power})
 
 
@@ -188,7 +192,7 @@ def test_outlets_that_do_not_fit_are_told_with_their_place(
 async def test_a_command_with_off_behind_the_outlets_name_cuts_its_power(tmp_path: Path) -> None:
     power = EXAMPLE.devices["power"]
     off = replace(power.commands["outlet1"], arguments={}, fixed={"data": False})
-    power = replace(power, commands={"plug_off": off}, outlets={"plug": Outlet(feeds=("dome",))})
+    power = replace(power, commands={"plug_off": off}, context={"plug": Outlet(feeds=("dome",))})
     site = replace(EXAMPLE, devices={**EXAMPLE.devices, "power": power})
     assert check(site) == []
     assert load_site(dump_site(site)) == site

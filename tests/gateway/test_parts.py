@@ -61,14 +61,21 @@ def test_columns_come_back_from_their_batches_however_far_apart(
 
 async def test_batches_are_numbered_and_made_once_per_flush() -> None:
     kept: list[SampleRecord] = []
-    batcher = Batcher(asyncio.get_running_loop(), "b", "c", 60.0, kept.append, lambda *_: None)
-    batcher.put(columns([1, 2]))
-    batcher.put(columns([3], {0: "three"}))
+    batcher = Batcher(
+        loop=asyncio.get_running_loop(),
+        boot="b",
+        catalogue="c",
+        flush=60.0,
+        keep=kept.append,
+        lose=lambda *_: None,
+    )
+    batcher.put_samples(columns([1, 2]))
+    batcher.put_samples(columns([3], {0: "three"}))
     batcher.flush()
     frame = LINK_FROM_GATEWAY.decode(kept[0].body)
     assert isinstance(frame, SampleBatch)
     assert frame.texts == {2: "three"}
-    batcher.put(columns([4]))
+    batcher.put_samples(columns([4]))
     batcher.flush()
     batcher.flush()
     assert [(each.first, each.end) for each in kept] == [(0, 3), (3, 4)]
@@ -78,13 +85,13 @@ async def test_time_in_which_nothing_was_heard_is_a_gap_with_a_number_of_its_own
     kept: list[SampleRecord] = []
     lost: list[tuple[SampleRecord, str]] = []
     batcher = Batcher(
-        asyncio.get_running_loop(), "b", "c", 60.0, kept.append,
-        lambda record, why: lost.append((record, why)),
+        loop=asyncio.get_running_loop(), boot="b", catalogue="c", flush=60.0, keep=kept.append,
+        lose=lambda record, why: lost.append((record, why)),
     )  # fmt: skip
-    batcher.put(columns([1, 2]))
+    batcher.put_samples(columns([1, 2]))
     batcher.flush()
     batcher.missed(10, 20, "stood still")
-    batcher.put(columns([3]))
+    batcher.put_samples(columns([3]))
     batcher.flush()
     assert lost == [(SampleRecord(2, 1, 10, 20, b""), "stood still")]
     assert [(each.first, each.end) for each in kept] == [(0, 2), (3, 4)]

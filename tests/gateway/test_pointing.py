@@ -20,7 +20,9 @@ NOON = 1_795_262_400  # 2026-11-21 12:00 UTC
 
 
 def test_a_target_below_the_limit_is_refused_with_its_altitude() -> None:
-    said = misdirected(RULE, HORIZON, {"alt": 10, "az": 100}, PLACE, NOON * SECOND)
+    said = misdirected(
+        rule=RULE, names=HORIZON, args={"alt": 10, "az": 100}, place=PLACE, wall_ns=NOON * SECOND
+    )
     assert said == "the target stands at 10.0 °; the horizon limit is 15 °"
 
 
@@ -31,9 +33,14 @@ def test_the_sun_is_refused_by_day_and_where_it_was_is_free_by_night() -> None:
     )
     args = {"alt": sun.alt + 5, "az": sun.az}
     assert "from the Sun; the limit is 30 °" in misdirected(
-        RULE, HORIZON, args, PLACE, NOON * SECOND
+        rule=RULE, names=HORIZON, args=args, place=PLACE, wall_ns=NOON * SECOND
     )
-    assert misdirected(RULE, HORIZON, args, PLACE, (NOON + 10 * 3600) * SECOND) == ""
+    assert (
+        misdirected(
+            rule=RULE, names=HORIZON, args=args, place=PLACE, wall_ns=(NOON + 10 * 3600) * SECOND
+        )
+        == ""
+    )
 
 
 @pytest.mark.parametrize(
@@ -47,7 +54,7 @@ def test_the_sun_is_refused_by_day_and_where_it_was_is_free_by_night() -> None:
     ],
 )
 def test_what_is_no_place_in_the_sky_is_refused(args: dict[str, float], said: str) -> None:
-    assert misdirected(RULE, SKY, args, PLACE, NOON * SECOND) == said
+    assert misdirected(rule=RULE, names=SKY, args=args, place=PLACE, wall_ns=NOON * SECOND) == said
 
 
 @given(st.floats(0, 23.99), st.floats(-90, 90), st.integers(0, 365 * 24))
@@ -55,7 +62,9 @@ def test_what_is_let_through_is_above_the_limit_and_away_from_the_sun(
     ra: float, dec: float, hour: int
 ) -> None:
     now = NOON + hour * 3600
-    if misdirected(RULE, SKY, {"ra": ra, "dec": dec}, PLACE, now * SECOND):
+    if misdirected(
+        rule=RULE, names=SKY, args={"ra": ra, "dec": dec}, place=PLACE, wall_ns=now * SECOND
+    ):
         return
     here, jd = astronomy.Place(PLACE.latitude, PLACE.longitude), astronomy.julian_day(now)
     at, sun = astronomy.altaz(ra, dec, here, jd), astronomy.altaz(*astronomy.sun(jd), here, jd)

@@ -32,7 +32,9 @@ class Robot:
             self.now += LOOK_NS
             if speaks:
                 self.heard = self.now
-            for node in self.presence.look(self.now, {"dome": self.offer}, {"dome": self.heard}):
+            for node in self.presence.judge_devices(
+                self.now, {"dome": self.offer}, {"dome": self.heard}
+            ):
                 self.asked += 1
                 if self.answers:
                     self.presence.answered(node, self.now)

@@ -56,18 +56,18 @@ class Bench:
         self.events: list[tuple[str, str]] = []
         self.finished = threading.Semaphore(0)
         self.recorder = Recorder(
-            Recording(**plan),
-            ("/number",),
-            self.shelf,
-            self.clock,
-            definition or (lambda name: definitions.definition_of(name, lambda _: {})),
-            self.states.append,
-            self,
-            self.finished.release,
+            plan=Recording(**plan),
+            topics=("/number",),
+            shelf=self.shelf,
+            clock=self.clock,
+            definition=definition or (lambda name: definitions.definition_of(name, lambda _: {})),
+            tell_state=self.states.append,
+            events=self,
+            finished=self.finished.release,
         )
         self.recorder.start()
 
-    def tell(self, kind: str, message: str, **_: object) -> None:
+    def report_event(self, kind: str, message: str, **_: object) -> None:
         self.events.append((kind, message))
         if kind == "recording_failed":
             self.finished.release()
@@ -111,7 +111,7 @@ def test_the_ring_holds_the_newest_within_its_time_and_its_bytes(steps, keep, mo
         if room < 0 or now - raw.mono_ns > keep:
             break
         fitting.insert(0, raw)
-    assert list(ring.take()) == fitting
+    assert list(ring.drain_messages()) == fitting
     assert (len(ring), ring.bytes) == (0, 0)
 
 
@@ -289,7 +289,7 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
         hub.cut_after = 1
         await peer.do("count", **{"from": 0, "to": 200, "hz": 400})
         await peer.do("odom", speed=0.25)
-        recorder = gateway.taping.recorder
+        recorder = gateway.recording.recorder
         assert recorder is not None
         async with asyncio.timeout(PATIENCE_S):
             while "/images" not in {raw.topic for raw in list(recorder._ring._held)}:

@@ -182,7 +182,7 @@ async def test_raw_messages_are_recorded_with_the_definitions_that_came_with_the
     ):
         await hub.until(lambda: hub.hellos, "a hello")
         await peer.until_heard_by(1)
-        ring = gateway.taping.recorder._ring
+        ring = gateway.recording.recorder._ring
         await peer.do("count", **{"from": 0, "to": 20, "hz": 400})
         async with asyncio.timeout(PATIENCE_S):
             while {raw.topic for raw in list(ring._held)} != {"/number", "/odd", "/images"}:

@@ -17,7 +17,7 @@ from ports import free_port
 from talaia.gateway.adapters.message_fields import shape_of
 from talaia.gateway.adapters.ros1.master import fields_of, header_of
 from talaia.gateway.adapters.ros1.message_types import definition_of
-from talaia.gateway.adapters.ros1.probe import look
+from talaia.gateway.adapters.ros1.probe import probe_graph
 from talaia.gateway.errors import AdapterLost, FieldError
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.generate_description import propose
@@ -65,7 +65,7 @@ async def seen(tmp_path: Path, seconds: float = 3.0) -> Found:
     """Look at the robot while it publishes at 10 Hz."""
     async with robot(tmp_path) as (port, peer):
         looking = asyncio.ensure_future(
-            asyncio.to_thread(look, f"http://127.0.0.1:{port}", seconds)
+            asyncio.to_thread(probe_graph, f"http://127.0.0.1:{port}", seconds)
         )
         await peer.do("mode", text="auto")
         while not looking.done():
@@ -127,19 +127,25 @@ async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
 def test_no_master_is_told_with_its_address() -> None:
     port = free_port()
     with pytest.raises(AdapterLost, match=f"no ROS master answers at http://127.0.0.1:{port}"):
-        look(f"http://127.0.0.1:{port}", 0.5)
+        probe_graph(f"http://127.0.0.1:{port}", 0.5)
 
 
 async def test_a_python_without_rospy_is_told(tmp_path: Path) -> None:
     async with robot(tmp_path) as (port, _):
         with pytest.raises(AdapterLost, match="cannot be run"):
-            await asyncio.to_thread(look, f"http://127.0.0.1:{port}", 0.5, "/no/python3")
+            await asyncio.to_thread(probe_graph, f"http://127.0.0.1:{port}", 0.5, "/no/python3")
 
 
 def test_a_definition_gives_fields_constants_parts_and_units() -> None:
     definition = definition_of(DEFINITION, "own_msgs/Whole")
     kind = definition.kinds["own_msgs/Whole"]
-    shape = shape_of(kind, "own_msgs/Whole", definition.kinds.get, None, definition.comment_of)
+    shape = shape_of(
+        kind=kind,
+        type_name="own_msgs/Whole",
+        find=definition.kinds.get,
+        message=None,
+        comment_of=definition.comment_of,
+    )
     told = {each.path: each for each in shape.fields}
     assert told["mode"].words == ("Idle", "Auto")
     assert told["reach"].unit == "m"

@@ -12,7 +12,7 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.change_policy import AcceptedChanges, forbidden
 from talaia.gateway.detection import sighting_reports as module
 from talaia.gateway.detection.sighting_reports import MOST_KEPT, DetectionReporter
@@ -95,11 +95,11 @@ def in_haste(monkeypatch: pytest.MonkeyPatch) -> None:
 async def test_thumbnail_goes_out_once_on_a_link_and_again_on_the_next(tmp_path: Path) -> None:
     async with telling(tmp_path) as bench:
         bench.link()
-        bench.telling.take("base/front", told(7))
+        bench.telling.report_sighting("base/front", told(7))
         first = await bench.next()
         assert (first.stream, first.label, first.many) == ("base/front", "person", 2)
         assert (first.began_us, first.ended_us, first.thumbnail) == (7, 0, JPEG)
-        bench.telling.take("base/front", told(7, thumbnail=b""))
+        bench.telling.report_sighting("base/front", told(7, thumbnail=b""))
         assert (await bench.next()).thumbnail == b""
         bench.lose()
         bench.link()
@@ -110,11 +110,11 @@ async def test_what_a_link_has_carried_is_forgotten_and_what_goes_on_is_not(
     tmp_path: Path,
 ) -> None:
     async with telling(tmp_path) as bench:
-        bench.telling.take("base/front", told(7))
+        bench.telling.report_sighting("base/front", told(7))
         assert len(bench.kept()) == 1
         bench.link()
         await bench.next()
-        bench.telling.take("base/front", told(7, ended_us=9, thumbnail=b""))
+        bench.telling.report_sighting("base/front", told(7, ended_us=9, thumbnail=b""))
         assert (await bench.next()).ended_us == 9
         await bench.until_forgotten()
 
@@ -122,7 +122,7 @@ async def test_what_a_link_has_carried_is_forgotten_and_what_goes_on_is_not(
 async def test_hub_that_takes_no_sightings_is_told_none_and_they_wait(tmp_path: Path) -> None:
     async with telling(tmp_path) as bench:
         bench.link(takes=False)
-        bench.telling.take("base/front", told(7, ended_us=9))
+        bench.telling.report_sighting("base/front", told(7, ended_us=9))
         bench.lose()
         bench.link()
         assert (await bench.next()).began_us == 7
@@ -133,7 +133,7 @@ async def test_killed_gateway_tells_in_its_next_run_until_when_it_saw_something(
 ) -> None:
     folder = tmp_path / "sightings"
     bench = Bench(folder)
-    bench.telling.take("base/front", told(1_000_000))
+    bench.telling.report_sighting("base/front", told(1_000_000))
     (name,) = bench.kept()
     # No end was ever written; the file was touched last at five seconds.
     os.utime(folder / name, (5, 5))
@@ -156,7 +156,7 @@ async def test_file_that_is_no_sighting_is_taken_away(tmp_path: Path) -> None:
 async def test_of_too_many_the_oldest_go(tmp_path: Path) -> None:
     async with telling(tmp_path) as bench:
         for began in range(MOST_KEPT + 5):
-            bench.telling.take("base/front", told(began, ended_us=began + 1))
+            bench.telling.report_sighting("base/front", told(began, ended_us=began + 1))
         names = bench.kept()
         assert len(names) == MOST_KEPT
         assert min(int(each.partition("-")[0]) for each in names) == 5
@@ -201,12 +201,12 @@ def site(old: str = "", new: str = "") -> Site:
 
 def test_adapter_is_told_nothing_of_what_is_seen() -> None:
     roster = ChannelNumbering(site())
-    (share,) = shares_of(site(), roster)
+    (share,) = scopes_of(site(), roster)
     assert list(share.devices["base"].signals) == ["speed"]
     assert share.channel.keys() == {"base/speed"}
     assert share.guarded == frozenset()
     # So it goes on as it is when that changes.
-    other = shares_of(site("detect: {classes: [person]}", "detect: {classes: [dog, person]}"))
+    other = scopes_of(site("detect: {classes: [person]}", "detect: {classes: [dog, person]}"))
     assert [each._replace(channel={}) for each in other] == [share._replace(channel={})]
 
 
@@ -249,7 +249,7 @@ def test_hub_may_change_what_is_only_looked_at() -> None:
 
 
 class Nobody:
-    """Readings of a detector that sees nobody, and a mouth whose words are kept."""
+    """Readings of a detector that sees nobody, and a output whose words are kept."""
 
     def __init__(self) -> None:  # noqa: D107
         self.said: list[object] = []
@@ -260,12 +260,14 @@ class Nobody:
     def send(self, message: object) -> None:
         self.said.append(message)
 
-    def note(self, *_: object, **_more: object) -> None: ...
+    def record_event(self, *_: object, **_more: object) -> None: ...
 
 
 def test_interlock_begins_locked_when_its_camera_is_to_see_otherwise() -> None:
     nobody, now_ns = Nobody(), 10 * SECOND
-    interlocks = Interlocks(site(), nobody, nobody, lambda _label, _steps: None, now_ns)
+    interlocks = Interlocks(
+        site=site(), readings=nobody, output=nobody, run=lambda _label, _steps: None, now_ns=now_ns
+    )
     interlocks.step(now_ns + SECOND)
     assert interlocks.refusal("base", "drive", now_ns + SECOND) == ""
     said = len(nobody.said)

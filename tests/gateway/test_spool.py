@@ -48,14 +48,14 @@ def fill(spool: Spool, count: int, size: int = 100, first: int = 0) -> None:
 
 
 def test_records_come_back_in_order(tmp_path: Path) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     fill(spool, 50)
     assert kept(spool) == [("boot-a", number * 10) for number in range(50)]
     spool.close()
 
 
 def test_acknowledged_records_are_not_given_again(tmp_path: Path) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     fill(spool, 10)
     spool.ack("boot-a", 70)
     assert kept(spool) == [("boot-a", 70), ("boot-a", 80), ("boot-a", 90)]
@@ -68,7 +68,7 @@ def test_hub_that_keeps_up_leaves_one_small_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal, "TRIM_BYTES", 2000)
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     for number in range(500):
         spool.append(record(number * 10))
         spool.ack("boot-a", number * 10 + 10)
@@ -83,7 +83,7 @@ def test_hub_that_keeps_up_leaves_one_small_file(
 def test_what_the_hub_has_lost_is_given_again_or_is_a_gap(steps: list[bool], below: int) -> None:
     with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         patch.setattr(journal, "TRIM_BYTES", 700)
-        spool = Spool(Path(folder), HEAD, 8000)
+        spool = Spool(folder=Path(folder), head=HEAD, bound=8000)
         for number, acked in enumerate(steps):
             spool.append(record(number * 10))
             if acked:
@@ -117,7 +117,7 @@ def test_reader_survives_the_file_being_emptied_under_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal, "TRIM_BYTES", 500)
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     fill(spool, 20)
     _, place = spool.read(SpoolPosition(), 1000)
     spool.ack("boot-a", 200)
@@ -128,10 +128,10 @@ def test_reader_survives_the_file_being_emptied_under_it(
 
 
 def test_later_run_gives_the_records_of_the_earlier_one_first(tmp_path: Path) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     fill(spool, 3)
     spool.close()
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat2", []), LARGE)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat2", []), bound=LARGE)
     fill(later, 2)
     assert kept(later) == [("boot-a", 0), ("boot-a", 10), ("boot-a", 20), ("boot-b", 0),
                            ("boot-b", 10)]  # fmt: skip
@@ -145,7 +145,7 @@ def test_full_spool_lets_the_oldest_go_and_says_which(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 2000)
-    spool = Spool(tmp_path, HEAD, 10_000)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=10_000)
     fill(spool, 200)
     assert spool.kept <= 10_000
     there = kept(spool)
@@ -153,7 +153,7 @@ def test_full_spool_lets_the_oldest_go_and_says_which(
     assert gap.first == 0
     assert there == [("boot-a", first) for first in range(gap.last + 1, 2000, 10)]
     spool.close()
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), 10_000)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=10_000)
     assert later.gaps() == [gap]
     later.ack("boot-a", gap.last + 1)
     later.sync()
@@ -166,7 +166,7 @@ def test_full_spool_lets_the_oldest_go_and_says_which(
 def test_cut_at_any_byte_keeps_all_whole_records_before_it(cut: int, data: st.DataObject) -> None:
     with TemporaryDirectory() as folder:
         path = Path(folder)
-        spool = Spool(path, HEAD, LARGE)
+        spool = Spool(folder=path, head=HEAD, bound=LARGE)
         sizes = data.draw(st.lists(st.integers(0, 400), min_size=1, max_size=10))
         for number, size in enumerate(sizes):
             spool.append(record(number * 10, size=size))
@@ -174,7 +174,7 @@ def test_cut_at_any_byte_keeps_all_whole_records_before_it(cut: int, data: st.Da
         spool.close()
         os.truncate(file, min(cut, file.stat().st_size))
         whole = [r.first for _, r in records(file.read_bytes()) if r.kind == 1]
-        later = Spool(path, SegmentHead("boot-b", "cat", []), LARGE)
+        later = Spool(folder=path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
         later.append(record(0))
         assert kept(later) == [*(("boot-a", first) for first in whole), ("boot-b", 0)]
         assert whole == [number * 10 for number in range(len(whole))]
@@ -186,7 +186,7 @@ def test_cut_at_any_byte_keeps_all_whole_records_before_it(cut: int, data: st.Da
 def test_damaged_byte_costs_only_what_it_touches_and_is_told(at: int, change: int) -> None:
     with TemporaryDirectory() as folder:
         path = Path(folder)
-        spool = Spool(path, HEAD, LARGE)
+        spool = Spool(folder=path, head=HEAD, bound=LARGE)
         fill(spool, 10)
         (file,) = path.glob("*.seg")
         spool.close()
@@ -195,7 +195,7 @@ def test_damaged_byte_costs_only_what_it_touches_and_is_told(at: int, change: in
         at = head_end + at % (len(data) - head_end)
         data[at] ^= change
         file.write_bytes(data)
-        later = Spool(path, SegmentHead("boot-b", "cat", []), LARGE)
+        later = Spool(folder=path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
         there = [first for boot, first in kept(later) if boot == "boot-a"]
         missing = sorted(set(range(0, 100, 10)) - set(there))
         assert len(missing) == 1
@@ -209,7 +209,7 @@ def test_damaged_byte_costs_only_what_it_touches_and_is_told(at: int, change: in
 def test_full_disk_keeps_in_memory_and_goes_on_when_there_is_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     fill(spool, 3)
     room = [False]
     write = os.write
@@ -234,7 +234,7 @@ def test_full_disk_keeps_in_memory_and_goes_on_when_there_is_room(
 def test_memory_for_a_full_disk_is_bounded_and_ends_in_a_gap(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
 
     def full(file: int, data: bytes) -> int:
         raise OSError(errno.ENOSPC, "No space left on device")
@@ -266,7 +266,7 @@ def test_whatever_happens_each_sample_is_kept_acknowledged_or_in_a_gap(
 ) -> None:
     with TemporaryDirectory() as folder:
         boot, next_first = 0, 0
-        spool = Spool(Path(folder), SegmentHead("b0", "c", []), 6000)
+        spool = Spool(folder=Path(folder), head=SegmentHead("b0", "c", []), bound=6000)
         written: set[tuple[str, int]] = set()
         acked: dict[str, int] = {}
         for what, number in history:
@@ -283,7 +283,9 @@ def test_whatever_happens_each_sample_is_kept_acknowledged_or_in_a_gap(
             else:
                 spool.close()
                 boot, next_first = boot + 1, 0
-                spool = Spool(Path(folder), SegmentHead(f"b{boot}", "c", []), 6000)
+                spool = Spool(
+                    folder=Path(folder), head=SegmentHead(f"b{boot}", "c", []), bound=6000
+                )
         there: list[tuple[str, int]] = []
         place = SpoolPosition()
         while True:
@@ -358,7 +360,7 @@ def test_closed_segment_is_packed_and_read_as_before(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 20_000)
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     kept = [batch(number * 50) for number in range(100)]
     for each in kept:
         spool.append(each)
@@ -366,7 +368,7 @@ def test_closed_segment_is_packed_and_read_as_before(
     assert on_disk < 0.8 * sum(len(pack_record(each)) for each in kept)
     assert samples_of(all_of(spool)) == samples_of(kept)
     spool.close()
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
     assert samples_of(all_of(later)) == samples_of(kept)
     assert later.gaps() == []
     later.ack("boot-a", 5000)
@@ -388,7 +390,7 @@ def test_what_waits_too_long_gives_way_and_only_running_time_counts(
 ) -> None:
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 400)
     time_s = [1000.0]
-    spool = Spool(tmp_path, HEAD, LARGE, age_s=3600, now=lambda: time_s[0])
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, age_s=3600, now=lambda: time_s[0])
     fill(spool, 4)
     time_s[0] += 3000
     fill(spool, 4, first=4)
@@ -396,7 +398,11 @@ def test_what_waits_too_long_gives_way_and_only_running_time_counts(
     # Another run, on a machine whose monotonic clock began anew.
     time_s[0] = 5.0
     later = Spool(
-        tmp_path, SegmentHead("boot-b", "c", []), LARGE, age_s=3600, now=lambda: time_s[0]
+        folder=tmp_path,
+        head=SegmentHead("boot-b", "c", []),
+        bound=LARGE,
+        age_s=3600,
+        now=lambda: time_s[0],
     )
     later.sync()
     assert later.gaps() == []
@@ -410,7 +416,7 @@ def test_what_waits_too_long_gives_way_and_only_running_time_counts(
 
 
 def test_segment_without_a_head_is_set_aside_and_what_it_held_is_a_gap(tmp_path: Path) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     for number in range(4):
         spool.append(batch(number * 50))
     (file,) = tmp_path.glob("*.seg")
@@ -418,14 +424,14 @@ def test_segment_without_a_head_is_set_aside_and_what_it_held_is_a_gap(tmp_path:
     data = bytearray(file.read_bytes())
     data[10] ^= 1
     file.write_bytes(data)
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
     assert [(gap.boot, gap.first, gap.last) for gap in later.gaps()] == [("boot-a", 0, 199)]
     assert [each.read_bytes() for each in tmp_path.glob("*.bad")] == [bytes(data)]
     later.close()
 
 
 def test_damage_that_comes_while_it_runs_is_a_gap_and_the_rest_is_read(tmp_path: Path) -> None:
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     fill(spool, 10)
     (file,) = tmp_path.glob("*.seg")
     data = bytearray(file.read_bytes())
@@ -444,7 +450,7 @@ def test_segment_that_can_no_longer_be_read_is_a_gap_and_breaks_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 500)
-    spool = Spool(tmp_path, HEAD, LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
     fill(spool, 9)
     sorted(tmp_path.glob("*.seg"))[1].unlink()
     there = [first for _, first in kept(spool)]
@@ -467,7 +473,7 @@ def test_disk_is_left_some_room_for_what_matters_more(
 
     monkeypatch.setattr(os, "statvfs", lambda _: Disk())
     monkeypatch.setattr(journal, "SEGMENT_BYTES", 500)
-    spool = Spool(tmp_path, HEAD, LARGE, spare=50_000)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, spare=50_000)
     fill(spool, 9)
     assert spool.gaps() == []
     free[0] = 50_000
@@ -479,7 +485,7 @@ def test_disk_is_left_some_room_for_what_matters_more(
     free[0] = 100_000
     fill(spool, 1, first=10)
     spool.close()
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
     assert kept(later)[-2:] == [("boot-a", 90), ("boot-a", 100)]
     later.close()
 
@@ -492,12 +498,12 @@ def test_spool_opens_on_a_full_disk_and_goes_on_in_memory(
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "write", full)
-        spool = Spool(tmp_path, HEAD, LARGE)
+        spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
         fill(spool, 3)
         assert len(kept(spool)) == 3
     fill(spool, 1, first=3)
     spool.close()
-    later = Spool(tmp_path, SegmentHead("boot-b", "cat", []), LARGE)
+    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
     assert kept(later) == [("boot-a", 0), ("boot-a", 10), ("boot-a", 20), ("boot-a", 30)]
     later.close()
 
@@ -506,8 +512,8 @@ def test_stops_and_epochs_are_written_on_a_full_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     epochs, stops = (
-        persistent_state.Epochs(tmp_path / "epochs.json"),
-        persistent_state.KeptStops(tmp_path / "stops.json"),
+        persistent_state.LeaseEpochs(tmp_path / "epochs.json"),
+        persistent_state.PersistentStops(tmp_path / "stops.json"),
     )
 
     def full(path: Path, data: bytes) -> None:
@@ -518,5 +524,5 @@ def test_stops_and_epochs_are_written_on_a_full_disk(
     stops.write("base", latched)
     given = [epochs.next() for _ in range(2500)]
     assert given == sorted(set(given))
-    assert persistent_state.KeptStops(tmp_path / "stops.json").get("base") == latched
-    assert persistent_state.Epochs(tmp_path / "epochs.json").next() > given[-1]
+    assert persistent_state.PersistentStops(tmp_path / "stops.json").get("base") == latched
+    assert persistent_state.LeaseEpochs(tmp_path / "epochs.json").next() > given[-1]

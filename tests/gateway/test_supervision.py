@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import MS, SECOND, HandClock
 from talaia.gateway.safety.supervision import Supervision
-from talaia.gateway.watchdog.silence import Silence, Task
+from talaia.gateway.watchdog.silence import Silence, WatchdogTask
 
 
 class _NoHeartbeats:
@@ -25,24 +25,24 @@ def test_nobody_is_fed_while_interlocks_are_not_judged() -> None:
     ours, fed = supervision(clock, judged)
     for _ in range(40):
         clock.advance(250 * MS)
-        ours.look()
+        ours.check_supervision()
     # The loop runs, and what it should do stands still.
     assert fed
     assert fed[-1] <= 2 * SECOND
     judged[0] = clock.monotonic_ns()
-    assert ours.look()
+    assert ours.check_supervision()
     assert fed[-1] == clock.monotonic_ns()
 
 
 def test_a_loop_that_was_late_feeds_nobody_before_it_has_judged_again() -> None:
     clock, judged = HandClock(), [0]
     ours, fed = supervision(clock, judged)
-    assert ours.look()
+    assert ours.check_supervision()
     clock.advance(30 * SECOND)
     judged[0] = clock.monotonic_ns()
-    assert not ours.look()
+    assert not ours.check_supervision()
     clock.advance(250 * MS)
-    assert ours.look()
+    assert ours.check_supervision()
     assert fed == [0, 30 * SECOND + 250 * MS]
 
 
@@ -50,7 +50,7 @@ def test_where_there_is_nothing_to_judge_the_loop_alone_counts() -> None:
     clock = HandClock()
     ours, fed = supervision(clock, [None])
     clock.advance(SECOND)
-    assert ours.look()
+    assert ours.check_supervision()
     assert fed
 
 
@@ -58,30 +58,30 @@ def test_silence_closes_and_a_beat_ends_that() -> None:
     silence = Silence(0.0)
     silence.after_s = 10.0
     now = 0.0
-    while (task := silence.judge(now)) is Task.WAIT:
+    while (task := silence.judge(now)) is WatchdogTask.WAIT:
         now += 0.25
-    assert task is Task.CLOSE
+    assert task is WatchdogTask.CLOSE
     assert now == 10.0
     silence.hear_beat()
-    assert silence.judge(now + 0.25) is Task.WAIT
+    assert silence.judge(now + 0.25) is WatchdogTask.WAIT
 
 
 def test_a_dead_gateway_is_waited_for_until_all_is_closed() -> None:
     silence = Silence(0.0)
     silence.after_s = 2.0
     silence.hear_end()
-    assert [silence.judge(each / 4) for each in range(8)] == [Task.WAIT] * 8
-    assert silence.judge(2.0) is Task.CLOSE
+    assert [silence.judge(each / 4) for each in range(8)] == [WatchdogTask.WAIT] * 8
+    assert silence.judge(2.0) is WatchdogTask.CLOSE
     silence.report_closed()
-    assert silence.judge(2.25) is Task.LEAVE
+    assert silence.judge(2.25) is WatchdogTask.LEAVE
 
 
 def test_a_machine_that_stood_still_is_not_taken_for_a_dead_gateway() -> None:
     silence = Silence(0.0)
     silence.after_s = 10.0
-    assert silence.judge(3600.0) is Task.WAIT
+    assert silence.judge(3600.0) is WatchdogTask.WAIT
     silence.hear_beat()
-    assert silence.judge(3600.25) is Task.WAIT
+    assert silence.judge(3600.25) is WatchdogTask.WAIT
 
 
 @given(st.lists(st.sampled_from(["beat", "look", "end", "closed"]), max_size=60))
@@ -98,4 +98,4 @@ def test_after_a_goodbye_nothing_is_closed_whatever_comes(words: list[str]) -> N
                 silence.hear_end()
             case "closed":
                 silence.report_closed()
-        assert silence.judge(now) is Task.LEAVE
+        assert silence.judge(now) is WatchdogTask.LEAVE

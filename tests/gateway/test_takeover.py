@@ -193,7 +193,7 @@ def test_accept_on_a_full_disk_changes_nothing(
     def full() -> int:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(bench.control.seats["base"].lease, "_next_epoch", full)
+    monkeypatch.setattr(bench.control.controllers["base"].lease, "_next_epoch", full)
     state = bench.lease(op=LeaseOp.ACCEPT)
     assert (state.session, state.rival) == ("tab", "ben")
     assert "No space left" in state.refused
@@ -220,7 +220,7 @@ def test_control_changes_hands_only_by_consent_by_force_after_an_ask_or_when_fre
         before, rival = one.holder(now), one.rival(now)
         match what:
             case "take":
-                one.take(session, session, now)
+                one.take_lease(session, session, now)
             case "ask":
                 if not one.ask(session, session, now) and rival is None:
                     asked[session] = now

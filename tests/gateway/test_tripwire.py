@@ -22,8 +22,11 @@ def look(
     wire: DebouncedCondition, value: float | None, second: float, age: float = 0.0
 ) -> InterlockVerdict:
     reading = None if value is None else ChannelReading(value, 0)
-    return wire.look(
-        lambda each: judged(each, WIND, reading, round(age * SECOND)), round(second * SECOND)
+    return wire.judge_condition(
+        lambda each: judged(
+            condition=each, signal=WIND, reading=reading, age_ns=round(age * SECOND)
+        ),
+        round(second * SECOND),
     )
 
 
@@ -105,28 +108,28 @@ def test_between_the_limits_it_stays_as_it_was(values: list[tuple[float, float]]
 
 def test_the_longest_dwell_time_of_all_that_was_unsafe_counts() -> None:
     latch = InterlockStateMachine("w", Interlock(name="W", when=(), dwell=1), 0)
-    latch.look(InterlockVerdict("humid", dwell=30), 0)
-    latch.look(InterlockVerdict("very humid", dwell=90), 1 * SECOND)
-    latch.look(InterlockVerdict("humid", dwell=30), 2 * SECOND)
-    latch.look(InterlockVerdict(), 3 * SECOND)
+    latch.update_state(InterlockVerdict("humid", dwell=30), 0)
+    latch.update_state(InterlockVerdict("very humid", dwell=90), 1 * SECOND)
+    latch.update_state(InterlockVerdict("humid", dwell=30), 2 * SECOND)
+    latch.update_state(InterlockVerdict(), 3 * SECOND)
     assert latch.locked
-    latch.look(InterlockVerdict(), 92 * SECOND)
+    latch.update_state(InterlockVerdict(), 92 * SECOND)
     assert latch.locked
-    latch.look(InterlockVerdict(), 94 * SECOND)
+    latch.update_state(InterlockVerdict(), 94 * SECOND)
     assert not latch.locked
-    latch.look(InterlockVerdict("windy", dwell=10), 100 * SECOND)
-    latch.look(InterlockVerdict(), 101 * SECOND)
-    latch.look(InterlockVerdict(), 112 * SECOND)
+    latch.update_state(InterlockVerdict("windy", dwell=10), 100 * SECOND)
+    latch.update_state(InterlockVerdict(), 101 * SECOND)
+    latch.update_state(InterlockVerdict(), 112 * SECOND)
     assert not latch.locked
 
 
 def test_it_wants_the_roof_closed_from_the_first_certain_word_until_it_lets_go() -> None:
     latch = InterlockStateMachine("w", Interlock(name="W", when=(), dwell=10), 0)
-    latch.look(InterlockVerdict("no value yet", certain=False), 0)
+    latch.update_state(InterlockVerdict("no value yet", certain=False), 0)
     assert not latch.demands
-    latch.look(InterlockVerdict("rain"), 1 * SECOND)
+    latch.update_state(InterlockVerdict("rain"), 1 * SECOND)
     assert latch.demands
-    latch.look(InterlockVerdict(), 2 * SECOND)
+    latch.update_state(InterlockVerdict(), 2 * SECOND)
     assert latch.demands
-    latch.look(InterlockVerdict(), 13 * SECOND)
+    latch.update_state(InterlockVerdict(), 13 * SECOND)
     assert not latch.demands

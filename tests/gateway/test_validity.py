@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, plans_of
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import ChannelReading
@@ -81,9 +81,14 @@ class Station:
         self.latest_of: dict[str, ChannelReading] = {}
         self.ran: list[str] = []
         self.interlocks = Interlocks(
-            self.site, self, self, self.run, 0, lambda: WALL + self.now + self.skew
+            site=self.site,
+            readings=self,
+            output=self,
+            run=self.run,
+            now_ns=0,
+            wall_ns=lambda: WALL + self.now + self.skew,
         )
-        (share,) = shares_of(self.site)
+        (share,) = scopes_of(self.site)
         plans = plans_of(share, self.latest_of, lambda *_: None)
         self.plan: TopicPlan = next(each for each in plans if each.topic == "/w")
         self.wind = 10.0
@@ -95,7 +100,7 @@ class Station:
 
     def send(self, message: object) -> None: ...
 
-    def note(self, kind: str, *_more: object, **_good: object) -> None: ...
+    def record_event(self, kind: str, *_more: object, **_good: object) -> None: ...
 
     def run(self, label: str, _steps: object) -> None:
         self.ran.append(label)
@@ -112,7 +117,7 @@ class Station:
                 stamp=SimpleNamespace(sec=stamp // SECOND, nanosec=stamp % SECOND)
             )
             message = SimpleNamespace(data=self.wind, temperature=self.wind, header=header)
-            self.plan.take(message, self.now // 1000, self.now, SampleBuffer())
+            self.plan.read_message(message, self.now // 1000, self.now, SampleBuffer())
             self.interlocks.step(self.now)
         return self.interlocks.refusal("dome", "open", self.now)
 

@@ -16,7 +16,7 @@ from patience import PATIENCE_S
 pytest.importorskip("av")
 
 from talaia.clock import SystemClock
-from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.adapters.video.adapter import VideoAdapter, address_of
 from talaia.gateway.legacy.self_signed import self_signed
 from talaia.gateway.ports import AdapterContext
@@ -51,7 +51,7 @@ class Told:
         """Have heard nothing."""
         self.events: list[tuple[str, str]] = []
 
-    def tell(self, kind: str, message: str, **_: object) -> None:
+    def report_event(self, kind: str, message: str, **_: object) -> None:
         self.events.append((kind, message))
 
     def up(self) -> None:
@@ -75,7 +75,7 @@ async def watched(
     site = raise_first(load_site(SITE % (more, source)))
     hall, told = Hall(PictureForm.H264), Told()
     outlets = AdapterContext(SystemClock(), None, hall, told, folder)  # type: ignore[arg-type]
-    video = VideoAdapter(shares_of(site)[0], outlets, told)  # type: ignore[arg-type]
+    video = VideoAdapter(scopes_of(site)[0], outlets, told)  # type: ignore[arg-type]
     running = asyncio.create_task(video.run())
     try:
         yield hall, told, video

@@ -99,16 +99,16 @@ def test_an_answer_that_leads_elsewhere_is_not_passed_on(answer: bytes, piece: i
     passed: list[bytes] = []
     pieces = (answer[at : at + piece] for at in range(0, len(answer), piece))
     with pytest.raises(CameraRefused):
-        passed.extend(map(answers.take, pieces))
+        passed.extend(map(answers.filter_bytes, pieces))
     assert b"RTSP/1.0 3" not in b"".join(passed)
 
 
 def test_plain_answers_pass_whole_and_packets_go_only_to_the_camera() -> None:
     answers = CameraResponseFilter("192.168.1.20")
-    assert answers.take(b"RTSP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nab") == b""
-    assert answers.take(b"c") == b"RTSP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nabc"
+    assert answers.filter_bytes(b"RTSP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nab") == b""
+    assert answers.filter_bytes(b"c") == b"RTSP/1.0 200 OK\r\nContent-Length: 3\r\n\r\nabc"
     setup = b"RTSP/1.0 200 OK\nTransport: RTP/AVP;unicast;Source=10.0.0.1;server_port=1-2\n\n"
-    assert answers.take(setup) == (
+    assert answers.filter_bytes(setup) == (
         b"RTSP/1.0 200 OK\r\nTransport: RTP/AVP;unicast;server_port=1-2;source=192.168.1.20\r\n\r\n"
     )
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import psutil
 from patience import PATIENCE_S
 
-from talaia.gateway.watchdog.feeding import Watchdog
+from talaia.gateway.watchdog.feeding import WatchdogClient
 from talaia.model.yaml_text.load import load_site
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "clamshell" / "site.yaml"
 
 
-def begun(data: Path) -> Watchdog:
-    watchdog = Watchdog(data, data, None, lambda why: None)
+def begun(data: Path) -> WatchdogClient:
+    watchdog = WatchdogClient(data, data, None, lambda why: None)
     text = EXAMPLE.read_text()
     watchdog.describe(load_site(text), text)
     return watchdog

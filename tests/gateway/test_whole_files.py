@@ -29,7 +29,7 @@ class Told:
     def __init__(self) -> None:  # noqa: D107
         self.problems: list[str] = []
 
-    def tell(self, kind: str, message: str, **_more: object) -> None:
+    def report_event(self, kind: str, message: str, **_more: object) -> None:
         assert kind == "picture_lost"
         self.problems.append(message)
 
@@ -47,9 +47,17 @@ def taken(folder: Path, *files: bytes) -> Told:
     """Let a gateway that has just begun take these files, and wait until it has."""
     told, disk = Told(), ThreadPoolExecutor(1)
     outbox = ArchiveOutbox(folder / "outbox", 10**9, lambda: None)
-    sink = WholeFiles(folder / "taking", outbox, told, SystemClock(), disk, "Izaña", PLACE)
+    sink = WholeFiles(
+        folder=folder / "taking",
+        outbox=outbox,
+        events=told,
+        clock=SystemClock(),
+        disk=disk,
+        site="Izaña",
+        place=PLACE,
+    )
     for data in files:
-        sink.take("camera", lambda data=data: data)
+        sink.keep_file("camera", lambda data=data: data)
         disk.submit(lambda: None).result()
     disk.shutdown()
     return told
@@ -110,10 +118,18 @@ def test_what_is_no_fits_is_told_once_until_a_picture_comes(tmp_path: Path) -> N
 def test_no_more_files_wait_in_memory_than_a_few(tmp_path: Path) -> None:
     told, disk = Told(), ThreadPoolExecutor(1)
     outbox = ArchiveOutbox(tmp_path / "outbox", 10**9, lambda: None)
-    sink = WholeFiles(tmp_path / "taking", outbox, told, SystemClock(), disk, "Izaña", None)
+    sink = WholeFiles(
+        folder=tmp_path / "taking",
+        outbox=outbox,
+        events=told,
+        clock=SystemClock(),
+        disk=disk,
+        site="Izaña",
+        place=None,
+    )
     with outbox._turn:
         for number in range(MOST_WAITING + 1):
-            sink.take("camera", lambda number=number: picture(number))
+            sink.keep_file("camera", lambda number=number: picture(number))
         assert told.problems == ["the gateway's disk is too slow for it"]
     disk.shutdown()
     assert len(waiting(tmp_path)) == MOST_WAITING

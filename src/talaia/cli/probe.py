@@ -116,11 +116,11 @@ def _look_at_ros2(domain: int | None, seconds: float) -> Found:
     if domain is not None and not 0 <= domain <= 232:
         raise CliError(f"--domain: expected a ROS domain id from 0 to 232, found {domain}")
     try:
-        from talaia.gateway.adapters.ros2.probe import look as look_at_ros2
+        from talaia.gateway.adapters.ros2.probe import probe_graph
     except ImportError as error:
         raise PartMissing("talaia probe", error.name or "rclpy", "ros2") from error
     _listening(seconds)
-    return look_at_ros2(domain, seconds)
+    return probe_graph(domain, seconds)
 
 
 def _answering_master() -> str | None:
@@ -141,7 +141,7 @@ def _answering_master() -> str | None:
 
 def _look_at_ros1(master: str, seconds: float) -> Found:
     try:
-        from talaia.gateway.adapters.ros1.probe import DEFAULT_MASTER, look as look_at_ros1
+        from talaia.gateway.adapters.ros1.probe import DEFAULT_MASTER, probe_graph as look_at_ros1
     except ImportError as error:
         raise PartMissing("talaia probe --ros1", error.name or "rosbags", "gateway") from error
     uri = master or os.environ.get("ROS_MASTER_URI") or DEFAULT_MASTER
@@ -153,7 +153,7 @@ def _look_at_ros1(master: str, seconds: float) -> Found:
 
 
 def _look_at_indi(place: str, seconds: float, connect: bool) -> Found:  # noqa: FBT001
-    from talaia.gateway.adapters.indi.probe import look as look_at_indi
+    from talaia.gateway.adapters.indi.probe import probe_server as look_at_indi
 
     try:
         where = urlsplit(f"//{place}")

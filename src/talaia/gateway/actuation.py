@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.commands.command_sequences import SequenceRunner
 from talaia.gateway.commands.command_service import CommandJournal, CommandService
+from talaia.gateway.commands.request_tasks import RequestTasks
 from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.driving.control_timer import ControlTimer
 from talaia.gateway.driving.drive_service import DriveService
@@ -35,19 +36,20 @@ class Actuation:
 
     Attributes:
         interlocks: say what may not be done now.
-        control: driving, leases and STOP.
-        pacer: keeps the time of both; to be touched after anything that concerns them.
-        commanding: commands, each to its end.
+        driving: driving, leases and STOP.
+        timer: keeps the time of both; to be touched after anything that concerns them.
+        commands: commands, each to its end.
         sequences: commands that the gateway gives by itself.
 
     """
 
     def __init__(
         self,
+        *,
         site: Site,
         boot: str,
         clock: Clock,
-        mouth: ControlOutput,
+        output: ControlOutput,
         target: CommandTarget,
         readings: ReadingSource,
         data: Path,
@@ -59,7 +61,7 @@ class Actuation:
             site: the description.
             boot: names this run.
             clock: monotonic for every decision.
-            mouth: tells robot, hub and record.
+            output: tells robot, hub and record.
             target: who acts on commands.
             readings: the newest values.
             data: the data folder.
@@ -70,45 +72,47 @@ class Actuation:
 
         """
         self.interlocks = interlocks = Interlocks(
-            site,
-            readings,
-            mouth,
-            lambda label, steps: self.sequences.begin(label, steps),
-            clock.monotonic_ns(),
-            clock.wall_ns,
+            site=site,
+            readings=readings,
+            output=output,
+            run=lambda label, steps: self.sequences.begin(label, steps),
+            now_ns=clock.monotonic_ns(),
+            wall_ns=clock.wall_ns,
         )
-        self.control = DriveService(
-            site,
-            clock,
-            mouth,
-            readings,
-            LeaseEpochs(data / "epochs.json").next,
-            PersistentStops(data / "stops.json"),
-            on_disk,
-            interlocks,
+        self.driving = DriveService(
+            site=site,
+            clock=clock,
+            output=output,
+            readings=readings,
+            next_epoch=LeaseEpochs(data / "epochs.json").next,
+            stops=PersistentStops(data / "stops.json"),
+            on_disk=on_disk,
+            interlocks=interlocks,
         )
-        self.pacer = ControlTimer(asyncio.get_running_loop(), clock, self.control)
-        self.commanding = CommandService(
-            site,
-            clock,
-            target,
-            CommandJournal(data / "commands.jsonl"),
-            on_disk,
-            mouth.send,
-            lambda device, command, args: interlocks.refusal(
+        self.timer = ControlTimer(asyncio.get_running_loop(), clock, self.driving)
+        self.commands = CommandService(
+            site=site,
+            clock=clock,
+            target=target,
+            journal=CommandJournal(data / "commands.jsonl"),
+            on_disk=on_disk,
+            send=output.send,
+            refusal=lambda device, command, args: interlocks.refusal(
                 device, command, clock.monotonic_ns(), args
             ),
-            interlocks.commanded,
-            lambda device, command: interlocks.hold(device, command, clock.monotonic_ns()),
-            lambda device: interlocks.ended(device, clock.monotonic_ns()),
-            DiskTrouble(mouth),
-            lambda device, command, args: interlocks.refuse_power_cut(
+            begun=interlocks.commanded,
+            hold=lambda device, command: interlocks.hold(device, command, clock.monotonic_ns()),
+            ended=lambda device: interlocks.ended(device, clock.monotonic_ns()),
+            trouble=DiskTrouble(output),
+            power_cut=lambda device, command, args: interlocks.refuse_power_cut(
                 device, command, clock.monotonic_ns(), args
             ),
         )
+        # Finished before the timers of commands are stopped.
+        self.requests = RequestTasks(self.timer.touch)
         self.sequences: SequenceRunner = SequenceRunner(
-            self.commanding,
-            mouth,
+            self.commands,
+            output,
             boot,
             lambda command: interlocks.reached(command, clock.monotonic_ns()),
         )
@@ -116,17 +120,17 @@ class Actuation:
     @property
     def busy(self) -> bool:
         """Whether anything moves, or is about to."""
-        return self.control.busy or self.commanding.busy or self.sequences.busy
+        return self.driving.busy or self.commands.busy or self.sequences.busy
 
     async def keep_written(self) -> None:
         """Write what the disk did not take as soon as it takes it again, until cancelled."""
         while True:
             await asyncio.sleep(WRITE_AGAIN_S)
-            await self.commanding.write_waiting()
-            await self.control.write_waiting()
+            await self.commands.write_waiting()
+            await self.driving.write_waiting()
 
     def redescribe(self, site: Site, devices: Collection[str], now_ns: int) -> None:
         """Decide by another description, which changes ``devices``."""
         self.interlocks.redescribe(site, now_ns)
-        self.control.redescribe(site, devices)
-        self.commanding.redescribe(site)
+        self.driving.redescribe(site, devices)
+        self.commands.redescribe(site)

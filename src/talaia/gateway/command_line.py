@@ -43,35 +43,47 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--allow-plain", action="store_true", help="permit ws:// on loopback")
     parser.add_argument("--data", type=Path, metavar="DIR", help="what must survive a restart")
     parser.add_argument(
-        "--spool-mb", type=_positive, default=1024, metavar="N",
+        "--spool-mb",
+        type=_positive,
+        default=1024,
+        metavar="N",
         help="most disk for samples that wait for the hub (MB; the oldest give way)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--spool-days", type=_positive, default=14, metavar="N",
+        "--spool-days",
+        type=_positive,
+        default=14,
+        metavar="N",
         help="longest that samples wait for the hub",
-    )  # fmt: skip
+    )
     parser.add_argument("--ros-domain", type=int, metavar="N", help="overrides the description's")
     parser.add_argument(
-        "--accept-changes", type=AcceptedChanges, choices=list(AcceptedChanges),
+        "--accept-changes",
+        type=AcceptedChanges,
+        choices=list(AcceptedChanges),
         default=AcceptedChanges.NO,
         metavar="{no,readings,all}",
         help="which changes of the description people with the right may send through the hub: "
         "none, of what is read and shown, or also of commands, driving and interlocks "
         "(default: no)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--notices", type=Path, metavar="FILE",
+        "--notices",
+        type=Path,
+        metavar="FILE",
         help="ways to people while the hub is away (TOML); try them with talaia gateway"
         " test-notice FILE",
-    )  # fmt: skip
+    )
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
     )
     classic.add_argument("--classic-port", type=_port, metavar="N", help="open it; 0 takes any")
     classic.add_argument(
-        "--classic-host", default="127.0.0.1", metavar="ADDRESS",
+        "--classic-host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
         help="listen on this address (default: this machine only)",
-    )  # fmt: skip
+    )
     classic.add_argument("--classic-cert", type=Path, metavar="FILE", help="certificate (PEM)")
     classic.add_argument("--classic-key", type=Path, metavar="FILE", help="its key (PEM)")
     classic.add_argument(

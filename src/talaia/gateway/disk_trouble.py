@@ -16,9 +16,9 @@ log = logging.getLogger(__name__)
 class DiskTrouble:
     """What the gateway's disk does not take now, by what is written. Event loop only."""
 
-    def __init__(self, mouth: ControlOutput | None = None) -> None:
-        """Start with a disk that works; without a ``mouth`` only the log hears of trouble."""
-        self._mouth = mouth
+    def __init__(self, output: ControlOutput | None = None) -> None:
+        """Start with a disk that works; without a ``output`` only the log hears of trouble."""
+        self._output = output
         self._failing: set[str] = set()
 
     def failing(self, what: str) -> bool:
@@ -32,8 +32,8 @@ class DiskTrouble:
         self._failing.add(what)
         message = f"the gateway's {what} cannot be written: {error}"
         log.warning("%s", message)
-        if self._mouth is not None:
-            self._mouth.note("disk_failed", "", message, "", good=False)
+        if self._output is not None:
+            self._output.record_event("disk_failed", "", message, "", good=False)
 
     def worked(self, what: str) -> None:
         """Tell of a write that came through."""
@@ -42,5 +42,5 @@ class DiskTrouble:
         self._failing.discard(what)
         message = f"the gateway's {what} is written again"
         log.warning("%s", message)
-        if self._mouth is not None:
-            self._mouth.note("disk_recovered", "", message, "", good=True)
+        if self._output is not None:
+            self._output.record_event("disk_recovered", "", message, "", good=True)

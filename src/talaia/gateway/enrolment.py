@@ -67,7 +67,11 @@ def _enrol_into(options: argparse.Namespace) -> KeyFile:
     place = KeyPlace(options.key_file)
     try:
         found = enrol(
-            options.hub, options.code, options.name, ca=options.ca, allow_plain=options.allow_plain
+            options.hub,
+            text=options.code,
+            name=options.name,
+            ca=options.ca,
+            allow_plain=options.allow_plain,
         )
         place.keep(found)
     finally:
@@ -89,15 +93,17 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "--name", default=platform.node()[:100], help="what the gateway is called (this machine)"
     )
     parser.add_argument(
-        "--ca", type=Path, metavar="FILE", help="certificate authorities (PEM) for a code without"
-        " the hub's key"
-    )  # fmt: skip
+        "--ca",
+        type=Path,
+        metavar="FILE",
+        help="certificate authorities (PEM) for a code without the hub's key",
+    )
     parser.add_argument("--allow-plain", action="store_true", help="permit http:// on loopback")
     return parser.parse_args(argv)
 
 
 def enrol(
-    url: str, text: str, name: str, *, ca: Path | None = None, allow_plain: bool = False
+    url: str, *, text: str, name: str, ca: Path | None = None, allow_plain: bool = False
 ) -> KeyFile:
     """Trade a code for a key.
 

@@ -77,12 +77,12 @@ class CommandOutcome(NamedTuple):
 class SampleSink(Protocol):
     """Takes samples from an adapter.
 
-    ``put`` may be called from any thread, never blocks and never raises. Samples of one call
-    keep their order; calls of one thread keep theirs. What is put gets a sequence number and is
-    lost only as a recorded gap.
+    ``put_samples`` may be called from any thread, never blocks and never raises. Samples of one
+    call keep their order; calls of one thread keep theirs. What is put gets a sequence number and
+    is lost only as a recorded gap.
     """
 
-    def put(self, columns: Columns) -> None:
+    def put_samples(self, columns: Columns) -> None:
         """Take samples whose channels index `Site.channels`."""
         ...
 
@@ -113,7 +113,7 @@ class PictureSink(Protocol):
         """Give the share of its usual bits that a picture may have (to 1); 0 for none now."""
         ...
 
-    def look(
+    def offer_frame(
         self,
         stream: str,
         stamp: tuple[int, int, int],
@@ -210,7 +210,7 @@ class RawSink(Protocol):
     topics: frozenset[str]
 
     def offer(
-        self, topic: str, type_name: str, data: bytes, time_ns: int, definition: str = ""
+        self, topic: str, type_name: str, data: bytes, time_ns: int, *, definition: str = ""
     ) -> None:
         """Take one message of one of ``topics``, with the time at which it came (wall, ns).
 
@@ -228,7 +228,7 @@ class RawSink(Protocol):
 class EventSink(Protocol):
     """Takes what is worth writing down; any thread; never blocks."""
 
-    def tell(
+    def report_event(
         self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
     ) -> None:
         """Write one thing down. Callers say a loss once and a recovery once."""
@@ -306,7 +306,7 @@ class AdapterContext(NamedTuple):
 class FileSink(Protocol):
     """Takes pictures for the archive that come as whole FITS files."""
 
-    def take(self, device: str, read: Callable[[], bytes]) -> None:
+    def keep_file(self, device: str, read: Callable[[], bytes]) -> None:
         """Keep a file, unless it is one that came before. From any thread; returns at once.
 
         Args:
@@ -427,6 +427,6 @@ class ControlOutput(Protocol):
         """Send to the hub."""
         ...
 
-    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+    def record_event(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
         """Write down."""
         ...

@@ -85,7 +85,9 @@ async def serve(
     manager = own_service_manager()
     following: Site | None = with_kept(settings.data, site)
     while following is not None and not ended.is_set():
-        gateway = Gateway(following, settings, SystemClock(), copy, manager)
+        gateway = Gateway(
+            site=following, settings=settings, clock=SystemClock(), file=copy, manager=manager
+        )
         await gateway.run(ended)
         following = gateway.redescribed
     manager.report_stopping()

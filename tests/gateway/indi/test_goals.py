@@ -47,12 +47,14 @@ class Server:
             device.heard_ns = self.now_ns
 
     def begin(self, device: str, target: str, **fields: object) -> IndiGoal:
-        goal = begin(self.book, device, target, fields, self.now_ns)
+        goal = begin(
+            book=self.book, device=device, target=target, fields=fields, now_ns=self.now_ns
+        )
         assert isinstance(goal, IndiGoal), goal
         return goal
 
     def looks(self, goal: IndiGoal) -> CommandOutcome | None:
-        return goal.look(self.book, self.now_ns)
+        return goal.evaluate_progress(self.book, self.now_ns)
 
 
 @pytest.fixture
@@ -91,7 +93,9 @@ def test_aborted_motion_succeeds_though_its_driver_calls_it_an_alert(server: Ser
     assert ended.phase is CommandPhase.FAILED
     assert "aborted" in ended.message
     states = ("closed", "opening", "open", "closing", "error", "unknown")
-    reading = read_state(server.book, DOME, "DOME_SHUTTER", "", states)
+    reading = read_state(
+        book=server.book, device=DOME, name="DOME_SHUTTER", element="", states=states
+    )
     assert states[int(reading.value)] == "error"
 
 
@@ -175,14 +179,22 @@ def test_device_that_goes_away_leaves_its_command_unknown(server: Server) -> Non
 def test_what_cannot_be_asked_is_refused_before_anything_is_sent(
     server: Server, device: str, target: str, fields: dict, reason: str
 ) -> None:
-    problem = begin(server.book, device, target, fields, server.now_ns)
+    problem = begin(
+        book=server.book, device=device, target=target, fields=fields, now_ns=server.now_ns
+    )
     assert isinstance(problem, str)
     assert reason in problem
 
 
 def test_frozen_driver_is_asked_nothing_that_it_would_do_much_later(server: Server) -> None:
     server.now_ns += 6 * SECOND
-    problem = begin(server.book, DOME, "DOME_SHUTTER", {"SHUTTER_OPEN": True}, server.now_ns)
+    problem = begin(
+        book=server.book,
+        device=DOME,
+        target="DOME_SHUTTER",
+        fields={"SHUTTER_OPEN": True},
+        now_ns=server.now_ns,
+    )
     assert "has not answered for 6 s" in str(problem)
 
 
@@ -200,7 +212,11 @@ def test_what_is_set_before_goes_first_and_the_rest_of_a_vector_goes_along(serve
 def test_weather_is_as_old_as_its_values_however_often_its_driver_answers(server: Server) -> None:
     server.passes(100)
     reading = read_state(
-        server.book, "Weather Simulator", "WEATHER_STATUS", "", ("a", "b", "c", "d")
+        book=server.book,
+        device="Weather Simulator",
+        name="WEATHER_STATUS",
+        element="",
+        states=("a", "b", "c", "d"),
     )
     assert (reading.value, reading.mono_ns) == (1.0, 0)
     # Defined once more, as the answer to our own question is: no measurement.
@@ -217,7 +233,16 @@ def test_weather_is_as_old_as_its_values_however_often_its_driver_answers(server
 
 def test_driver_that_leaves_its_hardware_leaves_no_value_behind(server: Server) -> None:
     server.sets(DOME, "CONNECTION", "Idle", CONNECT="Off", DISCONNECT="On")
-    assert read_state(server.book, DOME, "DOME_SHUTTER", "", ("open", "closed")) is None
+    assert (
+        read_state(
+            book=server.book,
+            device=DOME,
+            name="DOME_SHUTTER",
+            element="",
+            states=("open", "closed"),
+        )
+        is None
+    )
     assert read_text(server.book, DOME, "CONNECTION", "").value == "Disconnect"
 
 

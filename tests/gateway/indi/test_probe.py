@@ -9,7 +9,7 @@ from collections.abc import Callable
 import msgspec
 import pytest
 
-from talaia.gateway.adapters.indi.probe import look
+from talaia.gateway.adapters.indi.probe import probe_server
 from talaia.gateway.errors import AdapterLost
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.generate_description import propose
@@ -22,7 +22,7 @@ DRIVERS = tuple(f"indi_simulator_{each}" for each in ("telescope", "dome", "weat
 
 
 async def seen(port: int, *, connect: bool = False) -> Found:
-    return await asyncio.to_thread(look, "127.0.0.1", port, 20.0, connect=connect)
+    return await asyncio.to_thread(probe_server, "127.0.0.1", port, 20.0, connect=connect)
 
 
 async def test_a_probe_lists_devices_and_properties_and_connects_nothing(

@@ -60,7 +60,7 @@ class Hall:
     def room(self) -> float:
         return self.share
 
-    def look(self, *look: object) -> None:
+    def offer_frame(self, *look: object) -> None:
         self.looks.append(look)
 
     def offer(self, picture: PictureFrame) -> None:
@@ -84,7 +84,7 @@ def film(
 ) -> list[np.ndarray]:
     sent = [scene(320, 240, turn) for turn in range(count)]
     for at, each in enumerate(sent):
-        taker.take(packed(each, encoding), at, at * STEP_US, hall)
+        taker.process_picture(packed(each, encoding), at, at * STEP_US, hall)
     return sent
 
 
@@ -122,7 +122,7 @@ def test_whoever_comes_gets_a_picture_to_begin_with_and_no_one_can_ask_for_only_
     sent = [packed(scene(64, 48, turn), "rgb8") for turn in range(60)]
     for at, each in enumerate(sent):
         hall.keys.add(PictureForm.H264)
-        taker.take(each, at, at * STEP_US, hall)
+        taker.process_picture(each, at, at * STEP_US, hall)
     keys = [each.seq for each in hall.got if each.key]
     assert 6 <= len(keys) <= 8
     assert len(hall.got) == 60
@@ -137,7 +137,7 @@ def test_each_form_has_its_size_and_pace() -> None:
     assert 2 <= len(by_form[PictureForm.STILL]) <= 3
     assert {(each.width, each.height) for each in by_form[PictureForm.H264]} == {(320, 240)}
     wide = packed(scene(640, 480), "rgb8")
-    taker.take(wide, 99, 99 * STEP_US, hall)
+    taker.process_picture(wide, 99, 99 * STEP_US, hall)
     small = [each for each in hall.got[-4:] if each.forms[0].endswith("small")]
     assert {(each.width, each.height) for each in small} <= {(320, 240)}
 
@@ -147,7 +147,7 @@ def test_what_nobody_wants_is_neither_read_nor_encoded() -> None:
     read: list[object] = []
     described = Stream(name="F", source=Source(topic="/i", type="sensor_msgs/msg/Image"))
     taker = PictureStream("cam/front", described, read.append, lambda *_: None)
-    taker.take(b"", 0, 0, hall)
+    taker.process_picture(b"", 0, 0, hall)
     assert (read, hall.got) == ([], [])
     assert len(hall.looks) == 1
 
@@ -161,7 +161,7 @@ def test_a_full_link_gets_nothing_and_a_narrow_one_gets_less() -> None:
     def weigh(at: int, share: float) -> int:
         hall.share, before = share, len(hall.got)
         for each in range(30):
-            taker.take(packed(noise[each], "rgb8"), 0, (at + each) * STEP_US, hall)
+            taker.process_picture(packed(noise[each], "rgb8"), 0, (at + each) * STEP_US, hall)
         return sum(len(each.data) for each in hall.got[before:])
 
     whole, none, third = weigh(0, 1), weigh(30, 0), weigh(60, 0.3)
@@ -181,7 +181,7 @@ def test_without_an_encoder_all_is_jpeg_and_made_once(monkeypatch: pytest.Monkey
 def test_a_camera_s_own_jpeg_passes_as_it_is_and_becomes_a_film_for_others() -> None:
     hall, (taker, _) = Hall(PictureForm.H264, PictureForm.JPEG), stream("CompressedImage")
     own = jpeg_of(packed(scene(320, 240), "rgb8"), 90, 0)[0]
-    taker.take(Message(format="jpeg", data=np.frombuffer(own, np.uint8)), 0, 0, hall)
+    taker.process_picture(Message(format="jpeg", data=np.frombuffer(own, np.uint8)), 0, 0, hall)
     film_one, same = hall.got
     assert same.data == own
     assert psnr(played([film_one])[0], scene(320, 240)) > 30
@@ -194,9 +194,9 @@ def test_a_png_is_read() -> None:
     frame = av.VideoFrame.from_ndarray(scene(320, 240), format="rgb24")
     data = b"".join(bytes(each) for each in [*encoder.encode(frame), *encoder.encode(None)])
     hall, (taker, _) = Hall(PictureForm.JPEG), stream("CompressedImage", quality=95)
-    taker.take(Message(format="png", data=data), 0, 0, hall)
+    taker.process_picture(Message(format="png", data=data), 0, 0, hall)
     assert psnr(simplejpeg.decode_jpeg(hall.got[0].data), scene(320, 240)) > 32
-    taker.take(Message(format="png", data=data[:200]), 1, STEP_US, hall)
+    taker.process_picture(Message(format="png", data=data[:200]), 1, STEP_US, hall)
     assert "PNG cannot be decoded" in hall.troubles[0]
 
 
@@ -216,11 +216,11 @@ def test_a_bad_picture_is_told_and_the_next_good_one_comes(
     hall, (taker, told) = Hall(form), stream()
     bad = Message(**(vars(packed(scene(), "rgb8")) | change))
     for at in range(90):
-        taker.take(bad, at, at * STEP_US, hall)
+        taker.process_picture(bad, at, at * STEP_US, hall)
     assert (hall.got, len(told)) == ([], 1)
     assert word in told[0]
     assert hall.troubles == told * 2
-    taker.take(packed(scene(), "rgb8"), 90, 90 * STEP_US, hall)
+    taker.process_picture(packed(scene(), "rgb8"), 90, 90 * STEP_US, hall)
     assert len(hall.got) == 1
 
 
@@ -251,7 +251,9 @@ def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
     described = Stream(name="F", source=Source(topic="/i", type=f"sensor_msgs/msg/{form}"))
     taker = PictureStream("cam/front", described, decode, lambda *_: None)
     whole = cdr(form)
-    taker.take((whole[:at] + noise + whole[at + len(noise) :])[: len(whole) - cut], 0, 0, hall)
+    taker.process_picture(
+        (whole[:at] + noise + whole[at + len(noise) :])[: len(whole) - cut], 0, 0, hall
+    )
     assert hall.got or hall.troubles
     assert hall.looks[0][2]() is None or hall.got
 
@@ -259,7 +261,7 @@ def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
 def test_a_camera_that_changes_its_size_goes_on() -> None:
     hall, (taker, _) = Hall(PictureForm.H264), stream()
     for at, (width, height) in enumerate([(64, 48), (64, 48), (128, 96), (33, 17), (1, 1)]):
-        taker.take(packed(scene(width, height), "rgb8"), at, at * 10 * STEP_US, hall)
+        taker.process_picture(packed(scene(width, height), "rgb8"), at, at * 10 * STEP_US, hall)
     assert [(each.width, each.height, each.key) for each in hall.got] == [
         (64, 48, True), (64, 48, False), (128, 96, True), (32, 16, True), (16, 16, True),
     ]  # fmt: skip
@@ -273,7 +275,7 @@ def test_the_rate_of_the_description_is_kept() -> None:
 
 def test_a_film_keeps_to_its_bits_however_busy_the_scene() -> None:
     bits = bits_for(320, 240, 30)
-    encoder = Encoder(320, 240, 30, bits)
+    encoder = Encoder(width=320, height=240, rate=30, bits=bits)
     rng = np.random.default_rng(1)
     weight = 0
     for at in range(90):
@@ -305,7 +307,7 @@ def test_on_a_narrow_line_pictures_are_fewer_but_none_is_a_grey_area(
     sent = {}
     for at in range(90):
         sent[at + 1] = photograph(320, 240, at)
-        taker.take(packed(sent[at + 1], "rgb8"), at, at * STEP_US, hall)
+        taker.process_picture(packed(sent[at + 1], "rgb8"), at, at * STEP_US, hall)
     seen = played(hall.got)
     assert len(seen) == len(hall.got) >= 5
     for picture, shown in zip(hall.got, seen, strict=True):
@@ -317,5 +319,5 @@ def test_an_encoder_goes_on_while_the_share_of_the_line_wavers() -> None:
     hall, (taker, _) = Hall(PictureForm.H264), stream()
     for at in range(60):
         hall.share = (0.7, 0.6, 0.8)[at // 10 % 3]
-        taker.take(packed(scene(320, 240, at), "rgb8"), at, at * STEP_US, hall)
+        taker.process_picture(packed(scene(320, 240, at), "rgb8"), at, at * STEP_US, hall)
     assert [each.seq for each in hall.got if each.key] == [1]

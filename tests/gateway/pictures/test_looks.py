@@ -16,7 +16,7 @@ RGB = np.zeros((2, 3, 3), np.uint8)
 
 def test_nothing_is_kept_of_a_stream_that_nobody_holds() -> None:
     looks = FrameSource()
-    looks.put("cam/front", (1, 2, 3), lambda: RGB)
+    looks.offer_frame("cam/front", (1, 2, 3), lambda: RGB)
     assert looks.newest("cam/front") is None
     assert looks.held() == frozenset()
 
@@ -30,7 +30,7 @@ def test_the_newest_is_decoded_once_and_only_when_asked_for() -> None:
         return RGB
 
     for seq in (1, 2, 3):
-        looks.put("cam/front", (seq, 10, 20), decode)
+        looks.offer_frame("cam/front", (seq, 10, 20), decode)
     assert decoded == []
     look = looks.newest("cam/front")
     assert look is not None
@@ -48,8 +48,8 @@ def test_who_waits_gets_the_next_one() -> None:
         target=lambda: got.append(looks.newest("cam/front", after=1, wait_s=30))
     )
     asking.start()
-    looks.put("cam/front", (1, 0, 0), lambda: RGB)
-    looks.put("cam/front", (2, 0, 0), lambda: RGB)
+    looks.offer_frame("cam/front", (1, 0, 0), lambda: RGB)
+    looks.offer_frame("cam/front", (2, 0, 0), lambda: RGB)
     asking.join(30)
     assert got
     assert got[0] is not None
@@ -60,11 +60,11 @@ def test_camera_that_is_connected_anew_and_numbers_anew_is_seen_at_once() -> Non
     looks = FrameSource()
     looks.hold("cam/front")
     assert looks.arrived("cam/front") == 0
-    looks.put("cam/front", (7, 10, 20), lambda: RGB)
+    looks.offer_frame("cam/front", (7, 10, 20), lambda: RGB)
     assert looks.arrived("cam/front") == 20
     assert looks.arrived("cam/front", since_us=20) == 0
     old = looks.newest("cam/front")
-    looks.put("cam/front", (7, 11, 30), lambda: RGB + 1)
+    looks.offer_frame("cam/front", (7, 11, 30), lambda: RGB + 1)
     assert looks.arrived("cam/front", since_us=20) == 30
     new = looks.newest("cam/front")
     assert old is not None
@@ -73,9 +73,8 @@ def test_camera_that_is_connected_anew_and_numbers_anew_is_seen_at_once() -> Non
 
 
 def test_a_stream_rests_once_all_have_let_go_of_it() -> None:
-    looks = FrameSource()
     told: list[frozenset[str]] = []
-    looks.on_held = lambda: told.append(looks.held())
+    looks = FrameSource(on_held=lambda: told.append(looks.held()))
     first, second = looks.hold("cam/front"), looks.hold("cam/front")
     first()
     first()
@@ -87,5 +86,5 @@ def test_a_stream_rests_once_all_have_let_go_of_it() -> None:
 def test_a_picture_that_cannot_be_read_is_none() -> None:
     looks = FrameSource()
     looks.hold("cam/front")
-    looks.put("cam/front", (1, 0, 0), lambda: None)
+    looks.offer_frame("cam/front", (1, 0, 0), lambda: None)
     assert looks.newest("cam/front") is None

@@ -20,7 +20,7 @@ import msgspec
 import numpy as np
 from websockets.asyncio.client import connect
 
-from talaia.gateway.reload.apply import catalogue_of
+from talaia.gateway.reload.current_description import catalogue_of
 from talaia.gateway.spool.journal import SegmentHead, Spool
 from talaia.gateway.spool.segment import SampleRecord
 from talaia.hub import accounts
@@ -147,7 +147,7 @@ def fill_spool(world: World, seconds: int, rate: int) -> tuple[int, int]:
     channels = [each.address for each in described.channels()]
     boot = f"{time.time_ns() // 1_000_000 - seconds * 1000:012x}-{secrets.token_hex(4)}"
     head = SegmentHead(boot, catalogue_of(described), channels)
-    spool = Spool(world.gateway_data / "spool", head, 1 << 30)
+    spool = Spool(folder=world.gateway_data / "spool", head=head, bound=1 << 30)
     count, at_once = seconds * rate, 500
     from_us = time.time_ns() // 1000 - (seconds + 60) * 1_000_000
     for first in range(0, count, at_once):

@@ -10,7 +10,7 @@ from talaia.cli.importing.bags import Bag
 from talaia.cli.importing.decoding import Undecodable, decoder_of, ros_type
 from talaia.cli.importing.mcap_file import McapFile
 from talaia.cli.importing.source import Findings, Piece
-from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
 from talaia.model.connection import Ros1Connection, Ros2Connection, RosbridgeConnection
 from talaia.model.site import parts_of
@@ -109,16 +109,16 @@ class Messages:
             time_us = time_ns // 1000
             past_us = max(past_us, time_us)
             plan.take_past(time_us, gathered)
-            plan.take(message, time_us, 0, gathered)
+            plan.read_message(message, time_us, 0, gathered)
             waiting += 1
             if waiting == _AT_ONCE:
                 waiting = 0
-                columns = gathered.take()
+                columns = gathered.take_columns()
                 if columns is not None:
                     yield Piece(min(1.0, read / total), columns)
         for plan, _ in self._read.values():
             plan.take_past(2**62, gathered)
-        columns = gathered.take()
+        columns = gathered.take_columns()
         if columns is not None:
             yield Piece(1.0, columns)
         for address, problem in self._unreadable.items():
@@ -134,7 +134,7 @@ class Messages:
 
         plans = [
             plan
-            for share in shares_of(site)
+            for share in scopes_of(site)
             if isinstance(share.connection, _ROS)
             for plan in plans_of(share, {}, complain)
         ]

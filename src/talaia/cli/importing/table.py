@@ -111,10 +111,10 @@ class Table:
             waiting += 1
             if waiting == _AT_ONCE:
                 waiting = 0
-                columns = gathered.take()
+                columns = gathered.take_columns()
                 if columns is not None:
                     yield Piece(min(1.0, self._raw.tell() / self._size), columns)
-        columns = gathered.take()
+        columns = gathered.take_columns()
         if columns is not None:
             yield Piece(1.0, columns)
         if self._times.doubtful:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["adapter_of"]
 
 
-def adapter_of(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     """Make the adapter of one connection.
 
     Raises:
@@ -36,7 +36,7 @@ def adapter_of(share: ConnectionScope, outlets: AdapterContext, status: AdapterS
     """
     make: Callable[[ConnectionScope, AdapterContext, AdapterStatus], Adapter]
     remedy = "install talaia[gateway]"
-    match share.connection:
+    match scope.connection:
         case Ros2Connection():
             make, remedy = _ros2, "install talaia[ros2], or source the ROS installation's setup"
         case Ros1Connection():
@@ -52,51 +52,51 @@ def adapter_of(share: ConnectionScope, outlets: AdapterContext, status: AdapterS
         case ExtensionConnection():
             make = _extension
     try:
-        return make(share, outlets, status)
+        return make(scope, context, status)
     except ImportError as error:
         raise SettingsError(
-            f"the connection {share.name} of the description cannot be used here ({error}); "
+            f"the connection {scope.name} of the description cannot be used here ({error}); "
             f"{remedy}"
         ) from error
 
 
-def _ros2(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def _ros2(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.ros2.adapter import Ros2Adapter
 
-    return Ros2Adapter(share, outlets, status)
+    return Ros2Adapter(scope, context, status)
 
 
-def _ros1(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def _ros1(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.ros1.adapter import Ros1Adapter
 
-    return Ros1Adapter(share, outlets, status)
+    return Ros1Adapter(scope, context, status)
 
 
-def _rosbridge(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def _rosbridge(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.rosbridge.adapter import RosbridgeAdapter
 
-    return RosbridgeAdapter(share, outlets, status)
+    return RosbridgeAdapter(scope, context, status)
 
 
-def _indi(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def _indi(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.indi.adapter import IndiAdapter
 
-    return IndiAdapter(share, outlets, status)
+    return IndiAdapter(scope, context, status)
 
 
-def _process(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def _process(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.process import ProcessAdapter
 
-    return ProcessAdapter(share, outlets, status)
+    return ProcessAdapter(scope, context, status)
 
 
-def _video(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def _video(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.video.adapter import VideoAdapter
 
-    return VideoAdapter(share, outlets, status)
+    return VideoAdapter(scope, context, status)
 
 
-def _extension(share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus) -> Adapter:
+def _extension(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.extension import ExtensionAdapterProcess
 
-    return ExtensionAdapterProcess(share, outlets, status)
+    return ExtensionAdapterProcess(scope, context, status)

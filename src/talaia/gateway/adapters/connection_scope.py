@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Device, Site
 
-__all__ = ["ConnectionScope", "ReconfigurableAdapter", "shares_of"]
+__all__ = ["ConnectionScope", "ReconfigurableAdapter", "scopes_of"]
 
 
 class ConnectionScope(NamedTuple):
@@ -40,37 +40,41 @@ class ConnectionScope(NamedTuple):
 
 @runtime_checkable
 class ReconfigurableAdapter(Protocol):
-    """An `Adapter` that takes another share of the site while it runs.
+    """An `Adapter` that takes another scope of the site while it runs.
 
     What is the same in both goes on without a break: none of its samples is lost or comes twice.
     """
 
-    def redescribe(self, share: ConnectionScope) -> None:
+    def redescribe(self, scope: ConnectionScope) -> None:
         """Serve this from here on. Its connection is the one it has. Returns at once."""
         ...
 
 
-def shares_of(site: Site, roster: ChannelNumbering | None = None) -> list[ConnectionScope]:
+def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[ConnectionScope]:
     """Cut a site into what each of its connections serves, in the order of the description.
 
-    Without a ``roster`` channels are numbered by their place in `Site.channels`.
+    Without a ``numbering`` channels are numbered by their place in `Site.channels`.
     """
-    first = (roster or ChannelNumbering(site)).numbers(site)
+    first = (numbering or ChannelNumbering(site)).numbers(site)
     guarded = site.guarded()
     of = {device: site.connection_of(device) for device in site.devices}
-    shares = []
+    scopes = []
     for name, connection in site.links().items():
-        devices = {each: _said(site.devices[each]) for each in site.devices if of[each] == name}
+        devices = {
+            each: _without_detections(site.devices[each])
+            for each in site.devices
+            if of[each] == name
+        }
         channel = {
             f"{device_id}/{signal_id}": first[f"{device_id}/{signal_id}"]
             for device_id, device in devices.items()
             for signal_id in device.signals
         }
-        shares.append(ConnectionScope(name, connection, devices, channel, guarded & channel.keys()))
-    return shares
+        scopes.append(ConnectionScope(name, connection, devices, channel, guarded & channel.keys()))
+    return scopes
 
 
-def _said(device: Device) -> Device:
+def _without_detections(device: Device) -> Device:
     """Leave out what is seen."""
     signals = {name: each for name, each in device.signals.items() if not is_seen(each.source)}
     streams = {

@@ -48,11 +48,11 @@ class DeviceReachability:
         for device in moved:
             self._away.pop(device, None)
             if device in of:
-                self._tell(device)
+                self._report_change(device)
             else:
                 self._said.pop(device, None)
         for device in of:
-            self._tell(device)
+            self._report_change(device)
 
     def lost(self, connection: str, why: str) -> list[str]:
         """Take a connection as gone; give its devices."""
@@ -62,7 +62,7 @@ class DeviceReachability:
             # When it is back, everything is heard anew.
             self._away.pop(device, None)
             self._slow.discard(device)
-            self._tell(device)
+            self._report_change(device)
         return devices
 
     def back(self, connection: str) -> list[str]:
@@ -70,7 +70,7 @@ class DeviceReachability:
         self._lost.pop(connection, None)
         devices = self.devices(connection)
         for device in devices:
-            self._tell(device)
+            self._report_change(device)
         return devices
 
     def device(self, device: str, *, there: bool, why: str = "", sure: bool = True) -> None:
@@ -85,7 +85,7 @@ class DeviceReachability:
             self._slow.discard(device)
         else:
             self._slow.add(device)
-        self._tell(device)
+        self._report_change(device)
 
     def devices(self, connection: str) -> list[str]:
         """Name the devices of a connection."""
@@ -109,7 +109,7 @@ class DeviceReachability:
     def _why(self, device: str) -> str:
         return self._lost.get(self._of.get(device, "")) or self._away.get(device, "")
 
-    def _tell(self, device: str) -> None:
+    def _report_change(self, device: str) -> None:
         why = self._why(device)
         said = self._said.get(device)
         if why == (said[0] if said is not None else ""):

@@ -72,22 +72,22 @@ class ExtensionAdapterProcess:
     """An `Adapter` for a connection of kind ``extension``."""
 
     def __init__(
-        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+        self, scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
     ) -> None:
-        """Speak for ``share``.
+        """Speak for ``scope``.
 
         Raises:
             SettingsError: the extension is not installed here.
 
         """
-        connection = share.connection
+        connection = scope.connection
         assert isinstance(connection, ExtensionConnection)  # noqa: S101 - the catalogue's promise
         self._name, self._keys = connection.extension, connection.keys
-        _require_installed(share.name, self._name)
-        self._share, self._outlets, self._status = share, outlets, status
+        _require_installed(scope.name, self._name)
+        self._scope, self._context, self._status = scope, context, status
         self._signals: dict[str, Signal] = {
             f"{device_id}/{signal_id}": signal
-            for device_id, device in share.devices.items()
+            for device_id, device in scope.devices.items()
             for signal_id, signal in device.signals.items()
         }
         self._samplers = {
@@ -141,9 +141,9 @@ class ExtensionAdapterProcess:
             )
             for address, signal in self._signals.items()
         )
-        folder = os.fspath(self._outlets.folder.absolute())
+        folder = os.fspath(self._context.folder.absolute())
         return AdapterJob(
-            self._share.name, self._name, self._keys, folder, tuple(self._share.devices), signals
+            self._scope.name, self._name, self._keys, folder, tuple(self._scope.devices), signals
         )
 
     def _end(self) -> None:
@@ -187,11 +187,11 @@ class ExtensionAdapterProcess:
             case ValueWords():
                 self._value(words)
             case DeviceWords():
-                if words.device in self._share.devices:
+                if words.device in self._scope.devices:
                     self._status.device(words.device, there=words.reachable, why=words.why[:200])
             case ReportWords():
-                said = f"{self._share.name}: {words.message}"
-                self._outlets.events.tell(words.kind, said)
+                said = f"{self._scope.name}: {words.message}"
+                self._context.events.report_event(words.kind, said)
             case DoneWords():
                 phase = _PHASES.get(words.phase, CommandPhase.UNKNOWN)
                 self._done(words.number, CommandOutcome(phase, words.message))
@@ -202,10 +202,10 @@ class ExtensionAdapterProcess:
         signal = self._signals.get(words.address)
         if signal is None:
             return
-        clock = self._outlets.clock
+        clock = self._context.clock
         mono_ns = clock.monotonic_ns()
         time_us = clock.wall_ns() // 1000 if words.time_us is None else words.time_us
-        channel = self._share.channel[words.address]
+        channel = self._scope.channel[words.address]
         if signal.type is SignalType.TEXT:
             text = words.value if isinstance(words.value, str) else f"{words.value}"
             self._gathered.add_text(channel, time_us, text[:_MAX_TEXT])
@@ -214,7 +214,7 @@ class ExtensionAdapterProcess:
             if value is None:
                 self._complain(words)
                 return
-            if words.address in self._share.guarded:
+            if words.address in self._scope.guarded:
                 self._latest[words.address] = ChannelReading(value, mono_ns)
             sampler = self._samplers.get(words.address)
             if sampler is not None and not sampler.accepts(time_us, (value,)):
@@ -229,15 +229,17 @@ class ExtensionAdapterProcess:
         self._unreadable.add(words.address)
         said = f"{words.address}: {str(words.value)[:80]!r} is no value of this signal"
         log.warning("%s", said)
-        self._outlets.events.tell("unreadable", said, device=words.address.partition("/")[0])
+        self._context.events.report_event(
+            "unreadable", said, device=words.address.partition("/")[0]
+        )
 
     def _flush(self) -> None:
         if self._flushing is not None:
             self._flushing.cancel()
             self._flushing = None
-        columns = self._gathered.take()
+        columns = self._gathered.take_columns()
         if columns is not None:
-            self._outlets.samples.put(columns)
+            self._context.samples.put_samples(columns)
 
     def _send(self, words: ToAdapter) -> None:
         if self._writer is not None:
@@ -276,7 +278,7 @@ class ExtensionAdapterProcess:
         done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
-        described = self._share.devices[device].commands.get(command)
+        described = self._scope.devices[device].commands.get(command)
         if described is None or described.kind is not CommandKind.EXTENSION:
             said = f"{device}/{command} is no command of an extension"
             done(CommandOutcome(CommandPhase.REFUSED, said))

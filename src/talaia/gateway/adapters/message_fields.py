@@ -67,6 +67,7 @@ class RosMessageType(NamedTuple):
 
 
 def shape_of(
+    *,
     kind: RosMessageType,
     type_name: str,
     find: Callable[[str], RosMessageType | None],
@@ -84,7 +85,9 @@ def shape_of(
 
     """
     walk = _Walk(find, comment_of)
-    fields = tuple(walk.of(kind, type_name, message, "", None, 0))
+    fields = tuple(
+        walk.of(kind=kind, type_name=type_name, message=message, prefix="", above=None, depth=0)
+    )
     return ReadableFields(fields[:MAX_FIELDS], tuple(walk.left_out))
 
 
@@ -100,6 +103,7 @@ class _Walk:
 
     def of(
         self,
+        *,
         kind: RosMessageType,
         type_name: str,
         message: object,
@@ -118,10 +122,20 @@ class _Walk:
                 continue
             listed = _LIST.match(declared)
             if listed is None:
-                yield from self._one(kind, field, declared, path, value, meaning, depth)
+                yield from self._one(
+                    kind=kind,
+                    field=field,
+                    declared=declared,
+                    path=path,
+                    value=value,
+                    meaning=meaning,
+                    depth=depth,
+                )
                 continue
             names = getattr(message, "name", None) if field != "name" else None
-            yield from self._list(listed, path, value, meaning, names, depth)
+            yield from self._list(
+                listed=listed, path=path, value=value, meaning=meaning, names=names, depth=depth
+            )
 
     def _meaning(self, type_name: str, field: str) -> Meaning | None:
         return (
@@ -132,6 +146,7 @@ class _Walk:
 
     def _one(
         self,
+        *,
         kind: RosMessageType,
         field: str,
         declared: str,
@@ -146,13 +161,21 @@ class _Walk:
             if nested is None:
                 self.left_out.append(f"{path}: the type {declared} is not known here")
             else:
-                yield from self.of(nested, declared, value, path, meaning, depth + 1)
+                yield from self.of(
+                    kind=nested,
+                    type_name=declared,
+                    message=value,
+                    prefix=path,
+                    above=meaning,
+                    depth=depth + 1,
+                )
         else:
             words = _words(kind, field) if simple == "integer" else ()
-            yield _field(path, simple, meaning, value, words)
+            yield _field(path=path, simple=simple, meaning=meaning, value=value, words=words)
 
     def _list(
         self,
+        *,
         listed: re.Match[str],
         path: str,
         value: object,
@@ -178,16 +201,31 @@ class _Walk:
             at = f"{path}[{index}]"
             if simple is not None:
                 named = _item(names, index) if _length(names) == count else None
-                yield _field(at, simple, meaning, item, (), named if isinstance(named, str) else "")
+                yield _field(
+                    path=at,
+                    simple=simple,
+                    meaning=meaning,
+                    value=item,
+                    words=(),
+                    name=named if isinstance(named, str) else "",
+                )
                 continue
             nested = self._find(inner)
             if nested is None:
                 self.left_out.append(f"{path}: the type {inner} is not known here")
                 return
-            yield from self.of(nested, inner, item, at, meaning, depth + 1)
+            yield from self.of(
+                kind=nested,
+                type_name=inner,
+                message=item,
+                prefix=at,
+                above=meaning,
+                depth=depth + 1,
+            )
 
 
 def _field(
+    *,
     path: str,
     simple: str,
     meaning: Meaning | None,

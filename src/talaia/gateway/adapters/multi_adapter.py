@@ -59,12 +59,11 @@ class MultiAdapter:
 
     def __init__(
         self,
+        *,
         of: Mapping[str, str],
         adapters: Mapping[str, tuple[Adapter, ConnectionStatus]],
         reach: DeviceReachability,
         events: EventSink,
-        lost: Callable[[Collection[str]], None],
-        back: Callable[[Collection[str]], None],
     ) -> None:
         """Join adapters.
 
@@ -73,15 +72,14 @@ class MultiAdapter:
             adapters: by connection.
             reach: told when a connection is lost or back.
             events: told the same in words, once each.
-            lost: told which devices went away with a connection.
-            back: told which came back with it.
 
         """
         self._of = of
         self._adapters = adapters
         self._reach = reach
         self._events = events
-        self._on_lost, self._on_back = lost, back
+        self._loss_listeners: list[Callable[[Collection[str]], None]] = []
+        self._return_listeners: list[Callable[[Collection[str]], None]] = []
         self._nobody = NullAdapter()
         self._lost: set[str] = set()
         self._running: set[str] = set()
@@ -89,6 +87,16 @@ class MultiAdapter:
         self._group: asyncio.TaskGroup | None = None
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._ending: set[asyncio.Task[None]] = set()
+
+    def subscribe_losses(
+        self,
+        *,
+        lost: Callable[[Collection[str]], None],
+        back: Callable[[Collection[str]], None],
+    ) -> None:
+        """Call ``lost`` with the devices that go away with a connection, and ``back`` after it."""
+        self._loss_listeners.append(lost)
+        self._return_listeners.append(back)
 
     async def run(self) -> None:
         """Run all of them until cancelled; whichever is lost is begun again by itself.
@@ -165,16 +173,19 @@ class MultiAdapter:
         if name not in self._lost:
             self._lost.add(name)
             log.warning("%s: %s; trying again every %g s", name, why, AGAIN_S)
-            self._events.tell("connection lost", f"{name}: {why}")
-            self._on_lost(devices)
+            self._events.report_event("connection lost", f"{name}: {why}")
+            for on_loss in self._loss_listeners:
+                on_loss(devices)
 
     def _back(self, name: str) -> None:
         if name not in self._running or name not in self._lost:
             return
         self._lost.discard(name)
         log.info("%s is back", name)
-        self._events.tell("connection back", name, good=True)
-        self._on_back(self._reach.back(name))
+        self._events.report_event("connection back", name, good=True)
+        devices = self._reach.back(name)
+        for on_return in self._return_listeners:
+            on_return(devices)
 
     # ── to the one that serves the device ──
 

@@ -83,7 +83,7 @@ class DevicePresence:
         """Take a node as dead, without waiting: nobody is where it was."""
         self._gone.add(node)
 
-    def look(
+    def judge_devices(
         self, now_ns: int, offers: Mapping[str, DeviceEndpoints], heard_ns: Mapping[str, int]
     ) -> frozenset[str]:
         """Judge every device.

@@ -4,7 +4,7 @@ Each command line is cut into arguments once, by the rules of a shell's quotes b
 what a person writes fills one argument, whatever is in it. A line that several signals read is run
 once. A command that does not end in time is ended with all it has started.
 
-Long, because running, ending and reading a command share its process and are read together.
+Long, because running, ending and reading a command scope its process and are read together.
 """
 
 from __future__ import annotations
@@ -188,12 +188,12 @@ class ProcessAdapter:
     """
 
     def __init__(
-        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+        self, scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
     ) -> None:
         """Cut every line; `run` begins to ask."""
-        connection = share.connection
+        connection = scope.connection
         assert isinstance(connection, ProcessConnection)  # noqa: S101 - the catalogue's promise
-        self._share, self._outlets, self._status = share, outlets, status
+        self._scope, self._context, self._status = scope, context, status
         self._connection = connection
         self._prefix = shlex.split(connection.prefix)
         self._gathered = SampleBuffer()
@@ -205,8 +205,8 @@ class ProcessAdapter:
         self._acts: set[asyncio.Task[None]] = set()
         self._running = False
         # Not `or`: an empty one is still the one that others look at.
-        self.answers = {} if outlets.answers is None else outlets.answers
-        for device_id, device in share.devices.items():
+        self.answers = {} if context.answers is None else context.answers
+        for device_id, device in scope.devices.items():
             for signal_id, signal in device.signals.items():
                 self._plan(device_id, f"{device_id}/{signal_id}", signal)
 
@@ -282,7 +282,7 @@ class ProcessAdapter:
         done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
-        described = self._share.devices[device].commands.get(command)
+        described = self._scope.devices[device].commands.get(command)
         if described is None or described.kind is not CommandKind.PROCESS:
             done(CommandOutcome(CommandPhase.REFUSED, f"{device}/{command} is not a command line"))
             return None
@@ -295,7 +295,9 @@ class ProcessAdapter:
         if isinstance(words, str):
             done(CommandOutcome(CommandPhase.REFUSED, words))
             return None
-        task = asyncio.ensure_future(self._do([*self._prefix, *words], described.timeout, done))
+        task = asyncio.ensure_future(
+            self._run_command([*self._prefix, *words], described.timeout, done)
+        )
         self._acts.add(task)
         task.add_done_callback(self._acts.discard)
 
@@ -304,7 +306,7 @@ class ProcessAdapter:
 
         return cancel
 
-    async def _do(
+    async def _run_command(
         self, words: list[str], within: float, done: Callable[[CommandOutcome], None]
     ) -> None:
         try:
@@ -336,14 +338,14 @@ class ProcessAdapter:
             began = loop.time()
             async with self._slots:
                 answer = await run_words(line.words, self._connection.timeout)
-            self._take(line, answer)
+            self._read_answer(line, answer)
             # Never two of one line at once: a slow one is asked as often as it answers.
             took = loop.time() - began
             # A machine on which clients start slowly has other things to do as well.
             await asyncio.sleep(max(took / 2, self._connection.poll - took))
 
-    def _take(self, line: _Line, answer: ProcessResult) -> None:
-        clock = self._outlets.clock
+    def _read_answer(self, line: _Line, answer: ProcessResult) -> None:
+        clock = self._context.clock
         time_us, mono_ns = clock.wall_ns() // 1000, clock.monotonic_ns()
         known = False
         for address, signal in line.signals.items():
@@ -353,7 +355,7 @@ class ProcessAdapter:
             self.answers[address] = answer.text
             value = number_in(signal, answer.text)
             if isinstance(value, str):
-                self._gathered.add_text(self._share.channel[address], time_us, value)
+                self._gathered.add_text(self._scope.channel[address], time_us, value)
             elif value is not None:
                 known = True
                 self._number(address, value, time_us, mono_ns)
@@ -361,22 +363,22 @@ class ProcessAdapter:
                 self._unreadable.add(address)
                 said = f"{address}: its value is not in the answer {answer.text.strip()[:80]!r}"
                 log.warning("%s", said)
-                self._outlets.events.tell("unreadable", said, device=line.device)
-        columns = self._gathered.take()
+                self._context.events.report_event("unreadable", said, device=line.device)
+        columns = self._gathered.take_columns()
         if columns is not None:
-            self._outlets.samples.put(columns)
+            self._context.samples.put_samples(columns)
         line.good = known or (answer.code == 0 and bool(answer.text))
         line.why = "" if line.good else (answer.text.strip() or answer.problem or "no answer")
-        self._tell(line)
+        self._report_device(line)
 
     def _number(self, address: str, value: float, time_us: int, mono_ns: int) -> None:
-        if address in self._share.guarded:
+        if address in self._scope.guarded:
             self._latest[address] = ChannelReading(value, mono_ns)
         sampler = self._samplers.get(address)
         if sampler is None or sampler.accepts(time_us, (value,)):
-            self._gathered.add(self._share.channel[address], time_us, value)
+            self._gathered.add(self._scope.channel[address], time_us, value)
 
-    def _tell(self, line: _Line) -> None:
+    def _report_device(self, line: _Line) -> None:
         """Say whether the device answers: one line that does is enough."""
         lines = [each for each in self._lines.values() if each.device == line.device]
         if any(each.good for each in lines):

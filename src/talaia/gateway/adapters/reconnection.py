@@ -42,7 +42,7 @@ class ReconnectionAttempts:
         due = self._clock.monotonic_ns() + _WAIT_NS
         self._begun.append(_Begun(due, parts, absent, done))
 
-    def look(self) -> None:
+    def report_finished(self) -> None:
         """Tell the outcome of what is finished."""
         now = self._clock.monotonic_ns()
         for begun in list(self._begun):

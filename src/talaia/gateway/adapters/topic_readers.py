@@ -54,7 +54,7 @@ class SampleBuffer:
         self._texts[len(self._channel)] = text
         self.add(channel, time_us, math.nan)
 
-    def take(self) -> Columns | None:
+    def take_columns(self) -> Columns | None:
         """Give what was gathered and start anew; none if that is nothing."""
         if not self._channel:
             return None
@@ -92,6 +92,7 @@ class TopicPlan:
 
     def __init__(
         self,
+        *,
         topic: str,
         type_name: str,
         rows: list[_Row],
@@ -149,7 +150,7 @@ class TopicPlan:
         self._bad = {row.address for row in rows if same.get(row.address) == row.signal}
         self._bad = (self._bad | {self.topic}) & before._bad
 
-    def take(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
+    def read_message(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
         """Read one message into ``into``. What cannot be read is told once."""
         for row in self._rows:
             try:
@@ -161,7 +162,7 @@ class TopicPlan:
                 if row.tapped:
                     self._tap(row, message, values[0], mono_ns)
             except FieldError as error:
-                self._tell(row.address, error)
+                self._report_unreadable(row.address, error)
                 continue
             self._add(row, values, time_us, into)
         if self._by_name:
@@ -171,7 +172,7 @@ class TopicPlan:
         try:
             metric = parse_metric(str(self._data(message)))
         except FieldError as error:
-            self._tell(self.topic, error)
+            self._report_unreadable(self.topic, error)
             return
         row = self._by_name.get(metric.name)
         if row is not None:
@@ -180,7 +181,7 @@ class TopicPlan:
                 self._tap(row, message, value, mono_ns)
             self._add(row, (value,), time_us, into)
 
-    def _tell(self, address: str, error: FieldError) -> None:
+    def _report_unreadable(self, address: str, error: FieldError) -> None:
         if address not in self._bad:
             self._bad.add(address)
             self._complain(address, f"{self.topic}: {error}")
@@ -242,42 +243,61 @@ def file_in(message: object) -> bytes:
 
 
 def plans_of(
-    share: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
+    scope: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
 ) -> list[TopicPlan]:
-    """Make the plans of a share; signals of one topic and type share one."""
+    """Make the plans of a scope; signals of one topic and type scope one."""
     rows: dict[tuple[str, str], list[_Row]] = {}
     names: dict[tuple[str, str], dict[str, _Row]] = {}
-    for device_id, device in share.devices.items():
+    for device_id, device in scope.devices.items():
         for signal_id, signal in device.signals.items():
             if not signal.source.topic:
                 continue
             address = f"{device_id}/{signal_id}"
             key = (signal.source.topic, signal.source.type)
-            row = _row(address, share.channel[address], signal, tapped=address in share.guarded)
+            row = _row(address, scope.channel[address], signal, tapped=address in scope.guarded)
             rows.setdefault(key, [])
             names.setdefault(key, {})
             if signal.source.name:
                 names[key][signal.source.name] = row
             else:
                 rows[key].append(row)
-    return [TopicPlan(*key, rows[key], names[key], latest, complain) for key in rows]
+    return [
+        TopicPlan(
+            topic=topic,
+            type_name=type_name,
+            rows=read,
+            by_name=names[topic, type_name],
+            latest=latest,
+            complain=complain,
+        )
+        for (topic, type_name), read in rows.items()
+    ]
 
 
 def parameter_plans_of(
-    share: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
+    scope: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
 ) -> list[TopicPlan]:
     """Make a plan for each signal that is a parameter; its message has the value as ``data``."""
     plans = []
-    for device_id, device in share.devices.items():
+    for device_id, device in scope.devices.items():
         for signal_id, signal in device.signals.items():
             if not signal.source.parameter:
                 continue
             address = f"{device_id}/{signal_id}"
             of_data = msgspec.structs.replace(signal, source=Source(field="data"))
-            tapped = address in share.guarded
-            row = _row(address, share.channel[address], of_data, tapped=tapped)
+            tapped = address in scope.guarded
+            row = _row(address, scope.channel[address], of_data, tapped=tapped)
             name = signal.source.parameter
-            plans.append(TopicPlan(name, "", [row], {}, latest, complain))
+            plans.append(
+                TopicPlan(
+                    topic=name,
+                    type_name="",
+                    rows=[row],
+                    by_name={},
+                    latest=latest,
+                    complain=complain,
+                )
+            )
     return plans
 
 

@@ -35,7 +35,11 @@ class CommandBook:
             self._states[state.id] = state
         for state in list(self._states.values()):
             if state.phase not in FINAL:
-                lost = _with(state, _P.UNKNOWN, "the gateway ended while this was under way")
+                lost = _with(
+                    state=state,
+                    phase=_P.UNKNOWN,
+                    message="the gateway ended while this was under way",
+                )
                 self._states[state.id] = lost
                 self.interrupted.append(lost)
         self._forget()
@@ -58,6 +62,7 @@ class CommandBook:
 
     def move(
         self,
+        *,
         command_id: str,
         phase: CommandPhase,
         message: str = "",
@@ -68,7 +73,9 @@ class CommandBook:
         state = self._states.get(command_id)
         if state is None or phase not in _STEPS[state.phase]:
             return None
-        moved = _with(state, phase, message, progress, blocked_by)
+        moved = _with(
+            state=state, phase=phase, message=message, progress=progress, blocked_by=blocked_by
+        )
         self._states[command_id] = moved
         return moved
 
@@ -82,6 +89,7 @@ class CommandBook:
 
 
 def _with(
+    *,
     state: CommandState,
     phase: CommandPhase,
     message: str,

@@ -27,19 +27,19 @@ class SequenceRunner:
 
     def __init__(
         self,
-        commanding: CommandService,
-        mouth: ControlOutput,
+        commands: CommandService,
+        output: ControlOutput,
         boot: str,
         reached: Callable[[str], bool | None] = lambda _command: None,
     ) -> None:
-        """Act through ``commanding``; ``boot`` keeps the ids of this run apart from others'.
+        """Act through ``commands``; ``boot`` keeps the ids of this run apart from others'.
 
         ``reached`` says of a ``<device>/<command>`` whether sensors show that what it is for is
         so, none where there are none: a telescope that was parked by another command is parked.
         """
         self._reached = reached
-        self._commanding = commanding
-        self._mouth = mouth
+        self._commands = commands
+        self._output = output
         self._boot = boot
         self._count = 0
         self._running: dict[str, asyncio.Task[None]] = {}
@@ -76,16 +76,16 @@ class SequenceRunner:
                 ttl_ms=3_600_000,
                 who=label,
             )
-            state = await self._commanding.perform(ask, step.within)
+            state = await self._commands.perform(ask, step.within)
             if state.phase is CommandPhase.SUCCEEDED or await self._is_so(step, state.phase):
                 continue
             said = f"{step.command} {state.phase}: {state.message}".rstrip(": ")
             then = "the rest is not done" if step.required else "going on"
             message = f"{label}: {said}; {then}"
-            self._mouth.note("sequence_failed", device, message, label, good=False)
+            self._output.record_event("sequence_failed", device, message, label, good=False)
             if step.required:
                 return
-        self._mouth.note("sequence_done", "", label, label, good=True)
+        self._output.record_event("sequence_done", "", label, label, good=True)
 
     async def _is_so(self, step: Step, phase: CommandPhase) -> bool:
         """Tell whether what a command is for is so all the same, by what the sensors say.
@@ -104,7 +104,7 @@ class SequenceRunner:
         ):
             if self._reached(step.command):
                 return True
-            if waited_s > SETTLE_S and not self._commanding.runs(step.command):
+            if waited_s > SETTLE_S and not self._commands.runs(step.command):
                 return False
             await asyncio.sleep(LOOK_S)
         return False

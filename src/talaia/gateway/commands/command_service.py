@@ -51,6 +51,7 @@ class CommandService:
 
     def __init__(
         self,
+        *,
         site: Site,
         clock: Clock,
         target: CommandTarget,
@@ -144,7 +145,7 @@ class CommandService:
         self._book.interrupted.clear()
         for holder in self._holders.all():
             if (under_way := self._book.get(holder.id)) is not None:
-                self._tell(under_way)
+                self._send_state(under_way)
 
     async def perform(self, ask: CommandRequest, within: float | None) -> CommandState:
         """Act on a command of the gateway's own, which no interlock refuses.
@@ -174,7 +175,7 @@ class CommandService:
         began_ns = self._clock.monotonic_ns()
         known = self._book.get(ask.id)
         if known is not None:
-            self._tell(known)
+            self._send_state(known)
             return
         state = CommandState(
             id=ask.id,
@@ -188,29 +189,29 @@ class CommandService:
         command = device.commands.get(ask.command) if device is not None else None
         if command is None:
             problem = f"{ask.device}/{ask.command} is not a command of this site"
-            self._move(ask.id, CommandPhase.REFUSED, problem)
+            self._move(ask.id, CommandPhase.REFUSED, message=problem)
             return
         fields = fields_of(command, ask.args)
         problem = fields if isinstance(fields, str) else unit_problem(command, ask.units)
         if isinstance(fields, str) or problem:
-            self._move(ask.id, CommandPhase.REFUSED, problem)
+            self._move(ask.id, CommandPhase.REFUSED, message=problem)
             return
         named = args_of(command, ask.args)
         if self._refused_now(ask, named, guarded=guarded):
             return
         if problem := await self._write_accepted(state, guarded=guarded):
-            self._move(ask.id, CommandPhase.REFUSED, problem)
+            self._move(ask.id, CommandPhase.REFUSED, message=problem)
             return
         ttl_ns = min(ask.ttl_ms * 1e6, command.ttl * 1e9) if guarded else ask.ttl_ms * 1e6
         # Written so that NaN refuses as well.
         if not self._clock.monotonic_ns() - began_ns <= ttl_ns or ttl_ns <= 0:
-            self._move(ask.id, CommandPhase.REFUSED, "it came too late to be accepted")
+            self._move(ask.id, CommandPhase.REFUSED, message="it came too late to be accepted")
             return
         # Once more: it may have begun to rain while the disk was busy.
         if self._refused_now(ask, named, guarded=guarded):
             return
         over = self._take_hold(ask, command, guarded=guarded)
-        self._tell(state, over)
+        self._send_state(state, over)
         if guarded:
             self._begun(ask.device, ask.command, ask.who)
         if guarded and self._hold(ask.device, ask.command) is not None:
@@ -223,7 +224,7 @@ class CommandService:
     def _refused_now(self, ask: CommandRequest, named: dict[str, Scalar], *, guarded: bool) -> bool:
         """Refuse a command that may not be done now; tell whether it was refused."""
         if barred := self._barred(ask, named, guarded=guarded):
-            self._move(ask.id, CommandPhase.REFUSED, barred)
+            self._move(ask.id, CommandPhase.REFUSED, message=barred)
             return True
         holder = self._holders.against(ask.device, ask.who) if guarded else None
         if holder is None or never_asks(self._site, ask.device, ask.command):
@@ -235,7 +236,7 @@ class CommandService:
             return False
         why = f"{holder.words} (since {self._acting_s(holder):.0f} s)"
         blocked_by = "" if holder.safety else holder.id
-        self._move(ask.id, CommandPhase.REFUSED, why, blocked_by=blocked_by)
+        self._move(ask.id, CommandPhase.REFUSED, message=why, blocked_by=blocked_by)
         return True
 
     def _take_hold(self, ask: CommandRequest, command: Command, *, guarded: bool) -> str:
@@ -264,13 +265,13 @@ class CommandService:
         if holder is None:
             return ""
         # Who asked for it sees what became of it, and all others that they act no longer.
-        self._move(holder.id, CommandPhase.RUNNING, f"interrupted by {ask.who} ({doing})")
+        self._move(holder.id, CommandPhase.RUNNING, message=f"interrupted by {ask.who} ({doing})")
         return f"{holder.doing} of {holder.who} ({holder.id})"
 
     def _acting_s(self, holder: DeviceHolder) -> float:
         return (self._clock.monotonic_ns() - holder.since_ns) / SECOND
 
-    def _tell(self, state: CommandState, over: str = "") -> None:
+    def _send_state(self, state: CommandState, over: str = "") -> None:
         """Tell the hub where a command stands, and who acts by it."""
         holder = None if state.phase in FINAL else self._holders.get(state.id)
         if holder is not None:
@@ -303,21 +304,23 @@ class CommandService:
             while (held := self._hold(ask.device, ask.command)) is not None:
                 waited = (self._clock.monotonic_ns() - since_ns) / SECOND
                 if held.final:
-                    self._move(ask.id, CommandPhase.REFUSED, held.why)
+                    self._move(ask.id, CommandPhase.REFUSED, message=held.why)
                     return
                 if waited > held.wait_s:
                     late = f"{held.why} took longer than {held.wait_s:g} s; nothing was done"
-                    self._move(ask.id, CommandPhase.FAILED, late)
+                    self._move(ask.id, CommandPhase.FAILED, message=late)
                     return
                 if held.why != said:
                     said = held.why
-                    self._move(ask.id, CommandPhase.RUNNING, said)
+                    self._move(ask.id, CommandPhase.RUNNING, message=said)
                 await asyncio.sleep(WAIT_LOOK_S)
                 if barred := self._refusal(ask.device, ask.command, named):
-                    self._move(ask.id, CommandPhase.REFUSED, barred)
+                    self._move(ask.id, CommandPhase.REFUSED, message=barred)
                     return
         except asyncio.CancelledError:
-            self._move(ask.id, CommandPhase.CANCELLED, "it was still waiting; nothing was done")
+            self._move(
+                ask.id, CommandPhase.CANCELLED, message="it was still waiting; nothing was done"
+            )
             return
         # Meanwhile somebody may have been let act on the device over this one.
         if self._refused_now(ask, named, guarded=True):
@@ -334,7 +337,7 @@ class CommandService:
         self._time_out(ask.id, command.timeout)
 
         def done(outcome: CommandOutcome) -> None:
-            loop.call_soon_threadsafe(self._told, ask.id, command.timeout, outcome)
+            loop.call_soon_threadsafe(self._on_outcome, ask.id, command.timeout, outcome)
 
         cancel = self._target.act(ask.device, ask.command, fields, done)
         if cancel is not None:
@@ -346,12 +349,12 @@ class CommandService:
             before.cancel()
         message = f"no answer for {seconds:g} s; look at the device"
         self._timers[command_id] = asyncio.get_running_loop().call_later(
-            seconds, self._move, command_id, CommandPhase.UNKNOWN, message
+            seconds, partial(self._move, command_id, CommandPhase.UNKNOWN, message=message)
         )
 
-    def _told(self, command_id: str, timeout: float, outcome: CommandOutcome) -> None:
+    def _on_outcome(self, command_id: str, timeout: float, outcome: CommandOutcome) -> None:
         if outcome.phase is not CommandPhase.RUNNING:
-            self._move(command_id, outcome.phase, outcome.message)
+            self._move(command_id, outcome.phase, message=outcome.message)
             return
         state = self._book.get(command_id)
         if state is None or state.phase in FINAL:
@@ -361,7 +364,9 @@ class CommandService:
         now_ns = self._clock.monotonic_ns()
         if outcome.message or now_ns - self._progress_ns.get(command_id, 0) >= PROGRESS_NS:
             self._progress_ns[command_id] = now_ns
-            self._move(command_id, CommandPhase.RUNNING, outcome.message, outcome.progress)
+            self._move(
+                command_id, CommandPhase.RUNNING, message=outcome.message, progress=outcome.progress
+            )
 
     def cancel(self, ask: CommandCancel) -> None:
         """Ask the robot to end a command early; what came of it is told as its state."""
@@ -370,26 +375,33 @@ class CommandService:
             return
         cancel = self._cancels.get(ask.id)
         if state.phase in FINAL:
-            self._tell(state)
+            self._send_state(state)
         elif cancel is None:
-            self._move(ask.id, CommandPhase.RUNNING, "this command cannot be cancelled")
+            self._move(ask.id, CommandPhase.RUNNING, message="this command cannot be cancelled")
         else:
-            self._move(ask.id, CommandPhase.RUNNING, f"{ask.who} asked to cancel it")
+            self._move(ask.id, CommandPhase.RUNNING, message=f"{ask.who} asked to cancel it")
             cancel()
 
     def _move(
         self,
         command_id: str,
         phase: CommandPhase,
+        *,
         message: str = "",
         progress: float = 0.0,
         blocked_by: str = "",
     ) -> None:
-        state = self._book.move(command_id, phase, message, progress, blocked_by)
+        state = self._book.move(
+            command_id=command_id,
+            phase=phase,
+            message=message,
+            progress=progress,
+            blocked_by=blocked_by,
+        )
         if state is None:
             log.info("command %s: %s came after its end", command_id, phase)
             return
-        self._tell(state)
+        self._send_state(state)
         if phase in FINAL:
             self._holders.release(command_id)
             self._interrupted.discard(command_id)

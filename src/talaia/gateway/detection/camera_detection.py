@@ -82,6 +82,7 @@ class ObjectDetection:
 
     def __init__(
         self,
+        *,
         site: Site,
         numbers: Mapping[str, int],
         pictures: CameraFrames,
@@ -190,11 +191,11 @@ class ObjectDetection:
             if why:
                 log.warning("%s: nothing can be detected: %s", name, why)
                 said = f"nothing is detected on {called}: {why}"
-                self._outlet.events.tell("detection lost", said, device=device)
+                self._outlet.events.report_event("detection lost", said, device=device)
             else:
                 log.info("%s: objects are detected again", name)
                 said = f"objects are detected on {called} again"
-                self._outlet.events.tell("detection back", said, device=device, good=True)
+                self._outlet.events.report_event("detection back", said, device=device, good=True)
 
     # ── for a camera ──
 
@@ -227,12 +228,12 @@ class ObjectDetection:
         """Give the wall time (µs)."""
         return self._clock.wall_ns() // 1000
 
-    def put(self, columns: Columns, readings: Mapping[str, ChannelReading]) -> None:
+    def publish_counts(self, columns: Columns, readings: Mapping[str, ChannelReading]) -> None:
         """Take counts."""
         # One step: it is read by other threads.
         self._latest = {**self._latest, **readings}
         if len(columns):
-            self._outlet.samples.put(columns)
+            self._outlet.samples.put_samples(columns)
 
     def boxes(self, look: CameraFrame, things: Sequence[Found]) -> None:
         """Take what is on a picture."""
@@ -241,7 +242,7 @@ class ObjectDetection:
             DetectedBoxes(stream=look.stream, seq=look.seq, time_us=look.time_us, things=told)
         )
 
-    def tell(self, name: str, news: Sequence[Told]) -> None:
+    def report_sightings(self, name: str, news: Sequence[Told]) -> None:
         """Take news of sightings."""
         for each in news:
             self._outlet.sightings(name, each)
@@ -279,7 +280,7 @@ class _Camera:
             while True:
                 release = self._seeing.hold(self._name)
                 try:
-                    await self._look()
+                    await self._watch_pictures()
                 except DetectorError as error:
                     log.debug("%s: %s", self._name, error)
                 except Exception:
@@ -291,9 +292,9 @@ class _Camera:
                 await asyncio.sleep(wait_s)
                 self._pass_time()
         finally:
-            self._seeing.tell(self._name, self._eyes.end())
+            self._seeing.report_sightings(self._name, self._eyes.end())
 
-    async def _look(self) -> None:
+    async def _watch_pictures(self) -> None:
         """Look at one picture after the other.
 
         Raises:
@@ -315,9 +316,9 @@ class _Camera:
             if seen is not None:
                 look, things = seen
                 since_us, self._wait_s = max(since_us, look.mono_us), FIRST_WAIT_S
-                self._take(look, things)
+                self._publish_detections(look, things)
 
-    def _take(self, look: CameraFrame, things: Sequence[Found]) -> None:
+    def _publish_detections(self, look: CameraFrame, things: Sequence[Found]) -> None:
         gathered = []
         readings = {}
         sources = {address: each.signal.source for address, each in self._counted.items()}
@@ -335,12 +336,12 @@ class _Camera:
             np.array([value for _, value in gathered], np.float64),
             {},
         )
-        self._seeing.put(columns, readings)
+        self._seeing.publish_counts(columns, readings)
         self._seeing.boxes(look, things)
-        self._seeing.tell(self._name, self._eyes.take(things, look.rgb, look.time_us))
+        self._seeing.report_sightings(self._name, self._eyes.take(things, look.rgb, look.time_us))
 
     def _pass_time(self) -> None:
-        self._seeing.tell(self._name, self._eyes.pass_time(self._seeing.now_us()))
+        self._seeing.report_sightings(self._name, self._eyes.pass_time(self._seeing.now_us()))
 
 
 class ReadingsWithDetections:

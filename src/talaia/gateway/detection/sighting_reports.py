@@ -94,7 +94,7 @@ class DetectionReporter:
         self._complained = False
         self._kept = {_key(each): _Kept(each) for each in _left(folder)}
 
-    def take(self, stream: str, told: Told) -> None:
+    def report_sighting(self, stream: str, told: Told) -> None:
         """Take news of a sighting on a stream (``device/stream``)."""
         sighting = told.sighting
         key = _Key(stream, sighting.label, sighting.began_us)
@@ -144,7 +144,7 @@ class DetectionReporter:
                     await asyncio.sleep(LOOK_S)
             if loop.time() - touched >= TOUCH_S:
                 touched = loop.time()
-                self._look(touched)
+                self._expire_sightings(touched)
 
     def _send(self, now_s: float) -> None:
         key = next(iter(self._due))
@@ -158,11 +158,11 @@ class DetectionReporter:
         kept.sent_s, kept.thumbnail_sent = now_s, kept.seen.thumbnail
         self._lanes.send(seen)
 
-    def _look(self, now_s: float) -> None:
+    def _expire_sightings(self, now_s: float) -> None:
         """Forget what the hub has, and keep the time of what is in sight."""
         for key, kept in list(self._kept.items()):
             if not kept.seen.ended_us:
-                self._do(partial(os.utime, self._path(key)))
+                self._run_on_disk(partial(os.utime, self._path(key)))
             elif (
                 self._takes
                 and kept.sent_s is not None
@@ -174,7 +174,7 @@ class DetectionReporter:
     def _forget(self, key: _Key) -> None:
         del self._kept[key]
         self._due.pop(key, None)
-        self._do(partial(self._path(key).unlink, missing_ok=True))
+        self._run_on_disk(partial(self._path(key).unlink, missing_ok=True))
 
     def _path(self, key: _Key) -> Path:
         named = hashlib.sha256(f"{key.stream}\n{key.label}".encode()).hexdigest()[:16]
@@ -189,9 +189,9 @@ class DetectionReporter:
             beside.write_bytes(data)
             beside.replace(path)
 
-        self._do(write)
+        self._run_on_disk(write)
 
-    def _do(self, work: Callable[[], object]) -> None:
+    def _run_on_disk(self, work: Callable[[], object]) -> None:
         def done() -> None:
             try:
                 work()

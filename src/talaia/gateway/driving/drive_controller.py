@@ -1,7 +1,7 @@
 """One driven device: its lease, its velocity and its STOP together, under one clock. Pure.
 
 Long, because the arbitration of the safety rules is decided in one place: STOP before the lease
-holder, and nobody else. A seat holds no timer; it says when it wants to be called (`due_ns`).
+holder, and nobody else. A controller holds no timer; it says when it wants to be called (`due_ns`).
 """
 
 from __future__ import annotations
@@ -42,18 +42,25 @@ class DriveController:
 
     def __init__(
         self,
+        *,
         device: str,
         rule: DriveRule,
-        mouth: ControlOutput,
+        output: ControlOutput,
         next_epoch: Callable[[], int],
         stopped: LatchedStop | None,
     ) -> None:
         """Start with no lease and nothing moving; STOP as it was kept on disk."""
         self.device = device
         self.rule = rule
-        self._mouth = mouth
+        self._output = output
         lease_ns = round(rule.lease * SECOND)
-        self.tenancy = LeaseProtocol(device, lease_ns, next_epoch, mouth, self._changed)
+        self.lease_protocol = LeaseProtocol(
+            device=device,
+            duration_ns=lease_ns,
+            next_epoch=next_epoch,
+            output=output,
+            changed=self._changed,
+        )
         self.driving = VelocityLimiter(rule)
         # Of a robot that is driven by characters: what was sent, and what comes next.
         self._keys = KeyCounter(rule) if rule.message is DriveMessage.KEYS else None
@@ -74,7 +81,7 @@ class DriveController:
     @property
     def lease(self) -> DeviceLease:
         """Who may drive it."""
-        return self.tenancy.lease
+        return self.lease_protocol.lease
 
     # ── lease ──
 
@@ -85,11 +92,11 @@ class DriveController:
             OSError: a new epoch could not be kept on disk; nobody has got anything.
 
         """
-        self.tenancy.on_ask(ask, now_ns)
+        self.lease_protocol.on_ask(ask, now_ns)
 
     def lease_state(self, now_ns: int, asked: str = "", refused: str = "") -> LeaseState:
         """Say who holds the device."""
-        return self.tenancy.state(now_ns, asked, refused)
+        return self.lease_protocol.state(now_ns, asked, refused)
 
     def _changed(self, now_ns: int, why: str, *, over: bool) -> None:
         """Pass through zero: no driver, not even the same one anew, goes on from another's hold."""
@@ -125,7 +132,7 @@ class DriveController:
                 if not was_moving:
                     self._noted_refusal = False
                     self._why = ""
-                    self._mouth.note("drive_started", self.device, "", held.who, good=True)
+                    self._output.record_event("drive_started", self.device, "", held.who, good=True)
                 if self.driving.prompt(now_ns):
                     self._publish(now_ns)
                 self._report(now_ns)
@@ -150,7 +157,7 @@ class DriveController:
         if changed and not self._noted_refusal:
             # Once for a hold: a page that drives on in vain must not fill the record.
             self._noted_refusal = True
-            self._mouth.note("drive_refused", self.device, why, who, good=False)
+            self._output.record_event("drive_refused", self.device, why, who, good=False)
 
     def _publish(self, now_ns: int) -> None:
         was_moving = self.driving.moving
@@ -163,11 +170,11 @@ class DriveController:
     def _send_demand(self, demand: VelocityDemand) -> None:
         """Tell the robot a velocity, or the next character towards it if there is one."""
         if self._keys is None:
-            self._mouth.drive(self.device, *demand)
+            self._output.drive(self.device, *demand)
         elif key := self._keys.next_key(
             (demand.linear, demand.angular), self.driving.cap, self.measured
         ):
-            self._mouth.drive(self.device, *demand, key=key)
+            self._output.drive(self.device, *demand, key=key)
 
     def robot_back(self, now_ns: int) -> None:
         """Halt a robot that keeps its velocity by itself: what it was sent before is not known.
@@ -188,7 +195,9 @@ class DriveController:
     def _note_end(self, why: str) -> None:
         count = f"{self.driving.accepted} frames, {self.driving.refused} refused"
         self.driving.refused = 0
-        self._mouth.note("drive_ended", self.device, f"{why}; {count}", self._driver, good=True)
+        self._output.record_event(
+            "drive_ended", self.device, f"{why}; {count}", self._driver, good=True
+        )
 
     def _report(self, now_ns: int) -> None:
         """Tell the hub what the robot is told, when it changed, at most ten times a second."""
@@ -199,7 +208,7 @@ class DriveController:
         if told == self._told or now_ns - self._reported_ns < REPORT_NS:
             return
         self._told, self._reported_ns = told, now_ns
-        self._mouth.send(
+        self._output.send(
             DriveState(
                 device=self.device,
                 linear=linear,
@@ -224,8 +233,10 @@ class DriveController:
             self.driving.demand_rest(now_ns)
             self._say_stop(now_ns)
             self._say_zero(now_ns)
-            self._mouth.note("stop", self.device, "STOP (software)", latched.who, good=False)
-        self._mouth.send(self.stop_state(latched.id))
+            self._output.record_event(
+                "stop", self.device, "STOP (software)", latched.who, good=False
+            )
+        self._output.send(self.stop_state(latched.id))
         return fresh
 
     def on_reset(self, who: str, now_ns: int) -> None:
@@ -233,9 +244,9 @@ class DriveController:
         self.latch.open()
         self.driving.halt(now_ns)
         self.driving.demand_rest(now_ns)
-        self._mouth.stop(self.device, stopped=False)
-        self._mouth.note("stop_reset", self.device, "", who, good=True)
-        self._mouth.send(self.stop_state())
+        self._output.stop(self.device, stopped=False)
+        self._output.record_event("stop_reset", self.device, "", who, good=True)
+        self._output.send(self.stop_state())
 
     def stop_state(self, asked: str = "") -> StopState:
         """Say whether it is stopped, answering the ask with this id if any."""
@@ -253,7 +264,7 @@ class DriveController:
 
     def _say_stop(self, now_ns: int) -> None:
         self._told_robot_ns = now_ns
-        self._mouth.stop(self.device, stopped=True)
+        self._output.stop(self.device, stopped=True)
 
     def _say_zero(self, now_ns: int) -> None:
         self._zero_ns = now_ns
@@ -263,7 +274,7 @@ class DriveController:
 
     def vacate(self, now_ns: int, why: str, *, stop_robot: bool) -> None:
         """End lease and hold; where the description says so, zeros even if nobody drove."""
-        self.tenancy.vacate()
+        self.lease_protocol.vacate()
         was_moving = self.driving.moving
         self._end(now_ns, why)
         if stop_robot and not was_moving:
@@ -285,7 +296,7 @@ class DriveController:
 
     def step(self, now_ns: int, proofs: Callable[[], list[StandstillProof | None]]) -> None:
         """Do what is due: lease that ends, zeros, STOP repeated and judged, reports."""
-        self.tenancy.settle(now_ns)
+        self.lease_protocol.settle(now_ns)
         if self.latch.latched is not None:
             self._step_stopped(now_ns, proofs)
         else:
@@ -304,4 +315,4 @@ class DriveController:
             if early or now_ns - self._told_robot_ns >= STOP_SELDOM_NS:
                 self._say_stop(now_ns)
         if self.latch.judge(proofs(), now_ns):
-            self._mouth.send(self.stop_state())
+            self._output.send(self.stop_state())

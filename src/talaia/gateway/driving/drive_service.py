@@ -1,4 +1,4 @@
-"""All driven devices of a site: gives each message to its seat, sends ticks, keeps time.
+"""All driven devices of a site: gives each message to its controller, sends ticks, keeps time.
 
 Messages are acted on inside the call that brings them; what must be repeated waits for `step`,
 which a timer calls at `due_ns`. Only writing STOP to disk leaves the caller's thread, and it
@@ -79,21 +79,22 @@ class DriveService:
 
     def __init__(
         self,
+        *,
         site: Site,
         clock: Clock,
-        mouth: ControlOutput,
+        output: ControlOutput,
         readings: ReadingSource,
         next_epoch: Callable[[], int],
         stops: PersistentStops,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
         interlocks: Interlocks | None = None,
     ) -> None:
-        """Make a seat for each driven device.
+        """Make a controller for each driven device.
 
         Args:
             site: the description.
             clock: monotonic for every decision, wall only for the record.
-            mouth: see `ControlOutput`.
+            output: see `ControlOutput`.
             readings: for the confirmation of STOP.
             next_epoch: see `DeviceLease`.
             stops: latches kept on disk.
@@ -104,7 +105,7 @@ class DriveService:
         self._interlocks = interlocks
         self._site = site
         self._clock = clock
-        self._mouth = mouth
+        self._output = output
         self._readings = readings
         self._stops = stops
         self._on_disk = on_disk
@@ -113,63 +114,71 @@ class DriveService:
         self._away: set[str] = set()
         self._changing: frozenset[str] = frozenset()
         self._next_epoch = next_epoch
-        self.seats = {
-            name: DriveController(name, device.drive, mouth, next_epoch, stops.get(name))
+        self.controllers = {
+            name: DriveController(
+                device=name,
+                rule=device.drive,
+                output=output,
+                next_epoch=next_epoch,
+                stopped=stops.get(name),
+            )
             for name, device in site.devices.items()
             if device.drive is not None
         }
-        for seat in self.seats.values():
-            seat.robot_back(clock.monotonic_ns())
+        for controller in self.controllers.values():
+            controller.robot_back(clock.monotonic_ns())
 
     @property
     def busy(self) -> bool:
         """Whether somebody holds the lease of a device."""
         now = self._clock.monotonic_ns()
-        return any(seat.lease.holder(now) is not None for seat in self.seats.values())
+        return any(
+            controller.lease.holder(now) is not None for controller in self.controllers.values()
+        )
 
     # ── from the hub ──
 
     def lease(self, ask: LeaseRequest | LeaseForceRequest) -> None:
         """Take, renew, free, ask for, hand over or force a lease."""
         now = self._clock.monotonic_ns()
-        seat = self.seats.get(ask.device)
-        if seat is None:
-            self._mouth.note(
+        controller = self.controllers.get(ask.device)
+        if controller is None:
+            self._output.record_event(
                 "lease_refused", "", f"no such driven device: {ask.device}", ask.who, good=False
             )
             return
-        before = seat.lease.holder(now)
+        before = controller.lease.holder(now)
         try:
-            seat.on_lease(ask, now)
+            controller.on_lease(ask, now)
         except OSError as error:
             # No new epoch could be reserved on disk: nobody gets the lease, all else goes on.
             refused = f"the gateway cannot write its disk: {error}"
-            self._mouth.send(seat.lease_state(now, ask.session, refused))
+            self._output.send(controller.lease_state(now, ask.session, refused))
             return
-        held = seat.lease.holder(now)
+        held = controller.lease.holder(now)
         if held is not None and (before is None or before.epoch != held.epoch):
             # So that the new driver need not wait for a tick to echo.
             self._tick(now)
 
     def drive(self, frame: DriveFrame) -> None:
         """Take a driving frame; what is accepted is published before this returns."""
-        seat = self.seats.get(frame.device)
-        if seat is not None:
+        controller = self.controllers.get(frame.device)
+        if controller is not None:
             now = self._clock.monotonic_ns()
-            seat.bar(self._barred(frame.device, now), now)
-            seat.slow(self._share(frame.device, now))
-            seat.measured = self._measured(seat, now)
-            seat.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
+            controller.bar(self._barred(frame.device, now), now)
+            controller.slow(self._share(frame.device, now))
+            controller.measured = self._measured(controller, now)
+            controller.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
     def stop(self, ask: StopRequest) -> LatchedStop | None:
         """Stop at once; give what `keep_stop` is to write when it was not stopped before."""
-        seat = self.seats.get(ask.device)
-        if seat is None:
+        controller = self.controllers.get(ask.device)
+        if controller is None:
             problem = f"STOP for {ask.device}, which is not a driven device"
-            self._mouth.note("stop_refused", "", problem, ask.who, good=False)
+            self._output.record_event("stop_refused", "", problem, ask.who, good=False)
             return None
         latched = LatchedStop(ask.id, ask.who, self._clock.wall_ns() // 1000)
-        return latched if seat.on_stop(latched, self._clock.monotonic_ns()) else None
+        return latched if controller.on_stop(latched, self._clock.monotonic_ns()) else None
 
     async def keep_stop(self, device: str, latched: LatchedStop) -> None:
         """Write a STOP to disk, so that it survives a restart."""
@@ -178,7 +187,7 @@ class DriveService:
         except OSError as error:
             # Latched it is; `write_waiting` tries again.
             problem = f"STOP is on, but cannot be kept over a restart: {error}"
-            self._mouth.note("disk_failed", device, problem, latched.who, good=False)
+            self._output.record_event("disk_failed", device, problem, latched.who, good=False)
 
     async def write_waiting(self) -> None:
         """Try again to write each STOP that the disk did not take."""
@@ -190,25 +199,25 @@ class DriveService:
             log.debug("STOP is not on disk yet: %s", error)
             return
         said = "STOP is on disk now, and will be kept over a restart"
-        self._mouth.note("disk_recovered", "", said, "", good=True)
+        self._output.record_event("disk_recovered", "", said, "", good=True)
 
     async def reset(self, ask: ResetRequest) -> None:
         """Give a token, or take it and release STOP."""
-        seat = self.seats.get(ask.device)
-        if seat is None:
+        controller = self.controllers.get(ask.device)
+        if controller is None:
             return
         now = self._clock.monotonic_ns()
-        held = seat.lease.holder(now)
+        held = controller.lease.holder(now)
         token, refused = "", ""
         if held is None or held.session != ask.session or held.epoch != ask.epoch:
             refused = "only who holds the lease may reset STOP"
         elif not ask.token:
             token = secrets.token_urlsafe(16)
-            refused = seat.latch.offer_token(ask.session, token, now)
+            refused = controller.latch.offer_token(ask.session, token, now)
         else:
-            refused = seat.latch.check_token(ask.session, ask.token, now)
+            refused = controller.latch.check_token(ask.session, ask.token, now)
         if refused or not ask.token:
-            self._mouth.send(
+            self._output.send(
                 ResetToken(
                     device=ask.device,
                     session=ask.session,
@@ -217,18 +226,20 @@ class DriveService:
                 )
             )
             return
-        await self._release(seat, ask)
+        await self._release(controller, ask)
 
-    async def _release(self, seat: DriveController, ask: ResetRequest) -> None:
-        was = seat.latch.latched
+    async def _release(self, controller: DriveController, ask: ResetRequest) -> None:
+        was = controller.latch.latched
         try:
-            await self._on_disk(lambda: self._stops.write(seat.device, None))
+            await self._on_disk(lambda: self._stops.write(controller.device, None))
         except OSError as error:
             refused = f"the gateway cannot write its disk: {error}"
-            self._mouth.send(ResetToken(device=seat.device, session=ask.session, refused=refused))
+            self._output.send(
+                ResetToken(device=controller.device, session=ask.session, refused=refused)
+            )
             return
-        if seat.latch.latched is was:
-            seat.on_reset(ask.who, self._clock.monotonic_ns())
+        if controller.latch.latched is was:
+            controller.on_reset(ask.who, self._clock.monotonic_ns())
 
     # ── another description ──
 
@@ -240,16 +251,16 @@ class DriveService:
         self._changing = frozenset(devices)
         now = self._clock.monotonic_ns()
         for device in devices:
-            if (seat := self.seats.get(device)) is not None:
-                held = seat.lease.holder(now) is not None
-                seat.vacate(now, CHANGING, stop_robot=False)
+            if (controller := self.controllers.get(device)) is not None:
+                held = controller.lease.holder(now) is not None
+                controller.vacate(now, CHANGING, stop_robot=False)
                 if held:
-                    self._mouth.send(seat.lease_state(now))
+                    self._output.send(controller.lease_state(now))
 
     def silent(self, devices: Collection[str]) -> bool:
         """Tell whether all zeros of these devices have been published."""
-        seats = [self.seats[each] for each in devices if each in self.seats]
-        return all(seat.driving.silent for seat in seats)
+        controllers = [self.controllers[each] for each in devices if each in self.controllers]
+        return all(controller.driving.silent for controller in controllers)
 
     def redescribe(self, site: Site, devices: Collection[str]) -> None:
         """Take another description, after `leave` with the ``devices`` that it touches.
@@ -258,19 +269,25 @@ class DriveService:
         """
         now = self._clock.monotonic_ns()
         # Whoever took a lease since then has driven nothing, for it was barred.
-        self.leave([each for each in devices if each in self.seats])
-        before, self._site, self._changing = self.seats, site, frozenset()
-        self.seats = {}
+        self.leave([each for each in devices if each in self.controllers])
+        before, self._site, self._changing = self.controllers, site, frozenset()
+        self.controllers = {}
         for name, device in site.devices.items():
             if device.drive is None:
                 continue
-            seat = before.get(name)
-            if seat is None or seat.rule != device.drive:
-                stopped = self._stops.get(name) if seat is None else seat.latch.latched
-                seat = DriveController(name, device.drive, self._mouth, self._next_epoch, stopped)
-                self._mouth.send(seat.stop_state())
-                self._mouth.send(seat.lease_state(now))
-            self.seats[name] = seat
+            controller = before.get(name)
+            if controller is None or controller.rule != device.drive:
+                stopped = self._stops.get(name) if controller is None else controller.latch.latched
+                controller = DriveController(
+                    device=name,
+                    rule=device.drive,
+                    output=self._output,
+                    next_epoch=self._next_epoch,
+                    stopped=stopped,
+                )
+                self._output.send(controller.stop_state())
+                self._output.send(controller.lease_state(now))
+            self.controllers[name] = controller
         self._away &= site.devices.keys()
 
     # ── link and time ──
@@ -279,9 +296,9 @@ class DriveService:
         """Tell a new link how things stand. Nothing is replayed and nobody holds anything."""
         self._linked = True
         now = self._clock.monotonic_ns()
-        for seat in self.seats.values():
-            self._mouth.send(seat.stop_state())
-            self._mouth.send(seat.lease_state(now))
+        for controller in self.controllers.values():
+            self._output.send(controller.stop_state())
+            self._output.send(controller.lease_state(now))
         if self._interlocks is not None:
             self._interlocks.link_up(now)
 
@@ -291,8 +308,10 @@ class DriveService:
             return
         self._linked = False
         now = self._clock.monotonic_ns()
-        for seat in self.seats.values():
-            seat.vacate(now, "link lost", stop_robot=seat.rule.link_loss is LinkLoss.STOP)
+        for controller in self.controllers.values():
+            controller.vacate(
+                now, "link lost", stop_robot=controller.rule.link_loss is LinkLoss.STOP
+            )
         if self._interlocks is not None:
             self._interlocks.link_lost(now)
 
@@ -301,16 +320,16 @@ class DriveService:
         now = self._clock.monotonic_ns()
         self._away.update(devices)
         for device in devices:
-            if (seat := self.seats.get(device)) is not None:
-                seat.vacate(now, "the robot's side was lost", stop_robot=False)
-                self._mouth.send(seat.lease_state(now))
+            if (controller := self.controllers.get(device)) is not None:
+                controller.vacate(now, "the robot's side was lost", stop_robot=False)
+                self._output.send(controller.lease_state(now))
 
     def robot_back(self, devices: Collection[str]) -> None:
         """Let them be driven again, by whoever lets go first; STOP is being repeated anyway."""
         self._away.difference_update(devices)
         for device in devices:
-            if (seat := self.seats.get(device)) is not None:
-                seat.robot_back(self._clock.monotonic_ns())
+            if (controller := self.controllers.get(device)) is not None:
+                controller.robot_back(self._clock.monotonic_ns())
 
     def override(self, ask: OverrideRequest) -> None:
         """Override an interlock for a time, or end that."""
@@ -320,12 +339,16 @@ class DriveService:
     def halt(self) -> None:
         """End every hold with a zero now: the process is about to end."""
         now = self._clock.monotonic_ns()
-        for seat in self.seats.values():
-            seat.vacate(now, "the gateway ends", stop_robot=False)
+        for controller in self.controllers.values():
+            controller.vacate(now, "the gateway ends", stop_robot=False)
 
     def due_ns(self) -> int | None:
         """Give when `step` wants to be called next (monotonic), or none while all rests."""
-        times = [due for seat in self.seats.values() if (due := seat.due_ns()) is not None]
+        times = [
+            due
+            for controller in self.controllers.values()
+            if (due := controller.due_ns()) is not None
+        ]
         if self._anyone_holds():
             times.append(self.ticks.last_ns + TICK_NS)
         if self._interlocks is not None and (look := self._interlocks.due_ns()) is not None:
@@ -337,12 +360,12 @@ class DriveService:
         now = self._clock.monotonic_ns()
         if self._interlocks is not None:
             self._interlocks.step(now)
-        for seat in self.seats.values():
+        for controller in self.controllers.values():
             # Whoever drives when it becomes unsafe is stopped by this, and not by the next frame.
-            if seat.driving.moving:
-                seat.bar(self._barred(seat.device, now), now)
-                seat.slow(self._share(seat.device, now))
-            seat.step(now, lambda seat=seat: self._proofs(seat))  # type: ignore[misc]
+            if controller.driving.moving:
+                controller.bar(self._barred(controller.device, now), now)
+                controller.slow(self._share(controller.device, now))
+            controller.step(now, lambda controller=controller: self._proofs(controller))  # type: ignore[misc]
         if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
             self._tick(now)
 
@@ -358,9 +381,9 @@ class DriveService:
     def _share(self, device: str, now_ns: int) -> float:
         return 1.0 if self._interlocks is None else self._interlocks.share(device, now_ns)
 
-    def _measured(self, seat: DriveController, now_ns: int) -> tuple[float, float]:
+    def _measured(self, controller: DriveController, now_ns: int) -> tuple[float, float]:
         """Give what a robot that is driven by characters says of its motion; NaN for nothing."""
-        keys = seat.rule.keys
+        keys = controller.rule.keys
         speed, turn = (self._fresh(address, now_ns) for address in (keys.speed, keys.turn))
         return speed, turn
 
@@ -374,14 +397,16 @@ class DriveService:
 
     def _anyone_holds(self) -> bool:
         now = self._clock.monotonic_ns()
-        return any(seat.lease.holder(now) is not None for seat in self.seats.values())
+        return any(
+            controller.lease.holder(now) is not None for controller in self.controllers.values()
+        )
 
     def _tick(self, now_ns: int) -> None:
-        self._mouth.send(ControlTick(tick=self.ticks.next(now_ns)))
+        self._output.send(ControlTick(tick=self.ticks.next(now_ns)))
 
-    def _proofs(self, seat: DriveController) -> list[StandstillProof | None]:
+    def _proofs(self, controller: DriveController) -> list[StandstillProof | None]:
         proofs: list[StandstillProof | None] = []
-        for address in seat.rule.stop.confirmed_by:
+        for address in controller.rule.stop.confirmed_by:
             reading = self._readings.latest(address)
             device, _, signal = address.partition("/")
             max_age = self._site.devices[device].signals[signal].max_age

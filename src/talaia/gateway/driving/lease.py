@@ -82,7 +82,7 @@ class DeviceLease:
         self.rival(now_ns)
         return self.holder(now_ns) is not None and now_ns < self._in_vain.get(session, now_ns)
 
-    def take(self, session: str, who: str, now_ns: int) -> str:
+    def take_lease(self, session: str, who: str, now_ns: int) -> str:
         """Grant it, or give the reason why not (empty when granted).
 
         A holder that asks again gets a new epoch: it may be a page that was loaded anew, whose
@@ -109,7 +109,7 @@ class DeviceLease:
         """
         held, rival = self.holder(now_ns), self.rival(now_ns)
         if held is None or held.session == session:
-            return self.take(session, who, now_ns)
+            return self.take_lease(session, who, now_ns)
         if rival is not None and rival.session != session:
             return f"{rival.who} has asked for it already"
         if rival is None:
@@ -150,7 +150,7 @@ class DeviceLease:
         """
         held = self.holder(now_ns)
         if held is None or held.session == session:
-            return self.take(session, who, now_ns)
+            return self.take_lease(session, who, now_ns)
         if not self.may_force(session, now_ns):
             return f"ask {held.who} first; it can be forced after a no, or 5 s without an answer"
         self._grant(session, who, now_ns)

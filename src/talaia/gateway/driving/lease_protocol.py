@@ -1,7 +1,7 @@
 """The lease of one device as it is spoken about: asks, answers, and what is written down. Pure.
 
-Everything that gives the lease to another, or to nobody, ends in `changed`, once: there the seat
-brings the vehicle to rest before anybody drives it again.
+Everything that gives the lease to another, or to nobody, ends in `changed`, once: there the
+controller brings the vehicle to rest before anybody drives it again.
 """
 
 from __future__ import annotations
@@ -35,16 +35,17 @@ class LeaseProtocol:
 
     def __init__(
         self,
+        *,
         device: str,
         duration_ns: int,
         next_epoch: Callable[[], int],
-        mouth: ControlOutput,
+        output: ControlOutput,
         changed: OnHolderChange,
     ) -> None:
         """Start with nobody. For ``duration_ns`` and ``next_epoch`` see `DeviceLease`."""
         self.lease = DeviceLease(duration_ns, next_epoch)
         self._device = device
-        self._mouth = mouth
+        self._output = output
         self._changed = changed
         self._had: LeaseHolder | None = None
         self._asks: LeaseRival | None = None
@@ -62,22 +63,24 @@ class LeaseProtocol:
         if refused:
             taking = isinstance(ask, LeaseForceRequest) or ask.op is not LeaseOp.RENEW
             if taking:
-                self._note("lease_refused", refused, ask.who)
+                self._record_event("lease_refused", refused, ask.who)
             forceable = self.lease.may_force(ask.session, now_ns)
-            self._mouth.send(self.state(now_ns, ask.session, refused, forceable=forceable))
+            self._output.send(self.state(now_ns, ask.session, refused, forceable=forceable))
         else:
-            self._mouth.send(self.state(now_ns, ask.session))
+            self._output.send(self.state(now_ns, ask.session))
 
     def _act(self, ask: LeaseRequest | LeaseForceRequest, now_ns: int) -> str:
         lease, held = self.lease, self.lease.holder(now_ns)
         if isinstance(ask, LeaseForceRequest):
             refused = lease.force(ask.session, ask.who, now_ns)
             if not refused and held is not None:
-                self._note("lease_forced", f"from {held.who}", ask.who)
+                self._record_event("lease_forced", f"from {held.who}", ask.who)
             return refused or self._given(now_ns, "control was taken by force")
         match ask.op:
             case LeaseOp.TAKE:
-                return lease.take(ask.session, ask.who, now_ns) or self._given(now_ns, "taken anew")
+                return lease.take_lease(ask.session, ask.who, now_ns) or self._given(
+                    now_ns, "taken anew"
+                )
             case LeaseOp.ASK:
                 return lease.ask(ask.session, ask.who, now_ns) or self._asked(now_ns)
             case LeaseOp.ACCEPT:
@@ -89,7 +92,7 @@ class LeaseProtocol:
                 return lease.renew(ask.session, now_ns)
             case LeaseOp.FREE:
                 if lease.free(ask.session, now_ns):
-                    self._note("lease_freed", "", ask.who)
+                    self._record_event("lease_freed", "", ask.who)
                 self._asks = lease.rival(now_ns)
                 self.settle(now_ns, "lease given back")
         return ""
@@ -105,19 +108,19 @@ class LeaseProtocol:
             return self._given(now_ns, "taken anew")
         if rival != self._asks:
             held = self.lease.holder(now_ns)
-            self._note("lease_asked", f"of {held.who}" if held else "", rival.who)
+            self._record_event("lease_asked", f"of {held.who}" if held else "", rival.who)
         self._asks = rival
         return ""
 
     def _denied(self, now_ns: int, rival: LeaseRival | None, who: str) -> None:
         if rival is not None:
             self._asks = None
-            self._note("lease_denied", f"to {rival.who}", who)
+            self._record_event("lease_denied", f"to {rival.who}", who)
             self._in_vain(now_ns, rival, f"{who} keeps control")
 
     def _in_vain(self, now_ns: int, rival: LeaseRival, why: str) -> None:
-        self._mouth.send(self.state(now_ns))
-        self._mouth.send(self.state(now_ns, rival.session, why, forceable=True))
+        self._output.send(self.state(now_ns))
+        self._output.send(self.state(now_ns, rival.session, why, forceable=True))
 
     def settle(self, now_ns: int, why: str = "lease ended") -> None:
         """Do what time has decided: a lease that ran out, an ask that nobody answered."""
@@ -125,23 +128,23 @@ class LeaseProtocol:
         asked, self._asks = self._asks, lease.rival(now_ns)
         held = lease.holder(now_ns)
         if held is None and why == "lease ended" and self._had is not None:
-            self._note("lease_ended", "not renewed", self._had.who)
+            self._record_event("lease_ended", "not renewed", self._had.who)
         try:
             passed = lease.pass_on(now_ns)
         except OSError as error:
             lease.withdraw()
-            self._note("lease_refused", f"the gateway cannot write its disk: {error}", "")
+            self._record_event("lease_refused", f"the gateway cannot write its disk: {error}", "")
             passed = False
         if passed:
             self._asks = None
         if self._compare(now_ns, why):
-            self._mouth.send(self.state(now_ns))
+            self._output.send(self.state(now_ns))
         elif asked is not None and self._asks is None and held is not None:
-            self._note("lease_unanswered", f"by {held.who}", asked.who)
+            self._record_event("lease_unanswered", f"by {held.who}", asked.who)
             self._in_vain(now_ns, asked, f"{held.who} has not answered")
 
     def _compare(self, now_ns: int, why: str) -> bool:
-        """Tell the seat, once, when another has the lease now, or the same one anew, or nobody."""
+        """Tell the controller, once, that another has the lease, the same one anew, or nobody."""
         had, held = self._had, self.lease.holder(now_ns)
         self._had = held
         if (had and had.epoch) == (held and held.epoch):
@@ -150,11 +153,11 @@ class LeaseProtocol:
         self._changed(now_ns, why, over=over)
         if held is not None:
             came = f"from {had.who}: {why}" if over and had is not None else ""
-            self._note("lease_granted", came, held.who)
+            self._record_event("lease_granted", came, held.who)
         return True
 
     def vacate(self) -> None:
-        """End it whoever has it or asks for it; the seat has seen to the vehicle."""
+        """End it whoever has it or asks for it; the controller has seen to the vehicle."""
         self.lease.drop()
         self._had = self._asks = None
 
@@ -179,5 +182,5 @@ class LeaseProtocol:
             forceable=forceable,
         )
 
-    def _note(self, kind: str, message: str, who: str) -> None:
-        self._mouth.note(kind, self._device, message, who, good=True)
+    def _record_event(self, kind: str, message: str, who: str) -> None:
+        self._output.record_event(kind, self._device, message, who, good=True)

@@ -36,6 +36,7 @@ class FrameTaker:
 
     def __init__(
         self,
+        *,
         folder: Path,
         outbox: ArchiveOutbox,
         events: EventSink,
@@ -84,7 +85,7 @@ class FrameTaker:
                 await self._on_disk(lambda: self._keep(header, whole))
         if self._problem:
             log.warning("%s: a picture is not kept: %s", self._device, self._problem)
-            self._events.tell("picture_lost", self._problem, device=self._device)
+            self._events.report_event("picture_lost", self._problem, device=self._device)
         await self.drop()
         return self._problem
 
@@ -150,7 +151,7 @@ class FrameTaker:
             shutil.copyfileobj(self._file, file, 1024 * 1024)
             # Whole blocks, as the standard has it; some drivers leave the last one short.
             file.write(bytes(-file.tell() % BLOCK))
-        self._outbox.put(made, "fits", self._device, self._began_us)
+        self._outbox.add_file(made, "fits", self._device, self._began_us)
 
     def _close(self) -> None:
         if self._file is not None:

@@ -43,7 +43,7 @@ class ArchiveOutbox:
         self._wake = wake
         self._turn = threading.Lock()
 
-    def put(self, made: Path, kind: str, device: str, time_us: int) -> None:
+    def add_file(self, made: Path, kind: str, device: str, time_us: int) -> None:
         """Take a file over.
 
         Raises:
@@ -66,7 +66,11 @@ class ArchiveOutbox:
     def offers(self) -> list[ArchiveOffer]:
         """List what waits, oldest first."""
         with self._turn:
-            return [offer for path in sorted(self._folder.glob("*.json")) if (offer := _note(path))]
+            return [
+                offer
+                for path in sorted(self._folder.glob("*.json"))
+                if (offer := _read_offer(path))
+            ]
 
     def path(self, file: str) -> Path:
         """Say where a file is."""
@@ -111,7 +115,7 @@ class ArchiveOutbox:
             path.with_suffix(".refused").unlink(missing_ok=True)
 
 
-def _note(path: Path) -> ArchiveOffer | None:
+def _read_offer(path: Path) -> ArchiveOffer | None:
     try:
         offer = msgspec.json.decode(path.read_bytes(), type=ArchiveOffer)
     except (OSError, msgspec.DecodeError) as error:

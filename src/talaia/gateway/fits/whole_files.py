@@ -77,6 +77,7 @@ class WholeFiles:
 
     def __init__(
         self,
+        *,
         folder: Path,
         outbox: ArchiveOutbox,
         events: EventSink,
@@ -94,23 +95,23 @@ class WholeFiles:
         self._seen: dict[str, list[str]] | None = None
         self._problems: dict[str, str] = {}
 
-    def take(self, device: str, read: Callable[[], bytes]) -> None:
-        """See `FileSink.take`."""
+    def keep_file(self, device: str, read: Callable[[], bytes]) -> None:
+        """See `FileSink.keep_file`."""
         if not self._waiting.acquire(blocking=False):
             problem = "the gateway's disk is too slow for it"
             log.warning("%s: a picture is not kept: %s", device, problem)
-            self._events.tell("picture_lost", problem, device=device)
+            self._events.report_event("picture_lost", problem, device=device)
             return
         file = _File(device, read, self._clock.wall_ns() // 1000)
         try:
-            self._disk.submit(self._take, file)
+            self._disk.submit(self._keep_file, file)
         except RuntimeError:
             # The gateway ends. A latched file comes again.
             self._waiting.release()
 
     # ── on the disk's thread ──
 
-    def _take(self, file: _File) -> None:
+    def _keep_file(self, file: _File) -> None:
         try:
             self._keep(file)
             self._problems.pop(file.device, None)
@@ -121,7 +122,7 @@ class WholeFiles:
             if self._problems.get(file.device) != problem:
                 self._problems[file.device] = problem
                 log.warning("%s: a picture is not kept: %s", file.device, problem)
-                self._events.tell("picture_lost", problem, device=file.device)
+                self._events.report_event("picture_lost", problem, device=file.device)
         finally:
             self._waiting.release()
 
@@ -145,7 +146,7 @@ class WholeFiles:
                 written.write(memoryview(data)[length:])
                 # Whole blocks, as the standard has it.
                 written.write(bytes(-written.tell() % BLOCK))
-            self._outbox.put(made, "fits", file.device, file.time_us)
+            self._outbox.add_file(made, "fits", file.device, file.time_us)
         finally:
             made.unlink(missing_ok=True)
         known.append(digest)

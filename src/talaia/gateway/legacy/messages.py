@@ -75,13 +75,13 @@ class NewestValues:
         """Know the signals of another description from here on."""
         self._first = first
 
-    def put(self, columns: Columns) -> None:
-        """See `SampleSink.put`."""
+    def put_samples(self, columns: Columns) -> None:
+        """See `SampleSink.put_samples`."""
         now = self._now_ns()
         for index, channel in enumerate(columns.channel.tolist()):
             value = float(columns.value[index])
             self._values[channel] = _Value(value, columns.texts.get(index, ""), now)
-        self._onward.put(columns)
+        self._onward.put_samples(columns)
 
     def of(self, address: str, signal: Signal, now_ns: int) -> str:
         """Give a signal's newest value as a word; see `UNKNOWN`."""

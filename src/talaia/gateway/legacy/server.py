@@ -126,18 +126,19 @@ class LegacyServer:
 
     def __init__(
         self,
+        *,
         settings: LegacySettings,
         keys: LegacyCredentials,
         site: Site,
         clock: Clock,
-        commanding: CommandService,
+        commands: CommandService,
         newest: NewestValues,
         answers: Mapping[str, str],
         events: EventSink,
     ) -> None:
         """Take what it answers from: the newest values, and what commands have printed."""
         self._settings, self._keys, self._site, self._clock = settings, keys, site, clock
-        self._commanding, self._newest, self._answers = commanding, newest, answers
+        self._commands, self._newest, self._answers = commands, newest, answers
         self._events = events
         self._clients: set[ServerConnection] = set()
         self._wrong = asyncio.Lock()
@@ -173,8 +174,10 @@ class LegacyServer:
             self.port = next(iter(server.sockets)).getsockname()[1]
             log.info(
                 "founding clients: wss://%s:%d, certificate %s",
-                host, self.port, self._keys.fingerprint,
-            )  # fmt: skip
+                host,
+                self.port,
+                self._keys.fingerprint,
+            )
             await asyncio.Event().wait()
 
     # ── who comes in ──
@@ -186,7 +189,7 @@ class LegacyServer:
             return None
         async with self._wrong:
             await asyncio.sleep(WRONG_S)
-        self._events.tell("classic_refused", f"a wrong token from {_from(socket)}")
+        self._events.report_event("classic_refused", f"a wrong token from {_from(socket)}")
         response = socket.respond(HTTPStatus.UNAUTHORIZED, "give the token\n")
         response.headers["WWW-Authenticate"] = 'Basic realm="observatory"'
         return response
@@ -255,8 +258,8 @@ class LegacyServer:
             ttl_ms=5000,
             who=f"founding client at {_from(socket)}",
         )
-        await self._commanding.ask(ask)
-        state = self._commanding.state(ask.id)
+        await self._commands.ask(ask)
+        state = self._commands.state(ask.id)
         if state is None or state.phase is CommandPhase.REFUSED:
             return f"refused: {'' if state is None else state.message}"
         return str(state.phase)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from talaia.errors import TalaiaError
 from talaia.gateway.notices.sending import send_notice
 from talaia.gateway.notices.settings import read_notice_settings
-from talaia.gateway.notices.standing_notices import HUB_AWAY, Notice, StandingNotices
+from talaia.gateway.notices.standing_notices import HUB_AWAY, GatewayNotice, StandingNotices
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -34,12 +34,12 @@ class OwnNotices:
 
     def __init__(
         self,
+        *,
         settings: NoticeSettings,
         site: str,
         clock: Clock,
         linked: Callable[[], bool],
         events: EventSink,
-        *,
         teller: str = HUB_AWAY,
     ) -> None:
         """Tell nothing while ``linked``; what was told, and what failed, goes to ``events``.
@@ -87,14 +87,14 @@ class OwnNotices:
             self._sending.add(task)
             task.add_done_callback(self._sending.discard)
 
-    async def _send(self, notice: Notice) -> None:
+    async def _send(self, notice: GatewayNotice) -> None:
         outcomes = await send_notice(self._settings, self._site, notice)
         for way, problem in outcomes.items():
             good = not problem
             kind = "notice_sent" if good else "notice_failed"
             said = f"{way}: {problem or notice.message}"
             log.log(logging.INFO if good else logging.WARNING, "%s %s", kind, said)
-            self._events.tell(kind, said, good=good)
+            self._events.report_event(kind, said, good=good)
 
 
 def main(argv: Sequence[str]) -> int:
@@ -107,7 +107,7 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--site", default="test", help="the name that the message says (test)")
     options = parser.parse_args(argv)
     now_us = time.time_ns() // 1000
-    notice = Notice(f"test-{now_us}", "test", "a test notice; nothing is wrong", now_us)
+    notice = GatewayNotice(f"test-{now_us}", "test", "a test notice; nothing is wrong", now_us)
     try:
         settings = read_notice_settings(options.file)
     except TalaiaError as error:

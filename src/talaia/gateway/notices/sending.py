@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable
 
     from talaia.gateway.notices.settings import CommandWay, MailWay, NoticeSettings, WebhookWay
-    from talaia.gateway.notices.standing_notices import Notice
+    from talaia.gateway.notices.standing_notices import GatewayNotice
 
 __all__ = ["send_notice"]
 
 WITHIN_S = 20.0
 
 
-async def send_notice(settings: NoticeSettings, site: str, notice: Notice) -> dict[str, str]:
+async def send_notice(settings: NoticeSettings, site: str, notice: GatewayNotice) -> dict[str, str]:
     """Send by every way at once; give by way what went wrong, empty where it arrived."""
     ways: dict[str, Awaitable[None]] = {}
     for index, mail in enumerate(settings.mail):
@@ -47,16 +47,16 @@ async def send_notice(settings: NoticeSettings, site: str, notice: Notice) -> di
     return said
 
 
-def _title(site: str, notice: Notice) -> str:
+def _title(site: str, notice: GatewayNotice) -> str:
     return f"{site}: {notice.message}".replace("\n", " ")[:200]
 
 
-def _body(site: str, notice: Notice) -> str:
+def _body(site: str, notice: GatewayNotice) -> str:
     moment = dt.datetime.fromtimestamp(notice.time_us / 1e6, dt.UTC)
     return f"{moment:%Y-%m-%d %H:%M:%S} UTC  {_title(site, notice)}\n\n{notice.teller}"
 
 
-def _json(site: str, notice: Notice) -> bytes:
+def _json(site: str, notice: GatewayNotice) -> bytes:
     return json.dumps(
         {
             "key": notice.key,
@@ -70,7 +70,7 @@ def _json(site: str, notice: Notice) -> bytes:
     ).encode()
 
 
-def _send_mail(way: MailWay, site: str, notice: Notice) -> None:
+def _send_mail(way: MailWay, site: str, notice: GatewayNotice) -> None:
     message = EmailMessage()
     message["From"], message["To"] = way.sender, ", ".join(way.to)
     message["Subject"] = _title(site, notice)
@@ -100,7 +100,7 @@ class _NoRedirect(urllib.request.HTTPRedirectHandler):
         return None
 
 
-def _post(way: WebhookWay, site: str, notice: Notice) -> None:
+def _post(way: WebhookWay, site: str, notice: GatewayNotice) -> None:
     headers = {"Content-Type": "application/json", "Idempotency-Key": notice.key}
     if token := secret_of(way.token_file, way.token_env):
         headers["Authorization"] = f"Bearer {token}"
@@ -110,7 +110,7 @@ def _post(way: WebhookWay, site: str, notice: Notice) -> None:
         pass
 
 
-async def _run_command(way: CommandWay, site: str, notice: Notice) -> None:
+async def _run_command(way: CommandWay, site: str, notice: GatewayNotice) -> None:
     process = await asyncio.create_subprocess_exec(
         *way.words, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.DEVNULL
     )

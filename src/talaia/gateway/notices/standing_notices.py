@@ -10,12 +10,12 @@ from talaia.clock import SECOND
 if TYPE_CHECKING:
     from talaia.gateway.notices.settings import NoticeSettings
 
-__all__ = ["HUB_AWAY", "Notice", "StandingNotices"]
+__all__ = ["HUB_AWAY", "GatewayNotice", "StandingNotices"]
 
 HUB_AWAY = "Told by the site's gateway itself, for its hub is away."
 
 
-class Notice(NamedTuple):
+class GatewayNotice(NamedTuple):
     """One message.
 
     Attributes:
@@ -54,7 +54,7 @@ class StandingNotices:
         self._settings = settings
         self._teller = teller
         self._standing: dict[str, _Standing] = {}
-        self._over: list[Notice] = []
+        self._over: list[GatewayNotice] = []
         self._linked = False
 
     def stand(self, what: str, message: str, time_us: int, now_ns: int) -> None:
@@ -74,9 +74,11 @@ class StandingNotices:
         if known is not None and known.told and not self._linked:
             key = f"{what}-{known.time_us}-over"
             said = message or f"over: {known.message}"
-            self._over.append(Notice(key, what, said, time_us, over=True, teller=self._teller))
+            self._over.append(
+                GatewayNotice(key, what, said, time_us, over=True, teller=self._teller)
+            )
 
-    def due(self, now_ns: int, *, linked: bool) -> list[Notice]:
+    def due(self, now_ns: int, *, linked: bool) -> list[GatewayNotice]:
         """Give what is to be told now; nothing while the hub has a link."""
         if linked:
             self._linked = True
@@ -99,5 +101,5 @@ class StandingNotices:
             each.due_ns = now_ns + each.wait_ns
             each.told += 1
             key = f"{what}-{each.time_us}-{each.told}"
-            told.append(Notice(key, what, each.message, each.time_us, teller=self._teller))
+            told.append(GatewayNotice(key, what, each.message, each.time_us, teller=self._teller))
         return told

@@ -24,10 +24,23 @@ __all__ = ["NoDefinition", "definition_of"]
 _RULE = "=" * 80
 _BASIC = frozenset(
     (
-        "bool", "byte", "char", "float32", "float64", "int8", "uint8", "int16", "uint16",
-        "int32", "uint32", "int64", "uint64", "string", "wstring",
+        "bool",
+        "byte",
+        "char",
+        "float32",
+        "float64",
+        "int8",
+        "uint8",
+        "int16",
+        "uint16",
+        "int32",
+        "uint32",
+        "int64",
+        "uint64",
+        "string",
+        "wstring",
     )
-)  # fmt: skip
+)
 # A field's type at the beginning of a line: name, bounds of a string, array.
 _TYPE = re.compile(r"^\s*([A-Za-z][A-Za-z0-9_/]*)(?:<=\d+)?(?:\[[^\]]*\])?\s+[A-Za-z]")
 _SEQUENCE = re.compile(r"sequence<(?P<of>.+?)(?:, (?P<most>\d+))?>\Z")
@@ -64,7 +77,7 @@ def definition_of(type_name: str, fields_of: Callable[[str], Mapping[str, str]])
             raise NoDefinition(f"{type_name} is made of more than {_CHAIN} types")
         text = _file(name)
         if text is None:
-            text = _told(fields_of(name))
+            text = _definition_text(fields_of(name))
         texts[name] = text
         wanted += _parts(text, name.split("/", 1)[0])
     own, *others = texts.items()
@@ -102,7 +115,7 @@ def _parts(text: str, package: str) -> list[str]:
     return found
 
 
-def _told(fields: Mapping[str, str]) -> str:
+def _definition_text(fields: Mapping[str, str]) -> str:
     lines = [f"{_word(kind)} {name}" for name, kind in fields.items()]
     return "\n".join(lines) + "\n"
 

@@ -58,9 +58,9 @@ class FilmFile:
         self._begin_us = self.end_us = first.time_us
         self.width, self.height = first.width, first.height
         self.pictures = self.size = 0
-        with _said():
+        with _translated_errors():
             self._container = av.open(str(path), "w", format="mp4", options=_PARTS)
-            self._container.metadata.update(_told(first))
+            self._container.metadata.update(_metadata_of(first))
             self._stream = self._container.add_mux_stream(
                 "h264", width=first.width, height=first.height
             )
@@ -88,7 +88,7 @@ class FilmFile:
         packet.time_base = _MICROS
         packet.is_keyframe = picture.key
         packet.stream = self._stream
-        with _said():
+        with _translated_errors():
             self._container.mux(packet)
         self.end_us = picture.time_us
         self.pictures += 1
@@ -101,13 +101,13 @@ class FilmFile:
             OSError: the disk is full, or worse.
 
         """
-        with _said():
+        with _translated_errors():
             self._container.close()
         recover_film(part, whole)
 
     def drop(self) -> None:
         """Close as it is."""
-        with contextlib.suppress(OSError), _said():
+        with contextlib.suppress(OSError), _translated_errors():
             self._container.close()
 
 
@@ -120,7 +120,7 @@ def recover_film(broken: Path, whole: Path) -> RecoveredFile:
 
     """
     count = last = begin_us = 0
-    with _said(), av.open(str(broken), format="mp4") as source:
+    with _translated_errors(), av.open(str(broken), format="mp4") as source:
         begin_us = _begin_in(source.metadata)
         stream = source.streams.video[0]
         with av.open(str(whole), "w", format="mp4", options=_WHOLE) as target:
@@ -152,7 +152,7 @@ def _packets(
             return
 
 
-def _told(first: PictureFrame) -> dict[str, str]:
+def _metadata_of(first: PictureFrame) -> dict[str, str]:
     moment = dt.datetime.fromtimestamp(first.time_us / 1e6, dt.UTC)
     return {
         "title": first.stream,
@@ -168,7 +168,7 @@ def _begin_in(metadata: dict[str, str]) -> int:
 
 
 @contextlib.contextmanager
-def _said() -> Iterator[None]:
+def _translated_errors() -> Iterator[None]:
     """Raise what the library raises as what the caller knows."""
     try:
         yield

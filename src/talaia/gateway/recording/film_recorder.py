@@ -67,6 +67,7 @@ class FilmRecorder:
 
     def __init__(
         self,
+        *,
         plan: Recording,
         cameras: Collection[str],
         shelf: RecordingStore,
@@ -174,7 +175,7 @@ class FilmRecorder:
         reel.rolling, reel.until_ns, reel.failed = True, until_ns, False
         reel.why, reel.who, reel.note, reel.lost = why[:1000], who[:200], "", 0
         reel.ring.trim(self._clock.monotonic_ns() // 1000)
-        held = reel.ring.take()
+        held = reel.ring.drain_pictures()
         reel.wants_key = not held
         for picture in held:
             self._queue.append((reel, picture))
@@ -204,7 +205,7 @@ class FilmRecorder:
             reel.wants_key, reel.asked_ns, reel.asked_us = False, now_ns, time_us
             return Filming.ANEW if anew else Filming.ON
 
-    def put(self, picture: PictureFrame) -> None:
+    def add_picture(self, picture: PictureFrame) -> None:
         """Take the next picture of a camera's film."""
         with self._wake:
             reel = self._reel(picture.stream)
@@ -235,7 +236,7 @@ class FilmRecorder:
                 ending = self._ending
                 reels = list(self._reels.values())
             for reel, picture in queue:
-                self._guard(reel, self._take, picture)
+                self._guard(reel, self._write_picture, picture)
             for reel in reels:
                 if reel in over or ending:
                     self._guard(reel, self._finish)
@@ -291,7 +292,7 @@ class FilmRecorder:
         except Exception as error:  # noqa: BLE001 - told once, and the next film may go well
             self._fail(reel, error)
 
-    def _take(self, reel: _Reel, picture: PictureFrame) -> None:
+    def _write_picture(self, reel: _Reel, picture: PictureFrame) -> None:
         if reel.failed:
             return
         interval_us, reel.seen_us = picture.time_us - reel.seen_us, picture.time_us
@@ -316,18 +317,21 @@ class FilmRecorder:
         with self._wake:
             why, who = reel.why, reel.who
         kept = StoredRecording(
-            id=new_id(first.time_us * 1000), why=why, who=who, begin_us=first.time_us,
+            id=new_id(first.time_us * 1000),
+            why=why,
+            who=who,
+            begin_us=first.time_us,
             stream=reel.stream,
-        )  # fmt: skip
+        )
         for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
-            self._events.tell(
+            self._events.report_event(
                 "recording_dropped", f"{gone.id}: it waited for the hub, and the disk is full"
             )
         reel.kept = kept
         reel.file = FilmFile(self._shelf.part(kept.id), first)
         self.problem = ""
         device = reel.stream.split("/", 1)[0]
-        self._events.tell(
+        self._events.report_event(
             "recording_started", f"film of {reel.stream}: {why}", who=who, device=device
         )
         self._told()
@@ -350,10 +354,13 @@ class FilmRecorder:
         part.unlink(missing_ok=True)
         self._shelf.finish(kept)
         said = f"film of {reel.stream}: {kept.messages} pictures, {kept.size / _MB:.1f} MB"
-        self._events.tell(
-            "recording_ended", f"{said}{'; ' if note else ''}{kept.note}", who=kept.who,
-            device=reel.stream.split("/", 1)[0], good=True,
-        )  # fmt: skip
+        self._events.report_event(
+            "recording_ended",
+            f"{said}{'; ' if note else ''}{kept.note}",
+            who=kept.who,
+            device=reel.stream.split("/", 1)[0],
+            good=True,
+        )
         self._finished()
 
     def _fail(self, reel: _Reel, error: Exception) -> None:
@@ -370,8 +377,10 @@ class FilmRecorder:
         if kept is not None:
             with contextlib.suppress(OSError):
                 self._shelf.whole(kept.id).unlink(missing_ok=True)
-        self._events.tell(
-            "recording_failed", f"film of {reel.stream}: {error}", who=reel.who,
+        self._events.report_event(
+            "recording_failed",
+            f"film of {reel.stream}: {error}",
+            who=reel.who,
             device=reel.stream.split("/", 1)[0],
-        )  # fmt: skip
+        )
         self._told()

@@ -51,7 +51,7 @@ class FilmRing:
         ):
             self._drop()
 
-    def take(self) -> list[PictureFrame]:
+    def drain_pictures(self) -> list[PictureFrame]:
         """Give all that is held, in order, and hold nothing."""
         taken = [picture for run in self._runs for picture in run]
         self._runs.clear()

@@ -72,7 +72,7 @@ class McapFileWriter:
         self._writer().add_message(channel, raw.time_ns, raw.data, raw.time_ns, self.messages)
         self.messages += 1
 
-    def note(self, about: dict[str, str]) -> None:
+    def write_metadata(self, about: dict[str, str]) -> None:
         """Write what is known of the recording into it."""
         self._writer().add_metadata("talaia", about)
 

@@ -55,7 +55,7 @@ class MessageRing:
         while held and (self.bytes > self._max_bytes or now_ns - held[0].mono_ns > self._keep_ns):
             self.bytes -= len(held.popleft().data) + OVERHEAD
 
-    def take(self) -> deque[RawMessage]:
+    def drain_messages(self) -> deque[RawMessage]:
         """Give all that is held, in order, and hold nothing; as quick for much as for little."""
         taken, self._held, self.bytes = self._held, deque(), 0
         return taken

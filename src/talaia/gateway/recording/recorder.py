@@ -40,6 +40,7 @@ class Recorder:
 
     def __init__(
         self,
+        *,
         plan: Recording,
         topics: tuple[str, ...],
         shelf: RecordingStore,
@@ -67,7 +68,7 @@ class Recorder:
         self._shelf = shelf
         self._clock = clock
         self._definition = definition
-        self._tell_state = tell_state
+        self._send_state = tell_state
         self._events = events
         self._finished = finished
         self._ring = MessageRing(round(plan.before * SECOND), round(plan.ring_mb * _MB))
@@ -99,7 +100,7 @@ class Recorder:
             self._thread.join()
 
     def offer(
-        self, topic: str, type_name: str, data: bytes, time_ns: int, definition: str = ""
+        self, topic: str, type_name: str, data: bytes, time_ns: int, *, definition: str = ""
     ) -> None:
         """See `RawSink.offer`."""
         mono_ns = self._clock.monotonic_ns()
@@ -153,7 +154,7 @@ class Recorder:
             self._ring.trim(self._clock.monotonic_ns())
             # STOP waits for this: no step of it may take longer when more is held.
             self._queued = self._ring.bytes
-            self._queue = self._ring.take()
+            self._queue = self._ring.drain_messages()
             self._lost = 0
             begin_ns = self._queue[0].time_ns if self._queue else wall_ns
             self._kept = StoredRecording(
@@ -194,10 +195,10 @@ class Recorder:
                 self._failed(kept, error)
 
     def _record(self, kept: StoredRecording) -> None:
-        self._tell()
-        self._events.tell("recording_started", f"{kept.id}: {kept.why}", who=kept.who)
+        self._report_state()
+        self._events.report_event("recording_started", f"{kept.id}: {kept.why}", who=kept.who)
         for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
-            self._events.tell(
+            self._events.report_event(
                 "recording_dropped", f"{gone.id}: it waited for the hub, and the disk is full"
             )
         file = McapFileWriter(self._shelf.part(kept.id), self._definition)
@@ -212,7 +213,9 @@ class Recorder:
                 if self._lost:
                     lost = f"{self._lost} messages are missing: the disk did not keep up"
                     kept.note = _joined(kept.note, lost)
-            file.note({"id": kept.id, "why": kept.why, "who": kept.who, "note": kept.note})
+            file.write_metadata(
+                {"id": kept.id, "why": kept.why, "who": kept.who, "note": kept.note}
+            )
             file.finish()
         except BaseException:
             file.drop()
@@ -222,8 +225,10 @@ class Recorder:
         self._done()
         size = f"{kept.messages} messages, {kept.size / _MB:.1f} MB"
         note = f"; {kept.note}" if kept.note else ""
-        self._events.tell("recording_ended", f"{kept.id}: {size}{note}", who=kept.who, good=True)
-        self._tell()
+        self._events.report_event(
+            "recording_ended", f"{kept.id}: {size}{note}", who=kept.who, good=True
+        )
+        self._report_state()
         self._finished()
 
     def _fill(self, file: McapFileWriter) -> str:
@@ -269,8 +274,8 @@ class Recorder:
         self._done()
         with contextlib.suppress(OSError):
             self._shelf.remove(kept.id)
-        self._events.tell("recording_failed", f"{kept.id}: {error}", who=kept.who)
-        self._tell()
+        self._events.report_event("recording_failed", f"{kept.id}: {error}", who=kept.who)
+        self._report_state()
 
     def _shut(self) -> None:
         """Take no more into the file; what is over goes back into the ring. Under the lock."""
@@ -287,8 +292,8 @@ class Recorder:
         if again is not None:
             self._begin(*again)
 
-    def _tell(self) -> None:
-        self._tell_state(self.state())
+    def _report_state(self) -> None:
+        self._send_state(self.state())
 
 
 def _joined(before: str, more: str) -> str:

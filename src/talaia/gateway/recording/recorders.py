@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["TriggeredRecorder"]
 
 
-@dataclasses.dataclass(frozen=True)
 class TriggeredRecorder:
     """What is told to begin and to end, and tells how it stands. Any thread may call it.
 
@@ -28,14 +26,19 @@ class TriggeredRecorder:
         plan: see `Recording`.
         recorder: of messages; none where no topic is recorded.
         films: of cameras; none where this machine cannot encode them.
-        tell: takes the state after each change; from any thread.
 
     """
 
-    plan: Recording
-    recorder: Recorder | None
-    films: FilmRecorder | None
-    tell: Callable[[RecorderState], None]
+    def __init__(self, plan: Recording, send_state: Callable[[RecorderState], None]) -> None:
+        """Record nothing until `attach`; ``send_state`` takes each change, from any thread."""
+        self.plan = plan
+        self._send_state = send_state
+        self.recorder: Recorder | None = None
+        self.films: FilmRecorder | None = None
+
+    def attach(self, *, recorder: Recorder | None, films: FilmRecorder | None) -> None:
+        """Take what records, before `start`."""
+        self.recorder, self.films = recorder, films
 
     def start(self) -> None:
         """Begin to hold what is held."""
@@ -91,6 +94,6 @@ class TriggeredRecorder:
             problem=state.problem or self.films.problem[:2000],
         )
 
-    def say(self) -> None:
+    def report_state(self) -> None:
         """Tell how it stands, after a change."""
-        self.tell(self.state())
+        self._send_state(self.state())

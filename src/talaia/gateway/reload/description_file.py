@@ -58,7 +58,7 @@ class DescriptionFile:
         self._beside = beside_of(site, self.path.parent)
         self._seen = self._settled = self._marks()
 
-    def look(self) -> str | None:
+    def read_change(self) -> str | None:
         """Give the file's text if it was changed and is being written no more, else none.
 
         A change is given once. It takes two looks, so that a file that is written piece by piece

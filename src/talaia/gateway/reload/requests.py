@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.errors import TalaiaError
 from talaia.gateway.change_policy import AcceptedChanges, forbidden
-from talaia.gateway.reload.apply import prepared
+from talaia.gateway.reload.current_description import prepared
 from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.model.checks.identifiers import Finding
 from talaia.model.checks.site_checks import check
@@ -72,11 +72,12 @@ class ChangeRequests:
 
     def __init__(
         self,
-        copy: DescriptionFile | None,
+        *,
+        file: DescriptionFile | None,
         accepts: AcceptedChanges,
         key_hash: str,
         data: Path,
-        exchange: DescriptionReload,
+        reload: DescriptionReload,
         send: Callable[[ChangeState], None],
         events: EventSink,
         on_disk: Callable[[Callable[[], None]], Awaitable[None]],
@@ -84,21 +85,21 @@ class ChangeRequests:
         """Judge by what the gateway permits.
 
         Args:
-            copy: the file; none where the description is not from one.
+            file: the file; none where the description is not from one.
             accepts: what may come from the hub.
             key_hash: SHA-256 of the gateway's key, hex; see `wire.sealing`.
             data: the data folder, which has the devices that were found.
-            exchange: puts a description in the place of another.
+            reload: puts a description in the place of another.
             send: tells the hub.
             events: told what is worth writing down.
             on_disk: runs a blocking write elsewhere, in order; raises what it raises.
 
         """
-        self._copy = copy
+        self._file = file
         self._accepts = accepts
         self._key_hash = key_hash
         self._data = data
-        self._exchange = exchange
+        self._reload = reload
         self._send = send
         self._events = events
         self._on_disk = on_disk
@@ -116,13 +117,13 @@ class ChangeRequests:
 
     async def watch(self) -> None:
         """Follow the file until cancelled."""
-        if self._copy is None:
+        if self._file is None:
             await asyncio.Event().wait()
             return
         while True:
             await asyncio.sleep(LOOK_S)
             try:
-                text = await asyncio.to_thread(self._copy.look)
+                text = await asyncio.to_thread(self._file.read_change)
             except DescriptionError as error:
                 self._complain(_of(error))
                 continue
@@ -130,25 +131,25 @@ class ChangeRequests:
                 await self._follow(text)
 
     async def _follow(self, text: str) -> None:
-        copy = self._copy
-        assert copy is not None  # noqa: S101 - it has just been read
+        file = self._file
+        assert file is not None  # noqa: S101 - it has just been read
         async with self._turn:
             site = await asyncio.to_thread(self._read, text)
             if isinstance(site, ChangeRefused):
                 self._complain(site)
                 return
-            if site == self._exchange.now.site and text == self._exchange.now.source:
+            if site == self._reload.now.site and text == self._reload.now.source:
                 self._settled()
                 return
-            if site.site != self._exchange.now.site.site:
+            if site.site != self._reload.now.site.site:
                 where = Finding("$.site", "a site keeps its short name while it runs")
                 self._complain(ChangeRefused("the description is of another site", (where,)))
                 return
-            while hindrance := self._exchange.hindrance(site):
+            while hindrance := self._reload.hindrance(site):
                 log.info("the description waits: %s", hindrance)
-                while self._exchange.hindrance(site):  # noqa: ASYNC110 - rare, told by nobody
+                while self._reload.hindrance(site):  # noqa: ASYNC110 - rare, told by nobody
                     await asyncio.sleep(AGAIN_S)
-            refused = await self._put(site, text, "", "")
+            refused = await self._apply_change(site, text, "", "")
         if refused is not None:
             self._complain(refused)
         else:
@@ -162,7 +163,7 @@ class ChangeRequests:
         log.warning("the changed description is not used: %s", said)
         self._standing = refused.state("")
         self._send(self._standing)
-        self._events.tell("description_refused", said)
+        self._events.report_event("description_refused", said)
 
     def _settled(self) -> None:
         if self._standing is not None:
@@ -177,28 +178,28 @@ class ChangeRequests:
         if known is not None:
             self._send(known)
             return
-        self._note(ChangeState(id=asked.id, phase=ChangePhase.WAITING))
+        self._report_state(ChangeState(id=asked.id, phase=ChangePhase.WAITING))
         async with self._turn:
             try:
-                refused = await self._take(asked)
+                refused = await self._judge_request(asked)
             except Exception:
                 log.exception("the change %s failed", asked.id)
                 refused = ChangeRefused("the gateway failed; see its log")
         if refused is None:
-            self._note(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
+            self._report_state(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
             return
-        self._note(refused.state(asked.id))
+        self._report_state(refused.state(asked.id))
         said = "; ".join(str(each) for each in refused.problems[:1]) or refused.message
-        self._events.tell("change_refused", said, who=asked.who)
+        self._events.report_event("change_refused", said, who=asked.who)
 
-    def _note(self, state: ChangeState) -> None:
+    def _report_state(self, state: ChangeState) -> None:
         self._known[state.id] = state
         while len(self._known) > MOST_REMEMBERED:
             self._known.pop(next(iter(self._known)))
         self._send(state)
 
-    async def _take(self, asked: ChangeRequest) -> ChangeRefused | None:
-        copy, now = self._copy, self._exchange.now
+    async def _judge_request(self, asked: ChangeRequest) -> ChangeRefused | None:
+        file, now = self._file, self._reload.now
         try:
             text = inflated(asked.source)
         except PeerError as error:
@@ -206,10 +207,10 @@ class ChangeRequests:
         seal = seal_of(self._key_hash, asked.id, asked.who, asked.base, text)
         if not hmac.compare_digest(seal, asked.seal):
             return ChangeRefused("the change is not sealed with this gateway's key")
-        if self._accepts is AcceptedChanges.NO or copy is None or not copy.editable:
+        if self._accepts is AcceptedChanges.NO or file is None or not file.editable:
             findings = forbidden(now.site, now.site, AcceptedChanges.NO)
             return ChangeRefused("this gateway takes no changes from the hub", tuple(findings))
-        if asked.base != copy.digest:
+        if asked.base != file.digest:
             return ChangeRefused(
                 "the description has been changed meanwhile; begin with the newest one"
             )
@@ -220,17 +221,17 @@ class ChangeRequests:
             return ChangeRefused(
                 "this gateway does not take such a change from the hub", tuple(findings)
             )
-        if hindrance := self._exchange.hindrance(site):
+        if hindrance := self._reload.hindrance(site):
             return ChangeRefused(f"{hindrance}; wait for its end, or cancel it, and ask again")
-        return await self._put(site, text, asked.id, asked.who)
+        return await self._apply_change(site, text, asked.id, asked.who)
 
     # ── both ──
 
     def _read(self, text: str) -> Site | ChangeRefused:
         """Read and check a text as if it stood in the file; any thread."""
-        assert self._copy is not None  # noqa: S101 - there is a text because there is a file
+        assert self._file is not None  # noqa: S101 - there is a text because there is a file
         try:
-            site = site_in(text, self._copy.path)
+            site = site_in(text, self._file.path)
         except DescriptionError as error:
             return _of(error)
         findings = check(site)
@@ -238,37 +239,39 @@ class ChangeRequests:
             return ChangeRefused("the description cannot be used as written", tuple(findings))
         return with_counts(with_kept(self._data, site))
 
-    async def _put(self, site: Site, text: str, change_id: str, who: str) -> ChangeRefused | None:
-        copy, exchange = self._copy, self._exchange
-        assert copy is not None  # noqa: S101 - see `_read`
-        source = text if copy.editable else ""
+    async def _apply_change(
+        self, site: Site, text: str, change_id: str, who: str
+    ) -> ChangeRefused | None:
+        file, reload = self._file, self._reload
+        assert file is not None  # noqa: S101 - see `_read`
+        source = text if file.editable else ""
         next_ = await asyncio.to_thread(prepared, site, source)
-        exchange.leave(site)
+        reload.leave(site)
         try:
             async with asyncio.timeout(LEFT_S):
-                while not exchange.left(site):  # noqa: ASYNC110 - told by nobody
+                while not reload.left(site):  # noqa: ASYNC110 - told by nobody
                     await asyncio.sleep(AGAIN_S)
-            before = copy.text
+            before = file.text
             if change_id:
-                await self._on_disk(partial(copy.write, text))
+                await self._on_disk(partial(file.write, text))
             try:
-                exchange.put(next_, change_id, who)
+                reload.apply_description(next_, change_id, who)
             except TalaiaError:
                 if change_id:
-                    await self._on_disk(partial(copy.write, before))
+                    await self._on_disk(partial(file.write, before))
                 raise
         except TimeoutError:
-            exchange.leave(None)
+            reload.leave(None)
             return ChangeRefused("a device that it touches does not come to rest")
         except OSError as error:
-            exchange.leave(None)
+            reload.leave(None)
             return ChangeRefused(
-                f"the gateway cannot write {copy.path.name}: {error.strerror or error}"
+                f"the gateway cannot write {file.path.name}: {error.strerror or error}"
             )
         except TalaiaError as error:
-            exchange.leave(None)
+            reload.leave(None)
             return ChangeRefused(str(error))
-        copy.counts(site, text)
+        file.counts(site, text)
         log.info("the description was changed%s", f" by {who}" if who else "")
         return None
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
+    from talaia.gateway.reload.current_description import CurrentDescription
     from talaia.model.site import Device, Site
 
 __all__ = ["GatewayRestart"]
@@ -27,11 +28,11 @@ class GatewayRestart:
 
     """
 
-    def __init__(self, data: Path, now: Callable[[], Site]) -> None:
-        """Keep what is found in the data folder; ``now`` gives the description that counts."""
+    def __init__(self, data: Path, current: CurrentDescription) -> None:
+        """Keep what is found in the data folder."""
         self.site: Site | None = None
         self._data = data
-        self._now = now
+        self._current = current
         self._asked = asyncio.Event()
 
     def begin(self, site: Site) -> None:
@@ -41,7 +42,7 @@ class GatewayRestart:
 
     def found(self, connection: str, devices: Mapping[str, Device]) -> None:
         """Keep what was found; if any of it is new, begin again with it."""
-        now = self._now()
+        now = self._current.now.site
         site = joined(self.site or now, connection, devices, kept_of(self._data, connection))
         new = [name for name, device in site.devices.items() if device != now.devices.get(name)]
         if not new:

@@ -52,7 +52,9 @@ class ConditionHolds:
             # Of several limits of one signal one that is never overridden counts for all.
             self._never[name] = self._never.get(name) or never_overridden(site, condition)
 
-    def look(self, verdicts: Iterable[tuple[str, InterlockVerdict]], now_ns: int) -> None:
+    def update_verdicts(
+        self, verdicts: Iterable[tuple[str, InterlockVerdict]], now_ns: int
+    ) -> None:
         """Take in what each condition says, in the order of the description."""
         seen: set[str] = set()
         for name, verdict in verdicts:

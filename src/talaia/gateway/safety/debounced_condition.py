@@ -83,7 +83,9 @@ class DebouncedCondition:
         self._on = False
         self._bad_time = BadTimeWindow(2 * self._lasting_ns)
 
-    def look(self, judge: Callable[[Condition], InterlockVerdict], now_ns: int) -> InterlockVerdict:
+    def judge_condition(
+        self, judge: Callable[[Condition], InterlockVerdict], now_ns: int
+    ) -> InterlockVerdict:
         """Say how it stands.
 
         Args:

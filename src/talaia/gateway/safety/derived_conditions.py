@@ -25,7 +25,7 @@ def judge_difference(
 
 
 def judge_dew_point(
-    condition: Condition, name: str, temperature: float, humidity: float, unit: str
+    *, condition: Condition, name: str, temperature: float, humidity: float, unit: str
 ) -> InterlockVerdict:
     """Say whether a temperature (°C) is too near to the dew point at a humidity (%)."""
     away = temperature - dew_point(temperature, humidity)

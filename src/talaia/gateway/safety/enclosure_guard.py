@@ -20,7 +20,16 @@ from talaia.model.interlocks.interlock import Step
 if TYPE_CHECKING:
     from talaia.model.interlocks.enclosure import Enclosure, Follow
 
-__all__ = ["Act", "EnclosureGuard", "Follower", "Hold", "Said", "Seen", "apart_of", "hold_of"]
+__all__ = [
+    "EnclosureAction",
+    "EnclosureEvent",
+    "EnclosureGuard",
+    "EnclosureReadings",
+    "Follower",
+    "Hold",
+    "apart_of",
+    "hold_of",
+]
 
 # A command is asked again no sooner, however the sensors stand: first this, then ever longer.
 FIRST_AGAIN_NS = 2 * SECOND
@@ -31,7 +40,7 @@ PARK_AGAIN_NS = 10 * SECOND
 ABORT_NS = SECOND
 
 
-class Seen(NamedTuple):
+class EnclosureReadings(NamedTuple):
     """What the sensors say.
 
     Attributes:
@@ -52,14 +61,14 @@ class Seen(NamedTuple):
     open_parts: tuple[str, ...] = ()
 
 
-class Act(NamedTuple):
+class EnclosureAction(NamedTuple):
     """A command to be given; ``label`` is its own, so that none waits for another."""
 
     label: str
     step: Step
 
 
-class Said(NamedTuple):
+class EnclosureEvent(NamedTuple):
     """Something to write down."""
 
     kind: str
@@ -100,7 +109,7 @@ class EnclosureGuard:
         """Tell whether it should be closed and cannot be shown to be."""
         return self._alarm_ns is not None
 
-    def commanded(self, address: str, who: str) -> list[Act | Said]:
+    def commanded(self, address: str, who: str) -> list[EnclosureAction | EnclosureEvent]:
         """Take in a person's command: STOP holds a closing, the closing command resumes it."""
         if self._began_ns is None or self._closed:
             return []
@@ -109,10 +118,12 @@ class EnclosureGuard:
             self._alarm_ns = None
         elif address == self._rule.close.command and self._stopped_by:
             self._stopped_by, self._tries, self._close_ns = "", 0, None
-            return [self._said("enclosure_resumed", f"closing resumed by {who}", good=True)]
+            return [self._event("enclosure_resumed", f"closing resumed by {who}", good=True)]
         return []
 
-    def look(self, why: str, seen: Seen, now_ns: int) -> list[Act | Said]:
+    def update_enclosure(
+        self, why: str, seen: EnclosureReadings, now_ns: int
+    ) -> list[EnclosureAction | EnclosureEvent]:
         """Say what is to be done now.
 
         Args:
@@ -126,11 +137,11 @@ class EnclosureGuard:
                 return []
             over = self.alarmed
             self._forget()
-            return [self._said("alarm_over", "safe again", good=True)] if over else []
-        acts: list[Act | Said] = []
+            return [self._event("alarm_over", "safe again", good=True)] if over else []
+        acts: list[EnclosureAction | EnclosureEvent] = []
         if self._began_ns is None:
             self._began_ns = now_ns
-            acts.append(self._said("enclosure_closes", why, good=False))
+            acts.append(self._event("enclosure_closes", why, good=False))
         if seen.closed is not True and not self._aborted:
             # With the roof closed there is nothing to protect: darks may go on.
             self._aborted = True
@@ -140,7 +151,7 @@ class EnclosureGuard:
         elif self._closed:
             self._closed, self._tries, self._close_ns = False, 0, None
             self._began_ns = now_ns
-            acts.append(self._said("enclosure_reopened", f"open while {why}", good=False))
+            acts.append(self._event("enclosure_reopened", f"open while {why}", good=False))
         if not self._closed and not self._stopped_by:
             acts += self._turn(seen, now_ns)
         acts += self._park(seen, now_ns)
@@ -148,7 +159,7 @@ class EnclosureGuard:
             acts += self._close(why, seen, now_ns)
         return acts
 
-    def _turn(self, seen: Seen, now_ns: int) -> list[Act | Said]:
+    def _turn(self, seen: EnclosureReadings, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
         """Stop or turn a roof that opens, at once, whatever the order of closing is.
 
         With a telescope that may stand in the way it is stopped first, and closes in its order.
@@ -162,10 +173,10 @@ class EnclosureGuard:
         if self._turn_ns is not None and now_ns - self._turn_ns < again:
             return []
         stops = bool(rule.stop) and (self._turns + self._must_wait(seen)) % 2 == 1
-        acts: list[Act | Said] = []
+        acts: list[EnclosureAction | EnclosureEvent] = []
         if self._turns == 0:
             did = "stopped" if stops else "turned"
-            acts.append(self._said("enclosure_turned", f"it was opening: {did}", good=False))
+            acts.append(self._event("enclosure_turned", f"it was opening: {did}", good=False))
         self._turns += 1
         self._turn_ns = now_ns
         if stops:
@@ -174,23 +185,23 @@ class EnclosureGuard:
         self._close_ns = now_ns
         return [*acts, self._act("close", rule.close)]
 
-    def _must_wait(self, seen: Seen) -> bool:
+    def _must_wait(self, seen: EnclosureReadings) -> bool:
         """Tell whether the telescope has to be parked before the roof closes."""
         waits = self._rule.order is ClosingOrder.MOUNT_FIRST and self._rule.park is not None
         return waits and not seen.parked
 
-    def _on_closed(self, now_ns: int) -> list[Act | Said]:
+    def _on_closed(self, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
         if self._closed:
             return []
         took = (now_ns - (self._began_ns or now_ns)) / SECOND
-        said = [self._said("enclosure_closed", f"closed after {took:.0f} s", good=True)]
+        said = [self._event("enclosure_closed", f"closed after {took:.0f} s", good=True)]
         if self.alarmed:
-            said.append(self._said("alarm_over", "closed", good=True))
+            said.append(self._event("alarm_over", "closed", good=True))
         self._closed, self._tries, self._stopped_by = True, 0, ""
         self._close_ns = self._alarm_ns = None
         return [*said]
 
-    def _park(self, seen: Seen, now_ns: int) -> list[Act | Said]:
+    def _park(self, seen: EnclosureReadings, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
         rule = self._rule
         if rule.park is None or seen.parked or self._stopped_by:
             return []
@@ -211,7 +222,9 @@ class EnclosureGuard:
         began = self._began_ns or now_ns
         return now_ns - began < round(self._rule.mount_within * SECOND)
 
-    def _close(self, why: str, seen: Seen, now_ns: int) -> list[Act | Said]:
+    def _close(
+        self, why: str, seen: EnclosureReadings, now_ns: int
+    ) -> list[EnclosureAction | EnclosureEvent]:
         rule = self._rule
         if self._stopped_by:
             said = f"closing was stopped by {self._stopped_by}; close it by hand to resume ({why})"
@@ -221,14 +234,14 @@ class EnclosureGuard:
                 return []
             if rule.past_deadline is PastDeadline.ALARM:
                 return self._alarm(f"the telescope is not parked, so it stays open ({why})", now_ns)
-        acts: list[Act | Said] = []
+        acts: list[EnclosureAction | EnclosureEvent] = []
         # A roof that opens is seen to by `_turn`, more often.
         if not seen.opening and self._due(seen, now_ns):
             self._tries += 1
             self._close_ns = now_ns
             if self._tries > 1:
                 times = f"asked for the {self._tries}. time"
-                acts.append(self._said("enclosure_retry", f"{times}: {_words(seen)}", good=False))
+                acts.append(self._event("enclosure_retry", f"{times}: {_words(seen)}", good=False))
             parts = [each for name, each in rule.parts().items() if name in seen.open_parts]
             acts += [self._act("close", each.close) for each in parts if each.close is not None]
             acts.append(self._act("close", rule.close))
@@ -237,7 +250,7 @@ class EnclosureGuard:
             acts += self._alarm(f"NOT CLOSED after {tries}: {_words(seen)} ({why})", now_ns)
         return acts
 
-    def _due(self, seen: Seen, now_ns: int) -> bool:
+    def _due(self, seen: EnclosureReadings, now_ns: int) -> bool:
         """Tell whether it is time to ask it to close."""
         if self._close_ns is None:
             return True
@@ -247,26 +260,26 @@ class EnclosureGuard:
         again = min(LONGEST_AGAIN_NS, FIRST_AGAIN_NS << min(self._tries - 1, 10))
         return waited >= again
 
-    def _alarm(self, message: str, now_ns: int) -> list[Act | Said]:
+    def _alarm(self, message: str, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
         self._problem = message
         every = round(self._rule.alarm_every * SECOND)
         if self._alarm_ns is not None and now_ns - self._alarm_ns < every:
             return []
         self._alarm_ns = now_ns
-        return [self._said("enclosure_not_closed", message, good=False)]
+        return [self._event("enclosure_not_closed", message, good=False)]
 
-    def _act(self, what: str, step: Step) -> Act:
+    def _act(self, what: str, step: Step) -> EnclosureAction:
         self._asked += 1
-        return Act(
+        return EnclosureAction(
             f"enclosure {self._name} {what} {self._asked}",
             msgspec.structs.replace(step, required=False),
         )
 
-    def _said(self, kind: str, message: str, *, good: bool) -> Said:
-        return Said(kind, f"{self._rule.name}: {message}", good)
+    def _event(self, kind: str, message: str, *, good: bool) -> EnclosureEvent:
+        return EnclosureEvent(kind, f"{self._rule.name}: {message}", good)
 
 
-def _words(seen: Seen) -> str:
+def _words(seen: EnclosureReadings) -> str:
     if seen.disagree:
         return f"its sensors disagree ({seen.disagree})"
     if seen.closed is None:
@@ -330,7 +343,7 @@ class Follower:
         self.rule = rule
         self._asked_ns: int | None = None
 
-    def look(
+    def next_step(
         self, target: float | None, azimuth: float | None, now_ns: int, *, settled: bool
     ) -> Step | None:
         """Give the command that is due, if any.

@@ -100,7 +100,7 @@ class InterlockStateMachine:
         latch._fired = self._fired and (not self._unsafe or rule.run == self._rule.run)
         return latch
 
-    def look(self, verdict: InterlockVerdict, now_ns: int) -> list[InterlockChange]:
+    def update_state(self, verdict: InterlockVerdict, now_ns: int) -> list[InterlockChange]:
         """Take in what the conditions say; give what follows."""
         changes: list[InterlockChange] = []
         if self._override is not None and now_ns >= self._override.until_ns:
@@ -153,7 +153,7 @@ class InterlockStateMachine:
         return min(times, default=None)
 
     def overrule(
-        self, who: str, reason: str, seconds: float, now_ns: int, *, condition: str = ""
+        self, *, who: str, reason: str, seconds: float, now_ns: int, condition: str = ""
     ) -> str:
         """Override a condition for a time, or end that with 0 s; give the reason why not."""
         if seconds == 0:

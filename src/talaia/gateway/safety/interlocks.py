@@ -20,12 +20,12 @@ from talaia.gateway.safety.condition_holds import ConditionHolds
 from talaia.gateway.safety.debounced_condition import DebouncedCondition
 from talaia.gateway.safety.derived_conditions import judge_dew_point, judge_difference, judge_sun
 from talaia.gateway.safety.enclosure_guard import (
-    Act,
+    EnclosureAction,
+    EnclosureEvent,
     EnclosureGuard,
+    EnclosureReadings,
     Follower,
     Hold,
-    Said,
-    Seen,
     apart_of,
     hold_of,
 )
@@ -37,7 +37,13 @@ from talaia.gateway.safety.interlock_state import (
 from talaia.gateway.safety.link_losses import LinkLosses
 from talaia.gateway.safety.outlet_guard import refuse_power_cut
 from talaia.gateway.safety.pointing_limits import misdirected
-from talaia.gateway.safety.sensor_agreement import Agreement, Closed, Sensor, SensorTurns, closed_by
+from talaia.gateway.safety.sensor_agreement import (
+    ClosedVerdict,
+    RoofSensor,
+    SensorAgreement,
+    SensorTurns,
+    closed_by,
+)
 from talaia.gateway.safety.value_validity import ValueValidity, within_sighting, word_of
 from talaia.model.derived_signals import eye_of
 from talaia.model.interlocks.interlock import Condition
@@ -71,6 +77,7 @@ class Runner(Protocol):
 
 
 def judged(
+    *,
     condition: Condition,
     signal: Signal,
     reading: ChannelReading | None,
@@ -134,9 +141,10 @@ class Interlocks:
 
     def __init__(
         self,
+        *,
         site: Site,
         readings: ReadingSource,
-        mouth: ControlOutput,
+        output: ControlOutput,
         run: Runner,
         now_ns: int,
         wall_ns: Callable[[], int] = time.time_ns,
@@ -146,7 +154,7 @@ class Interlocks:
         Args:
             site: the description.
             readings: the newest values, see `Site.guarded`.
-            mouth: tells the hub, and writes down.
+            output: tells the hub, and writes down.
             run: begins sequences.
             now_ns: monotonic.
             wall_ns: UTC, for where the Sun stands.
@@ -156,7 +164,7 @@ class Interlocks:
         self._wall_ns = wall_ns
         self._readings = readings
         self._validity = ValueValidity(readings, wall_ns)
-        self._mouth = mouth
+        self._output = output
         self._run = run
         # From when on a signal that has never said anything has been listened to.
         self._began_ns = dict.fromkeys(site.guarded(), now_ns)
@@ -170,7 +178,7 @@ class Interlocks:
         self._enclosures = {
             name: EnclosureGuard(name, rule) for name, rule in site.enclosures.items()
         }
-        self._agreements = {name: Agreement(rule) for name, rule in site.enclosures.items()}
+        self._agreements = {name: SensorAgreement(rule) for name, rule in site.enclosures.items()}
         self._turns = SensorTurns()
         # What was last told of each enclosure, see `EnclosureState`.
         self._told_problems: dict[str, str] = {}
@@ -222,13 +230,13 @@ class Interlocks:
                 continue
             known = latches.get(name)
             if known is not None and (over := known.override) is not None:
-                self._mouth.note("override_ended", "", name, over.who, good=True)
+                self._output.record_event("override_ended", "", name, over.who, good=True)
             latch = InterlockStateMachine(name, rule, now_ns)
             latch.why = "it has just been described"
             self._latches[name] = latch if known is None else known.redescribed(rule, now_ns)
             self._wires[name] = [DebouncedCondition(each) for each in rule.when]
             self._holds[name] = ConditionHolds(site, rule, now_ns)
-            self._mouth.send(self._state(name, now_ns))
+            self._output.send(self._state(name, now_ns))
         self._redescribe_enclosures(before, site)
         self._losses.redescribe(site)
 
@@ -238,7 +246,7 @@ class Interlocks:
         for name, rule in site.enclosures.items():
             same = before.enclosures.get(name) == rule
             self._enclosures[name] = guards[name] if same else EnclosureGuard(name, rule)
-            self._agreements[name] = agreements[name] if same else Agreement(rule)
+            self._agreements[name] = agreements[name] if same else SensorAgreement(rule)
             if rule.follow is not None:
                 self._followers[name] = followers[name] if same else Follower(rule.follow)
 
@@ -251,7 +259,7 @@ class Interlocks:
         """
         for name, rule in self._site.interlocks.items():
             if f"{device}/{what}" in rule.refuse or f"{device}/*" in rule.refuse:
-                self._look(name, now_ns)
+                self._judge_interlock(name, now_ns)
                 latch = self._latches[name]
                 if latch.locked:
                     return f"{rule.name}: {latch.why}"
@@ -264,7 +272,11 @@ class Interlocks:
     ) -> str:
         """Say why a command takes power that a safe state needs; empty when it takes none."""
         return refuse_power_cut(
-            self._site, device, command, args, lambda each: self._sighted(each, now_ns)
+            site=self._site,
+            device=device,
+            command=command,
+            args=args,
+            sighted=lambda each: self._sighted(each, now_ns),
         )
 
     def share(self, device: str, now_ns: int) -> float:
@@ -272,7 +284,7 @@ class Interlocks:
         target, share = f"{device}/drive", 1.0
         for name, rule in self._site.interlocks.items():
             if target in rule.slow:
-                self._look(name, now_ns)
+                self._judge_interlock(name, now_ns)
                 if self._latches[name].locked:
                     share = min(share, rule.slow[target])
         return share
@@ -284,7 +296,13 @@ class Interlocks:
         pointed = described.pointing.commands.get(what)
         if pointed is None:
             return ""
-        return misdirected(described.pointing, pointed, args, self._site.place, self._wall_ns())
+        return misdirected(
+            rule=described.pointing,
+            names=pointed,
+            args=args,
+            place=self._site.place,
+            wall_ns=self._wall_ns(),
+        )
 
     def hold(self, device: str, command: str, now_ns: int) -> Hold | None:
         """Say what a command has to wait for, because a dome follows; none when for nothing."""
@@ -323,31 +341,33 @@ class Interlocks:
     def commanded(self, device: str, command: str, who: str) -> None:
         """Tell of a person's command that was accepted: it may stop or resume a closing."""
         for guard in self._enclosures.values():
-            self._do(guard.commanded(f"{device}/{command}", who))
+            self._carry_out(guard.commanded(f"{device}/{command}", who))
 
     def override(self, ask: OverrideRequest, now_ns: int) -> None:
         """Override a condition for a time, or end that; who asked is told by the state."""
         condition, refused = self._overrule(ask, now_ns)
         if refused:
-            self._mouth.note("override_refused", "", refused, ask.who, good=False)
+            self._output.record_event("override_refused", "", refused, ask.who, good=False)
             return
         if ask.seconds:
             said = f"{ask.interlock} ({condition}) for {ask.seconds:g} s: {ask.reason.strip()}"
-            self._mouth.note("interlock_overridden", "", said, ask.who, good=False)
-            self._mouth.send(self._state(ask.interlock, now_ns))
-        self._look(ask.interlock, now_ns)
+            self._output.record_event("interlock_overridden", "", said, ask.who, good=False)
+            self._output.send(self._state(ask.interlock, now_ns))
+        self._judge_interlock(ask.interlock, now_ns)
 
     def _overrule(self, ask: OverrideRequest, now_ns: int) -> tuple[str, str]:
         """Override as asked; give the condition that is, and why it was refused, if it was."""
         latch = self._latches.get(ask.interlock)
         if latch is None:
             return "", f"there is no interlock {ask.interlock!r}"
-        self._look(ask.interlock, now_ns)
+        self._judge_interlock(ask.interlock, now_ns)
         holds = self._holds[ask.interlock]
         condition = ask.condition or holds.locking(now_ns)
         if ask.seconds and latch.is_locked and (why := holds.problem(condition, now_ns)):
             return condition, why
-        refused = latch.overrule(ask.who, ask.reason, ask.seconds, now_ns, condition=condition)
+        refused = latch.overrule(
+            who=ask.who, reason=ask.reason, seconds=ask.seconds, now_ns=now_ns, condition=condition
+        )
         return condition, refused
 
     def _state(self, name: str, now_ns: int) -> InterlockState:
@@ -368,13 +388,13 @@ class Interlocks:
         before = self._told.get(name)
         state = self._state(name, now_ns)
         if before is not None and self._told[name] != before:
-            self._mouth.send(state)
+            self._output.send(state)
 
     def link_up(self, now_ns: int) -> None:
         """Tell a new link how all stand; what was to follow its loss is called off."""
         self._losses.link_up()
         for name in self._latches:
-            self._mouth.send(self._state(name, now_ns))
+            self._output.send(self._state(name, now_ns))
         for name in self._enclosures:
             self._tell_enclosure(name)
 
@@ -388,14 +408,14 @@ class Interlocks:
         """When all was last judged to the end (monotonic); none where there is nothing to judge."""
         return self._judged_ns if self._latches or self._enclosures else None
 
-    def enclosure_seen(self, name: str, now_ns: int) -> Seen:
+    def enclosure_seen(self, name: str, now_ns: int) -> EnclosureReadings:
         """Give what the sensors of an enclosure say."""
         rule = self._site.enclosures[name]
         return self._seen(rule, self._closed(rule, now_ns), now_ns)
 
-    def _seen(self, rule: Enclosure, closed: Closed, now_ns: int) -> Seen:
+    def _seen(self, rule: Enclosure, closed: ClosedVerdict, now_ns: int) -> EnclosureReadings:
         opening = any(self._sighted(each, now_ns) for each in opening_of(self._site, rule))
-        return Seen(
+        return EnclosureReadings(
             closed=None if closed.closed is None else closed.closed and not opening,
             disagree=closed.disagree,
             open_parts=closed.open_parts,
@@ -434,7 +454,7 @@ class Interlocks:
         self._looked_ns = now_ns
         self._validity.observe(self._site, now_ns)
         for name in self._latches:
-            self._look(name, now_ns)
+            self._judge_interlock(name, now_ns)
             self._tell_overridable(name, now_ns)
         self._act_on_link_loss(now_ns)
         for name, guard in self._enclosures.items():
@@ -445,7 +465,7 @@ class Interlocks:
         """Begin what is due without a hub; before the roofs, for it may want them closed."""
         for device, policy in self._losses.due(lambda since: self._age_ns(since, now_ns)):
             away = f"no hub for {policy.after:g} s"
-            self._mouth.note("link_loss_acted", device, away, "", good=False)
+            self._output.record_event("link_loss_acted", device, away, "", good=False)
             if policy.run:
                 self._run(f"link loss {device}", policy.run)
 
@@ -480,30 +500,30 @@ class Interlocks:
                 return self._sighted(rule.parked, now_ns) is True
         return None
 
-    def _look(self, name: str, now_ns: int) -> None:
+    def _judge_interlock(self, name: str, now_ns: int) -> None:
         latch, rule = self._latches[name], self._site.interlocks[name]
         before, ended = latch.override, ""
         verdict = self._verdict(name, now_ns)
         if before is not None and (ended := self._holds[name].ends(before.condition, now_ns)):
             latch.end_override(now_ns)
-        for change in latch.look(verdict, now_ns):
+        for change in latch.update_state(verdict, now_ns):
             match change:
                 case InterlockChange.LOCKED:
-                    self._note("interlock_locked", f"{name}: {latch.why}", good=False)
+                    self._record_event("interlock_locked", f"{name}: {latch.why}", good=False)
                 case InterlockChange.RELEASED:
-                    self._note("interlock_released", name, good=True)
+                    self._record_event("interlock_released", name, good=True)
                 case InterlockChange.OVERRIDE_ENDED:
                     who = "" if before is None else before.who
                     said = f"{name}: {ended}" if ended else name
-                    self._mouth.note("override_ended", "", said, who, good=True)
+                    self._output.record_event("override_ended", "", said, who, good=True)
                 case InterlockChange.FIRED:
                     if rule.run:
-                        self._note("interlock_acts", f"{name}: {latch.why}", good=False)
+                        self._record_event("interlock_acts", f"{name}: {latch.why}", good=False)
                         self._run(f"interlock {name}", rule.run)
                     continue
                 case InterlockChange.TOLD:
                     pass
-            self._mouth.send(self._state(name, now_ns))
+            self._output.send(self._state(name, now_ns))
 
     def _keep_closed(self, name: str, guard: EnclosureGuard, now_ns: int) -> None:
         rule = self._site.enclosures[name]
@@ -515,8 +535,8 @@ class Interlocks:
                 why = why if latch.why else self._site.interlocks[interlock].name
                 break
         closed = self._closed(rule, now_ns)
-        self._do([*self._agreements[name].look(closed, now_ns)])
-        self._do(guard.look(why, self._seen(rule, closed, now_ns), now_ns))
+        self._carry_out([*self._agreements[name].compare_sensors(closed, now_ns)])
+        self._carry_out(guard.update_enclosure(why, self._seen(rule, closed, now_ns), now_ns))
         if self._problem(name) != self._told_problems.get(name, ""):
             self._tell_enclosure(name)
         follower = self._followers.get(name)
@@ -529,17 +549,17 @@ class Interlocks:
 
     def _tell_enclosure(self, name: str) -> None:
         why = self._told_problems[name] = self._problem(name)
-        self._mouth.send(EnclosureState(enclosure=name, why=why[:2000]))
+        self._output.send(EnclosureState(enclosure=name, why=why[:2000]))
 
-    def _closed(self, rule: Enclosure, now_ns: int) -> Closed:
-        def sensors(sightings: tuple[Sighting, ...]) -> list[Sensor]:
+    def _closed(self, rule: Enclosure, now_ns: int) -> ClosedVerdict:
+        def sensors(sightings: tuple[Sighting, ...]) -> list[RoofSensor]:
             return [self._sensor(each, now_ns) for each in sightings]
 
         segments = {name: sensors(each.closed) for name, each in rule.segments.items()}
         flap = {} if rule.flap is None else {"flap": sensors(rule.flap.closed)}
         return closed_by(sensors(rule.closed), segments, flap, now_ns=now_ns)
 
-    def _sensor(self, sighting: Sighting, now_ns: int) -> Sensor:
+    def _sensor(self, sighting: Sighting, now_ns: int) -> RoofSensor:
         described = self._site.signal(sighting.signal)
         value = self._fresh(sighting.signal, now_ns)
         word = "unknown" if value is None or described is None else word_of(described, value)
@@ -547,12 +567,12 @@ class Interlocks:
         reading, closed = self._readings.latest(sighting.signal), self._sighted(sighting, now_ns)
         said_ns = 0 if reading is None else reading.mono_ns
         since_ns = self._turns.since_ns(sighting, closed, said_ns)
-        return Sensor(closed, f"{name}: {word}", said_ns, since_ns)
+        return RoofSensor(closed, f"{name}: {word}", said_ns, since_ns)
 
     def _follow(self, follower: Follower, now_ns: int) -> None:
         rule = follower.rule
         device, _, command = rule.command.partition("/")
-        step = follower.look(
+        step = follower.next_step(
             self._fresh(rule.target, now_ns),
             self._fresh(rule.azimuth, now_ns),
             now_ns,
@@ -561,10 +581,10 @@ class Interlocks:
         if step is not None and not self.refusal(device, command, now_ns):
             self._run(f"follow {device}", (step,))
 
-    def _do(self, acts: list[Act | Said]) -> None:
+    def _carry_out(self, acts: list[EnclosureAction | EnclosureEvent]) -> None:
         for act in acts:
-            if isinstance(act, Said):
-                self._mouth.note(act.kind, "", act.message, "", good=act.good)
+            if isinstance(act, EnclosureEvent):
+                self._output.record_event(act.kind, "", act.message, "", good=act.good)
             else:
                 self._run(act.label, (act.step,))
 
@@ -577,7 +597,9 @@ class Interlocks:
             described.max_age * SECOND
         ):
             return None
-        if self._validity.problem(address, described, reading, described.max_age, now_ns):
+        if self._validity.problem(
+            address, described, reading, max_age=described.max_age, now_ns=now_ns
+        ):
             return None
         return reading.value if math.isfinite(reading.value) else None
 
@@ -599,10 +621,13 @@ class Interlocks:
         It asks for the longest dwell time of all that are unsafe.
         """
         looks = [
-            (condition_id(wire.condition), wire.look(lambda one: self._judge(one, now_ns), now_ns))
+            (
+                condition_id(wire.condition),
+                wire.judge_condition(lambda one: self._judge(one, now_ns), now_ns),
+            )
             for wire in self._wires[name]
         ]
-        self._holds[name].look(looks, now_ns)
+        self._holds[name].update_verdicts(looks, now_ns)
         verdicts = [verdict for _, verdict in looks if verdict.why]
         if not verdicts:
             return InterlockVerdict()
@@ -641,7 +666,13 @@ class Interlocks:
         if first is None or second is None or one is None or two is None:
             return InterlockVerdict("no value yet", unknown=True)
         if condition.humidity:
-            return judge_dew_point(condition, first.name, one.value, two.value, first.unit)
+            return judge_dew_point(
+                condition=condition,
+                name=first.name,
+                temperature=one.value,
+                humidity=two.value,
+                unit=first.unit,
+            )
         values = (one.value, two.value)
         return judge_difference(condition, (first.name, second.name), values, first.unit)
 
@@ -653,11 +684,19 @@ class Interlocks:
         problem = ""
         if reading is not None:
             max_age = described.max_age if condition.max_age is None else condition.max_age
-            problem = self._validity.problem(address, described, reading, max_age, now_ns)
-        return judged(condition, described, reading, self._age_ns(since, now_ns), problem)
+            problem = self._validity.problem(
+                address, described, reading, max_age=max_age, now_ns=now_ns
+            )
+        return judged(
+            condition=condition,
+            signal=described,
+            reading=reading,
+            age_ns=self._age_ns(since, now_ns),
+            problem=problem,
+        )
 
-    def _note(self, kind: str, message: str, *, good: bool) -> None:
-        self._mouth.note(kind, "", message, "", good=good)
+    def _record_event(self, kind: str, message: str, *, good: bool) -> None:
+        self._output.record_event(kind, "", message, "", good=good)
 
 
 def _meant(site: Site, address: str) -> tuple[object, ...] | None:

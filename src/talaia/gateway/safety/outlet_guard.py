@@ -23,7 +23,7 @@ _SAFE = {DeviceKind.DOME: "closed", DeviceKind.TELESCOPE: "parked"}
 
 
 def refuse_power_cut(
-    site: Site, device: str, command: str, args: Mapping[str, Field], sighted: Sighted
+    *, site: Site, device: str, command: str, args: Mapping[str, Field], sighted: Sighted
 ) -> str:
     """Say why a command may not be done because it takes power that is needed; empty if it may.
 

@@ -21,6 +21,7 @@ SUN_DOWN = -6.0
 
 
 def misdirected(
+    *,
     rule: Pointing,
     names: PointingArguments,
     args: Mapping[str, Field],

@@ -13,20 +13,27 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
-from talaia.gateway.safety.enclosure_guard import Said
+from talaia.gateway.safety.enclosure_guard import EnclosureEvent
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from talaia.model.interlocks.enclosure import Enclosure, Sighting
 
-__all__ = ["SETTLE_NS", "Agreement", "Closed", "Sensor", "SensorTurns", "closed_by"]
+__all__ = [
+    "SETTLE_NS",
+    "ClosedVerdict",
+    "RoofSensor",
+    "SensorAgreement",
+    "SensorTurns",
+    "closed_by",
+]
 
 # How long a sensor that has said nothing since another one's turn is not held against it.
 SETTLE_NS = 2 * SECOND
 
 
-class Sensor(NamedTuple):
+class RoofSensor(NamedTuple):
     """One sensor of a roof.
 
     Attributes:
@@ -43,7 +50,7 @@ class Sensor(NamedTuple):
     since_ns: int = 0
 
 
-class Closed(NamedTuple):
+class ClosedVerdict(NamedTuple):
     """What all sensors of a roof say together.
 
     Attributes:
@@ -62,12 +69,12 @@ class Closed(NamedTuple):
 
 
 def closed_by(
-    whole: Sequence[Sensor],
-    segments: Mapping[str, Sequence[Sensor]],
-    others: Mapping[str, Sequence[Sensor]],
+    whole: Sequence[RoofSensor],
+    segments: Mapping[str, Sequence[RoofSensor]],
+    others: Mapping[str, Sequence[RoofSensor]],
     *,
     now_ns: int,
-) -> Closed:
+) -> ClosedVerdict:
     """Judge the sensors of a roof.
 
     Args:
@@ -78,7 +85,7 @@ def closed_by(
 
     """
     parts = {**segments, **others}
-    apart = [each for each in (whole, *parts.values()) if {True, False} <= _said(each)]
+    apart = [each for each in (whole, *parts.values()) if {True, False} <= _sensor_words(each)]
     disputes = [(each, each) for each in apart]
     together, shells = _together(whole), _flat(segments)
     each = [_together(one) for one in segments.values()]
@@ -92,27 +99,27 @@ def closed_by(
         if not settles
     )
     open_parts = tuple(name for name, one in parts.items() if _together(one) is not True)
-    said = _said([*whole, *_flat(parts)])
+    said = _sensor_words([*whole, *_flat(parts)])
     if disagree or None in said or not all((whole, *parts.values())):
-        return Closed(None, disagree, open_parts)
-    return Closed(said == {True}, "", open_parts, settling=bool(settling))
+        return ClosedVerdict(None, disagree, open_parts)
+    return ClosedVerdict(said == {True}, "", open_parts, settling=bool(settling))
 
 
-def _flat(parts: Mapping[str, Sequence[Sensor]]) -> list[Sensor]:
+def _flat(parts: Mapping[str, Sequence[RoofSensor]]) -> list[RoofSensor]:
     return [sensor for one in parts.values() for sensor in one]
 
 
-def _said(sensors: Sequence[Sensor]) -> set[bool | None]:
+def _sensor_words(sensors: Sequence[RoofSensor]) -> set[bool | None]:
     return {each.closed for each in sensors}
 
 
-def _together(sensors: Sequence[Sensor]) -> bool | None:
+def _together(sensors: Sequence[RoofSensor]) -> bool | None:
     """Give what these sensors say; none when one says nothing, or they disagree."""
-    said = _said(sensors)
+    said = _sensor_words(sensors)
     return said.pop() if len(said) == 1 else None
 
 
-def _settles(one: Sequence[Sensor], other: Sequence[Sensor], now_ns: int) -> bool:
+def _settles(one: Sequence[RoofSensor], other: Sequence[RoofSensor], now_ns: int) -> bool:
     """Tell whether whoever contradicts the newest turn has not spoken since.
 
     Args:
@@ -146,7 +153,7 @@ class SensorTurns:
         return before[1]
 
 
-class Agreement:
+class SensorAgreement:
     """Whether the sensors of one enclosure disagree, over time; said once, and its end once."""
 
     def __init__(self, rule: Enclosure) -> None:
@@ -161,7 +168,7 @@ class Agreement:
         """What each sensor said when they were said to disagree; empty while they agree."""
         return self._problem
 
-    def look(self, seen: Closed, now_ns: int) -> list[Said]:
+    def compare_sensors(self, seen: ClosedVerdict, now_ns: int) -> list[EnclosureEvent]:
         """Say what is to be written down now (monotonic, ns)."""
         name = self._rule.name
         if not seen.disagree:
@@ -170,7 +177,9 @@ class Agreement:
                 return []
             said, self._said, self._since_ns = self._said, False, None
             self._problem = ""
-            return [Said("enclosure_agrees", f"{name}: its sensors agree again", good=True)] * said
+            return [
+                EnclosureEvent("enclosure_agrees", f"{name}: its sensors agree again", good=True)
+            ] * said
         if self._since_ns is None:
             self._since_ns = now_ns
         if self._said or now_ns - self._since_ns < round(self._rule.disagree_after * SECOND):
@@ -178,4 +187,4 @@ class Agreement:
         self._said = True
         why = f"its sensors disagree, so it counts as not closed: {seen.disagree}"
         self._problem = f"{name}: {why}"
-        return [Said("enclosure_disagrees", self._problem, good=False)]
+        return [EnclosureEvent("enclosure_disagrees", self._problem, good=False)]

@@ -45,13 +45,13 @@ class Heartbeats:
     """Sends the heartbeats of a site's enclosures while they are supervised. Event loop only."""
 
     def __init__(
-        self, site: Site, interlocks: Interlocks, target: CommandTarget, mouth: ControlOutput
+        self, site: Site, interlocks: Interlocks, target: CommandTarget, output: ControlOutput
     ) -> None:
         """Take who knows the sensors, who sends, and who writes down."""
         self._site = site
         self._interlocks = interlocks
         self._target = target
-        self._mouth = mouth
+        self._output = output
         self._sent_ns: dict[str, int] = {}
         # One at a time: a controller that hangs must not find a heap of old ones later.
         self._open: dict[str, int] = {}
@@ -77,7 +77,9 @@ class Heartbeats:
             return
         self._withheld[name] = why
         kind = "heartbeat_withheld" if why else "heartbeat_sent_again"
-        self._mouth.note(kind, "", f"{called}: {why or 'its sensors are read'}", "", good=not why)
+        self._output.record_event(
+            kind, "", f"{called}: {why or 'its sensors are read'}", "", good=not why
+        )
 
     def _send(self, name: str, beat: Heartbeat, now_ns: int) -> None:
         sent = self._sent_ns.get(name)
@@ -115,7 +117,7 @@ class Heartbeats:
             return
         self._failed[name] = why
         kind = "heartbeat_failed" if why else "heartbeat_taken_again"
-        self._mouth.note(kind, device, why, "", good=not why)
+        self._output.record_event(kind, device, why, "", good=not why)
 
 
 class Supervision:
@@ -144,7 +146,7 @@ class Supervision:
         self._looked_ns = clock.monotonic_ns()
         self._well = True
 
-    def look(self) -> bool:
+    def check_supervision(self) -> bool:
         """Tell everybody if it supervises; give whether it does."""
         now = self._clock.monotonic_ns()
         late = now - self._looked_ns > LATEST_NS
@@ -165,5 +167,5 @@ class Supervision:
     async def run(self) -> None:
         """Go on until cancelled."""
         while True:
-            self.look()
+            self.check_supervision()
             await asyncio.sleep(LOOK_S)

@@ -66,6 +66,7 @@ class ValueValidity:
         address: str,
         signal: Signal,
         reading: ChannelReading,
+        *,
         max_age: float,
         now_ns: int,
     ) -> str:

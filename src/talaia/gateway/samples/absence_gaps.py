@@ -63,7 +63,7 @@ class FirstHeard:
         self._first_ns: NDArray[np.int64] | None = np.full(_CHANNELS, -1, np.int64)
         self._second_ns = np.full(_CHANNELS, -1, np.int64)
 
-    def take(self, numbers: NDArray[np.uint16], now_ns: int) -> None:
+    def add_batch(self, numbers: NDArray[np.uint16], now_ns: int) -> None:
         """Take the channels of a batch, by any numbers that stay."""
         first, second = self._first_ns, self._second_ns
         if first is None:

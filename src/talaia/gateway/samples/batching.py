@@ -57,7 +57,7 @@ def joined(chunks: list[Columns]) -> Columns:
 
 
 def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[SampleRecord]:
-    """Encode columns as `Samples` frames; several if one cannot hold them.
+    """Encode columns as `SampleBatch` frames; several if one cannot hold them.
 
     A batch is halved until it fits: more samples than a batch may hold, or a wall clock that
     jumped further than offsets can tell.
@@ -96,6 +96,7 @@ class Batcher:
 
     def __init__(
         self,
+        *,
         loop: asyncio.AbstractEventLoop,
         boot: str,
         catalogue: str,
@@ -134,14 +135,15 @@ class Batcher:
         self._order: NDArray[np.int64] | None = None
         self.next = 0
 
-    def put(self, columns: Columns) -> None:
+    def put_samples(self, columns: Columns) -> None:
         """Take samples; any thread."""
         if self._waiting > MAX_WAITING:
             from_us, to_us = int(columns.time_us.min()), int(columns.time_us.max())
             if self._dropped:
                 from_us, to_us = (
-                    min(from_us, self._dropped_us[0]), max(to_us, self._dropped_us[1])
-                )  # fmt: skip
+                    min(from_us, self._dropped_us[0]),
+                    max(to_us, self._dropped_us[1]),
+                )
             self._dropped_us = from_us, to_us
             self._dropped += len(columns)
             return
@@ -195,7 +197,7 @@ class Batcher:
                 columns = renumbered(columns, self._order)
             now_ns = time.monotonic_ns()
             self._newest.update(numbers, columns, self.next, now_ns)
-            self.first_heard.take(numbers, now_ns)
+            self.first_heard.add_batch(numbers, now_ns)
             made = records_of(columns, self._boot, self._catalogue, self.next)
             self.next = made[-1].end if made else self.next
             for record in made:

@@ -34,9 +34,9 @@ class ChannelNumbering:
         """Begin with the numbers that the channels have in the description itself."""
         self._first: dict[tuple[str, str], int] = {}
         self._size = 0
-        self.take(site, {})
+        self.add_channels(site, {})
 
-    def take(self, site: Site, renamed: Mapping[str, str]) -> None:
+    def add_channels(self, site: Site, renamed: Mapping[str, str]) -> None:
         """Number what is new; what is known keeps its number, also under another address.
 
         Args:

@@ -43,7 +43,7 @@ class _Found(NamedTuple):
 
 
 def newest_in(
-    data: bytes, boot: str, catalogue: str, addresses: list[str], known: set[str], now_us: int
+    *, data: bytes, boot: str, catalogue: str, addresses: list[str], known: set[str], now_us: int
 ) -> FormerNewest | None:
     """Give the newest sample in a segment of each channel that is not ``known``; none of none.
 
@@ -101,6 +101,8 @@ def _as_told(boot: str, catalogue: str, found: dict[str, _Found], now_us: int) -
     sequence = np.array([each.sequence for _, each in rows], np.int64)
     ages = np.maximum(0, now_us - times) / 1e3
     return FormerNewest(
-        boot, catalogue, [address for address, _ in rows],
+        boot,
+        catalogue,
+        [address for address, _ in rows],
         NewestSamples(columns, sequence, ages),
-    )  # fmt: skip
+    )

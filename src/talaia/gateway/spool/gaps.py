@@ -6,6 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 import msgspec
+from msgspec.structs import replace
 
 from talaia.gateway.persistence import write_whole
 from talaia.wire.frames import SampleGap
@@ -38,36 +39,38 @@ class SpoolGaps:
         """Give them."""
         return list(self._gaps)
 
-    def add(self, boot: str, first: int, last: int, from_us: int, to_us: int, reason: str) -> None:
+    def add(self, lost: SampleGap) -> None:
         """Record one; it grows a gap that it follows for the same reason."""
-        log.warning("samples %d to %d of %s are lost: %s", first, last, boot, reason)
+        log.warning(
+            "samples %d to %d of %s are lost: %s", lost.first, lost.last, lost.boot, lost.reason
+        )
         self._dirty = True
         for index, gap in enumerate(self._gaps):
-            if (gap.boot, gap.first, gap.last) == (boot, first, last):
+            if (gap.boot, gap.first, gap.last) == (lost.boot, lost.first, lost.last):
                 del self._gaps[index]
                 break
-            if gap.boot == boot and gap.last + 1 == first and gap.reason == reason:
-                first = gap.first
-                from_us, to_us = min(gap.from_us, from_us), max(gap.to_us, to_us)
+            follows = gap.boot == lost.boot and gap.last + 1 == lost.first
+            if follows and gap.reason == lost.reason:
+                lost = replace(
+                    lost,
+                    first=gap.first,
+                    from_us=min(gap.from_us, lost.from_us),
+                    to_us=max(gap.to_us, lost.to_us),
+                )
                 del self._gaps[index]
                 break
-        self._gaps.append(
-            SampleGap(
-                boot=boot, first=first, last=last, from_us=from_us, to_us=to_us, reason=reason
-            )
-        )
+        self._gaps.append(lost)
 
-    def add_unknown(
-        self, boot: str, first: int, last: int, from_us: int, to_us: int, reason: str
-    ) -> None:
+    def add_unknown(self, lost: SampleGap) -> None:
         """Record what of a range is in no gap yet."""
-        for gap in sorted(self._gaps, key=lambda each: each.first):
-            if gap.boot == boot and gap.last >= first and gap.first <= last:
+        first = lost.first
+        for gap in sorted(self._gaps, key=lambda known: known.first):
+            if gap.boot == lost.boot and gap.last >= first and gap.first <= lost.last:
                 if gap.first > first:
-                    self.add(boot, first, gap.first - 1, from_us, to_us, reason)
+                    self.add(replace(lost, first=first, last=gap.first - 1))
                 first = max(first, gap.last + 1)
-        if first <= last:
-            self.add(boot, first, last, from_us, to_us, reason)
+        if first <= lost.last:
+            self.add(replace(lost, first=first))
 
     def forget(self, acked: Mapping[str, int]) -> None:
         """Drop those that the hub has acknowledged past, by boot."""

@@ -23,6 +23,7 @@ from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
+from msgspec.structs import replace
 
 from talaia.gateway.persistence import NO_ROOM
 from talaia.gateway.spool.files import Segment, SegmentHead, set_aside, unlinked, write_all
@@ -33,14 +34,13 @@ from talaia.gateway.spool.packing import packed, unpacked
 from talaia.gateway.spool.progress_mark import MarkFile, ProgressMark
 from talaia.gateway.spool.segment import RecordKind, SampleRecord, pack_record, records
 from talaia.wire.errors import PeerError
-from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
+from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch, SampleGap
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
     from talaia.gateway.spool.former_runs import FormerNewest
-    from talaia.wire.frames import SampleGap
 
 __all__ = ["SegmentHead", "Spool", "SpoolPosition", "StoredRecord"]
 
@@ -80,10 +80,10 @@ class Spool:
 
     def __init__(
         self,
+        *,
         folder: Path,
         head: SegmentHead,
         bound: int,
-        *,
         age_s: float = float("inf"),
         spare: int = 0,
         now: Callable[[], float] = lambda: 0.0,
@@ -142,7 +142,7 @@ class Spool:
         """Begin a segment; while the disk has no room for it, the file is not there yet."""
         number = self._next_number
         self._next_number += 1
-        head = msgspec.structs.replace(self._head, ran_s=self._ran_s + self._now())
+        head = replace(self._head, ran_s=self._ran_s + self._now())
         segment = Segment(number, self._folder / f"{number:010d}.seg", head, 0, 0)
         self._segments.append(segment)
         self._current, self._file = segment, -1
@@ -221,7 +221,7 @@ class Spool:
         mark, acked = self._mark, self._acked.get(self._mark.boot, 0)
         if abs(mark.heard_us - heard_us) < _JUMP_US:
             heard_us = max(mark.heard_us, heard_us)
-        self._mark = msgspec.structs.replace(
+        self._mark = replace(
             mark, end=max(mark.end, end), acked=acked, heard_us=heard_us, mono_s=self._now()
         )
         self._mark_file.write(self._mark)
@@ -312,8 +312,7 @@ class Spool:
         first = max(segment.first, self._acked.get(segment.head.boot, 0))
         if first < segment.end:
             # The gap is on record before the file goes: a crash between leaves both, not neither.
-            span = (first, segment.end - 1, segment.from_us, segment.to_us)
-            self._gaps.add(segment.head.boot, *span, why)
+            self._gaps.add(_gap_in(segment, first, why))
             self._gaps.write()
         self._remove(segment)
         # Where the disk was too full for the gap, there is room now.
@@ -328,10 +327,18 @@ class Spool:
 
     def lose(self, record: SampleRecord, reason: str, boot: str = "") -> None:
         """Record that a batch is gone; of this boot when none is named."""
-        span = (record.first, record.end - 1, record.from_us, record.to_us)
-        self._gaps.add(boot or self._head.boot, *span, reason)
+        self._gaps.add(
+            SampleGap(
+                boot=boot or self._head.boot,
+                first=record.first,
+                last=record.end - 1,
+                from_us=record.from_us,
+                to_us=record.to_us,
+                reason=reason,
+            )
+        )
         if not boot:
-            self._mark = msgspec.structs.replace(self._mark, end=max(self._mark.end, record.end))
+            self._mark = replace(self._mark, end=max(self._mark.end, record.end))
 
     def gaps(self) -> list[SampleGap]:
         """Give the gaps that the hub has not acknowledged past."""
@@ -356,7 +363,8 @@ class Spool:
         log.warning("the hub has lost samples %d to %d, which it had stored", below, acked - 1)
         self._acked[boot] = below
         for first, end, from_us, to_us in self._gone.since(below):
-            self._gaps.add(boot, first, end - 1, from_us, to_us, UNLEARNED)
+            span = {"first": first, "last": end - 1, "from_us": from_us, "to_us": to_us}
+            self._gaps.add(SampleGap(boot=boot, reason=UNLEARNED, **span))
 
     def _trim(self) -> None:
         for segment in [
@@ -383,7 +391,7 @@ class Spool:
 
     def all_heard(self) -> None:
         """Note that every channel that speaks has been heard, or is told as a gap."""
-        self._mark = msgspec.structs.replace(self._mark, deaf_us=0)
+        self._mark = replace(self._mark, deaf_us=0)
 
     def _remember_acked(self) -> None:
         """Leave word that the hub has it, before it goes from here."""
@@ -463,7 +471,14 @@ class Spool:
                 except OSError as error:
                     log.debug("%s: %s", segment.path, error)
                     return None
-                return newest_in(data, head.boot, head.catalogue, head.addresses, known, now_us)
+                return newest_in(
+                    data=data,
+                    boot=head.boot,
+                    catalogue=head.catalogue,
+                    addresses=head.addresses,
+                    known=known,
+                    now_us=now_us,
+                )
         return None
 
     def seek(self, boot: str, first: int) -> SpoolPosition:
@@ -522,8 +537,9 @@ class Spool:
         past = segment.end if record is None else record.first
         first = max(first, self._acked.get(segment.head.boot, 0))
         if first < past:
-            times = (segment.from_us, segment.to_us if record is None else record.from_us)
-            self._gaps.add_unknown(segment.head.boot, first, past - 1, *times, DAMAGED)
+            lost = _gap_in(segment, first, DAMAGED)
+            to_us = segment.to_us if record is None else record.from_us
+            self._gaps.add_unknown(replace(lost, last=past - 1, to_us=to_us))
 
     def _give_up(self, segment: Segment, error: OSError) -> None:
         """Set a segment aside that the disk no longer gives back; the link goes on without it."""
@@ -538,8 +554,7 @@ class Spool:
             log.warning("%s cannot be set aside: %s", segment.path, failure)
         first = max(segment.first, self._acked.get(segment.head.boot, 0))
         if first < segment.end:
-            span = (first, segment.end - 1, segment.from_us, segment.to_us)
-            self._gaps.add(segment.head.boot, *span, DAMAGED)
+            self._gaps.add(_gap_in(segment, first, DAMAGED))
         self._segments.remove(segment)
 
     def close(self) -> None:
@@ -557,10 +572,22 @@ class Spool:
             unlinked(self._current.path)
 
 
+def _gap_in(segment: Segment, first: int, reason: str) -> SampleGap:
+    """Say that a segment is gone from a sample on."""
+    return SampleGap(
+        boot=segment.head.boot,
+        first=first,
+        last=segment.end - 1,
+        from_us=segment.from_us,
+        to_us=segment.to_us,
+        reason=reason,
+    )
+
+
 def _alone(record: SampleRecord, addresses: list[str]) -> SampleRecord:
     """Give a batch that says itself what its channels are."""
     frame = LINK_FROM_GATEWAY.decode(record.body)
     if not isinstance(frame, SampleBatch) or frame.addresses:
         return record
-    whole = msgspec.structs.replace(frame, addresses=addresses)
+    whole = replace(frame, addresses=addresses)
     return record._replace(body=LINK_FROM_GATEWAY.encode(whole))

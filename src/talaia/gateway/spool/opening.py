@@ -8,6 +8,7 @@ import os
 from typing import TYPE_CHECKING
 
 from talaia.gateway.spool.files import boot_of, ranges_of, scan, set_aside, unlinked
+from talaia.wire.frames import SampleGap
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,8 +42,16 @@ def take_up(folder: Path, gaps: SpoolGaps, former: ProgressMark | None = None) -
         # Segments of one boot follow each other; the oldest may be gone, none between.
         end, end_us = ends.get(segment.head.boot, (segment.first, 0))
         if segment.first > end:
-            lost = (end, segment.first - 1, end_us, segment.from_us)
-            gaps.add_unknown(segment.head.boot, *lost, DAMAGED)
+            gaps.add_unknown(
+                SampleGap(
+                    boot=segment.head.boot,
+                    first=end,
+                    last=segment.first - 1,
+                    from_us=end_us,
+                    to_us=segment.from_us,
+                    reason=DAMAGED,
+                )
+            )
         ends[segment.head.boot] = (segment.end, segment.to_us)
         found.append(segment)
     return found
@@ -54,8 +63,16 @@ def tell_torn(former: ProgressMark, segments: list[Segment], gaps: SpoolGaps) ->
     first = max([former.acked, *(each.end for each in mine)])
     if first < former.end:
         from_us = max((each.to_us for each in mine), default=former.began_us)
-        span = min(from_us, former.heard_us), former.heard_us
-        gaps.add_unknown(former.boot, first, former.end - 1, *span, TORN)
+        gaps.add_unknown(
+            SampleGap(
+                boot=former.boot,
+                first=first,
+                last=former.end - 1,
+                from_us=min(from_us, former.heard_us),
+                to_us=former.heard_us,
+                reason=TORN,
+            )
+        )
 
 
 def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment | None:
@@ -81,7 +98,16 @@ def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment |
         first = max(hole, acked)
         if first > last:
             continue
-        gaps.add_unknown(segment.head.boot, first, last, from_us, to_us, DAMAGED)
+        gaps.add_unknown(
+            SampleGap(
+                boot=segment.head.boot,
+                first=first,
+                last=last,
+                from_us=from_us,
+                to_us=to_us,
+                reason=DAMAGED,
+            )
+        )
     if segment.first < 0:
         unlinked(path)
         return None
@@ -98,7 +124,14 @@ def _leave(path: Path, data: bytes, gaps: SpoolGaps) -> None:
         boot = boot_of(record)
         if boot:
             gaps.add_unknown(
-                boot, record.first, record.end - 1, record.from_us, record.to_us, DAMAGED
+                SampleGap(
+                    boot=boot,
+                    first=record.first,
+                    last=record.end - 1,
+                    from_us=record.from_us,
+                    to_us=record.to_us,
+                    reason=DAMAGED,
+                )
             )
     _set_aside(path)
 

@@ -86,8 +86,10 @@ def _frame_of(record: SampleRecord) -> tuple[SampleBatch, Columns] | None:
 def _follows(last: tuple[SampleBatch, Columns], frame: SampleBatch) -> bool:
     before, columns = last
     return (before.boot, before.catalogue, before.first + len(columns)) == (
-        frame.boot, frame.catalogue, frame.first
-    )  # fmt: skip
+        frame.boot,
+        frame.catalogue,
+        frame.first,
+    )
 
 
 def _close(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:

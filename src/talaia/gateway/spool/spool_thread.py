@@ -83,7 +83,7 @@ class SpoolThread:
 
     async def sync(self, heard_us: int = 0) -> None:
         """See `Spool.sync`."""
-        await self._do(lambda: self._spool.sync(heard_us))
+        await self._run_on_thread(lambda: self._spool.sync(heard_us))
 
     async def keep_syncing(self, period_s: float, wall_us: Callable[[], int]) -> None:
         """Force what was given to disk so often, until cancelled."""
@@ -97,20 +97,20 @@ class SpoolThread:
 
     async def gaps(self) -> list[SampleGap]:
         """See `Spool.gaps`."""
-        return await self._do(self._spool.gaps)
+        return await self._run_on_thread(self._spool.gaps)
 
     async def seek(self, boot: str, first: int) -> SpoolPosition:
         """See `Spool.seek`."""
-        return await self._do(lambda: self._spool.seek(boot, first))
+        return await self._run_on_thread(lambda: self._spool.seek(boot, first))
 
     async def former_newest(self, known: set[str], now_us: int) -> AsyncIterator[FormerNewest]:
         """Give what former runs heard last of channels that are not ``known``, newest run first.
 
         One segment at a time, so that what is new is kept in between.
         """
-        for number in await self._do(self._spool.former_segments):
+        for number in await self._run_on_thread(self._spool.former_segments):
             read = partial(self._spool.newest_in, number, known, now_us)
-            found = await self._do(read)
+            found = await self._run_on_thread(read)
             if found is not None:
                 yield found
 
@@ -118,15 +118,15 @@ class SpoolThread:
         self, place: SpoolPosition, most: int
     ) -> tuple[list[StoredRecord], SpoolPosition]:
         """See `Spool.read`."""
-        return await self._do(lambda: self._spool.read(place, most))
+        return await self._run_on_thread(lambda: self._spool.read(place, most))
 
-    async def _do(self, work: Callable[[], T]) -> T:
+    async def _run_on_thread(self, work: Callable[[], T]) -> T:
         return await asyncio.wrap_future(self._thread.submit(work))
 
     async def close(self) -> None:
         """Finish what waits, close the spool and end the thread."""
         try:
-            await self._do(self._spool.close)
+            await self._run_on_thread(self._spool.close)
         except OSError as error:
             log.warning("the spool could not be closed well: %s", error)
         self._thread.shutdown(wait=True)

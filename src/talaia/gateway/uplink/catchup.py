@@ -50,7 +50,8 @@ class CatchUp:
 
     def __init__(
         self,
-        keeper: SpoolThread,
+        *,
+        spool: SpoolThread,
         lanes: SendLanes,
         boot: str,
         catalogue: Callable[[], str],
@@ -60,7 +61,7 @@ class CatchUp:
         """Take what it needs.
 
         Args:
-            keeper: the spool.
+            spool: the spool.
             lanes: the way out.
             boot: names this run.
             catalogue: gives its channel list's name.
@@ -69,7 +70,7 @@ class CatchUp:
 
         """
         self._dropped = dropped
-        self._keeper = keeper
+        self._spool = spool
         self._lanes = lanes
         self._boot = boot
         self._catalogue = catalogue
@@ -102,7 +103,7 @@ class CatchUp:
 
     async def _tell_gaps(self, told: int) -> int:
         """Tell all gaps when their number has changed; give their number."""
-        gaps = await self._keeper.gaps()
+        gaps = await self._spool.gaps()
         if len(gaps) != told:
             for gap in gaps:
                 self._lanes.backfill(LINK_FROM_GATEWAY.encode(gap))
@@ -114,7 +115,7 @@ class CatchUp:
         def wanted(of: str, begin: int, end: int) -> bool:
             return of == boot and begin < below and end > first
 
-        await self._send(await self._keeper.seek(boot, first), wanted, until=(boot, below))
+        await self._send(await self._spool.seek(boot, first), wanted, until=(boot, below))
 
     async def _send(
         self,
@@ -126,7 +127,7 @@ class CatchUp:
         step = max(1, round(self._rate * STEP_S))
         acks, unheard = self._lanes.acks, 0
         while True:
-            found, place = await self._keeper.read(place, step)
+            found, place = await self._spool.read(place, step)
             if not found:
                 return
             sent = 0
@@ -166,4 +167,4 @@ class CatchUp:
                     yield as_old(stored, self._catalogue())
                 except PeerError as error:
                     # Whole on disk, yet written by a version that said it differently.
-                    self._keeper.lose(record, str(error), boot)
+                    self._spool.lose(record, str(error), boot)

@@ -160,12 +160,13 @@ class HubLink:
 
     def __init__(
         self,
+        *,
         settings: GatewaySettings,
         trust: HubTrust,
         clock: Clock,
         lanes: SendLanes,
         wake: asyncio.Event,
-        desk: HubMessageHandler,
+        handler: HubMessageHandler,
     ) -> None:
         """Take what to send and who acts on what comes."""
         self._settings = settings
@@ -173,7 +174,7 @@ class HubLink:
         self._clock = clock
         self._lanes = lanes
         self._wake = wake
-        self._desk = desk
+        self._handler = handler
 
     async def once(self, hello: Hello, beside: Callable[[Welcome], asyncio.Task[None]]) -> None:
         """Run one link to its end.
@@ -194,7 +195,7 @@ class HubLink:
                 self._check(welcome)
                 assert isinstance(welcome, Welcome)  # noqa: S101 - told to mypy; _check raised
                 self._lanes.link_up()
-                self._desk.link_up(welcome)
+                self._handler.link_up(welcome)
                 log.info("linked to %s", self._settings.hub.url)
                 tasks = [
                     asyncio.ensure_future(self._read(socket, beats)),
@@ -205,7 +206,7 @@ class HubLink:
                 await first_to_end(tasks)
         finally:
             self._lanes.link_lost()
-            self._desk.link_lost()
+            self._handler.link_lost()
 
     async def _answer(self, socket: ClientConnection, beats: HeartbeatMonitor) -> FromHub:
         """Wait for the first frame. A slow hub is waited for; a freeze of ours ends the link."""
@@ -255,7 +256,7 @@ class HubLink:
                 case Welcome():
                     raise PeerError("a second welcome")
                 case _:
-                    self._desk.handle(message)
+                    self._handler.handle(message)
 
     async def _write(self, socket: ClientConnection) -> None:
         while True:
@@ -268,6 +269,7 @@ class HubLink:
 
 
 async def run_media(
+    *,
     settings: GatewaySettings,
     trust: HubTrust,
     clock: Clock,
@@ -290,7 +292,7 @@ async def run_media(
                 message = MEDIA_FROM_HUB.decode(await socket.recv())
                 now = clock.monotonic_ns()
                 if isinstance(message, Beat):
-                    pictures.say(MEDIA_FROM_GATEWAY.encode(reply_to(message, now)))
+                    pictures.enqueue_small(MEDIA_FROM_GATEWAY.encode(reply_to(message, now)))
                 elif isinstance(message, BeatReply):
                     beats.answered(message, now)
                     pictures.answered(message)
@@ -301,15 +303,15 @@ async def run_media(
             while True:
                 await socket.send(await pictures.next())
 
-        def say(beat: Beat) -> None:
-            pictures.say(MEDIA_FROM_GATEWAY.encode(beat))
+        def send_beat(beat: Beat) -> None:
+            pictures.enqueue_small(MEDIA_FROM_GATEWAY.encode(beat))
 
         try:
             await first_to_end(
                 [
                     asyncio.ensure_future(read()),
                     asyncio.ensure_future(write()),
-                    asyncio.ensure_future(_beat(say, beats, clock, "the hub's media side")),
+                    asyncio.ensure_future(_beat(send_beat, beats, clock, "the hub's media side")),
                 ]
             )
         finally:

@@ -115,7 +115,13 @@ async def send_files(
         while (found := await _next(left)) is not None:
             lane, offer = found
             try:
-                await _send(socket, lane, offer, sending, left[: left.index(lane)])
+                await _send(
+                    socket=socket,
+                    lane=lane,
+                    offer=offer,
+                    sending=sending,
+                    before=left[: left.index(lane)],
+                )
             except _Unknown:
                 log.warning("the hub takes no %s; they wait until it is updated", lane.what)
                 left.remove(lane)
@@ -130,6 +136,7 @@ async def _next(lanes: Sequence[FileLane]) -> tuple[FileLane, Offer] | None:
 
 
 async def _send(
+    *,
     socket: ClientConnection,
     lane: FileLane,
     offer: Offer,

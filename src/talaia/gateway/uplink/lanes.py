@@ -50,9 +50,21 @@ class SendPriority(IntEnum):
 
 
 _CONTROL = (
-    StopState, DriveState, ControlTick, LeaseState, InterlockState, EnclosureState, DeviceState,
-    RecorderState, ResetToken, DescriptionUpdate, ChangeState, Beat, BeatReply, Bye,
-)  # fmt: skip
+    StopState,
+    DriveState,
+    ControlTick,
+    LeaseState,
+    InterlockState,
+    EnclosureState,
+    DeviceState,
+    RecorderState,
+    ResetToken,
+    DescriptionUpdate,
+    ChangeState,
+    Beat,
+    BeatReply,
+    Bye,
+)
 _COMMANDS = (CommandState, Event)
 
 

@@ -17,7 +17,7 @@ from talaia.gateway.uplink.newest_samples import NewestSamplesSender
 from talaia.wire.frames import ArchiveOffer, NewestBatch
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Coroutine, Sequence
 
     from talaia.clock import Clock
     from talaia.gateway.ports import EventSink
@@ -38,105 +38,123 @@ log = logging.getLogger(__name__)
 
 
 class HubConnection(NamedTuple):
-    """The way to the hub, and who acts on what it says."""
+    """The hub to the hub, and who acts on what it says."""
 
     settings: GatewaySettings
     trust: HubTrust
     clock: Clock
-    desk: MessageDispatcher
+    dispatcher: MessageDispatcher
 
 
 async def keep_link(
-    way: HubConnection,
+    *,
+    hub: HubConnection,
     boot: str,
-    exchange: DescriptionReload,
+    reload: DescriptionReload,
     lanes: SendLanes,
     wake: asyncio.Event,
     batcher: Batcher,
-    keeper: SpoolThread,
+    spool: SpoolThread,
 ) -> None:
     """Keep the link: what is new goes out at once, and what waits on the disk beside it.
 
     Args:
-        way: to the hub.
+        hub: to the hub.
         boot: names this run.
-        exchange: knows the description that counts.
+        reload: knows the description that counts.
         lanes: what is to be sent.
         wake: set when there is something in them.
         batcher: knows what was sampled last.
-        keeper: has what the hub has not.
+        spool: has what the hub has not.
 
     """
-    settings, clock = way.settings, way.clock
-    link = HubLink(settings, way.trust, clock, lanes, wake, way.desk)
+    settings, clock = hub.settings, hub.clock
+    link = HubLink(
+        settings=settings,
+        trust=hub.trust,
+        clock=clock,
+        lanes=lanes,
+        wake=wake,
+        handler=hub.dispatcher,
+    )
     outage = OutageLog()
-    teller = NewestSamplesSender(batcher.newest, keeper, lanes, clock, boot)
+    teller = NewestSamplesSender(
+        newest=batcher.newest, spool=spool, lanes=lanes, clock=clock, boot=boot
+    )
     # Which description the hub was greeted with.
     told = 0
 
     def hello() -> Hello:
         nonlocal told
-        told = exchange.turn
-        return exchange.now.hello(boot, clock.wall_ns() // 1000, settings.accepts)
+        told = reload.turn
+        return reload.now.hello(boot, clock.wall_ns() // 1000, settings.accepts)
 
     def beside(welcome: Welcome) -> asyncio.Task[None]:
         outage.back()
-        exchange.said_since(told)
+        reload.report_since(told)
         log.debug("the hub has %d samples of this run", welcome.acked)
         live_from = batcher.next
         takes = NewestBatch.__struct_config__.tag in welcome.takes
 
         def tell_newest() -> None:
             if takes:
-                teller.tell_run(exchange.now.catalogue)
+                teller.tell_run(reload.now.catalogue)
 
         catchup = CatchUp(
-            keeper, lanes, boot, lambda: exchange.now.catalogue, settings.backfill_bytes,
-            tell_newest,
-        )  # fmt: skip
-
-        async def both() -> None:
-            telling = asyncio.ensure_future(
-                teller.tell_former(lambda: exchange.now.addresses) if takes else asyncio.sleep(0)
-            )
-            catching = asyncio.ensure_future(catchup.run(live_from))
-            try:
-                # What goes wrong with the one is not to be hidden by the other.
-                await telling
-                await catching
-            finally:
-                for each in (telling, catching):
-                    each.cancel()
-                await asyncio.gather(telling, catching, return_exceptions=True)
+            spool=spool,
+            lanes=lanes,
+            boot=boot,
+            catalogue=lambda: reload.now.catalogue,
+            rate=settings.backfill_bytes,
+            dropped=tell_newest,
+        )
 
         # Before anything old, and before anything newer.
         tell_newest()
-        return asyncio.ensure_future(both())
+        former = teller.tell_former(lambda: reload.now.addresses) if takes else asyncio.sleep(0)
+        return asyncio.ensure_future(_run_both(former, catchup.run(live_from)))
 
     await keep_dialling("the hub", lambda: link.once(hello(), beside), outage, clock)
 
 
-async def keep_media(way: HubConnection, pictures: PictureUplink) -> None:
+async def _run_both(
+    first: Coroutine[None, None, None], second: Coroutine[None, None, None]
+) -> None:
+    """Run two at once; what goes wrong with the one is not hidden by the other."""
+    tasks = asyncio.ensure_future(first), asyncio.ensure_future(second)
+    try:
+        for task in tasks:
+            await task
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def keep_media(hub: HubConnection, pictures: PictureUplink) -> None:
     """Keep the connection for pictures of cameras."""
-    desk, outage = way.desk, OutageLog()
+    dispatcher, outage = hub.dispatcher, OutageLog()
 
     def up() -> None:
         if outage.back():
             log.info("the hub's media side is back")
 
     async def once() -> None:
-        await run_media(way.settings, way.trust, way.clock, pictures, up)
+        await run_media(
+            settings=hub.settings, trust=hub.trust, clock=hub.clock, pictures=pictures, up=up
+        )
 
     await keep_dialling(
         "the hub's media side",
-        lambda: beside_link(desk.linked, lambda: desk.links, once),
+        lambda: beside_link(dispatcher.linked, lambda: dispatcher.links, once),
         outage,
-        way.clock,
+        hub.clock,
     )
 
 
 async def keep_files(
-    way: HubConnection,
+    *,
+    hub: HubConnection,
     files: Sequence[FileLane],
     to_send: asyncio.Event,
     lanes: SendLanes,
@@ -145,14 +163,14 @@ async def keep_files(
     """Hand pictures and recordings over, while there is a link and something waits.
 
     Args:
-        way: to the hub.
+        hub: to the hub.
         files: what waits.
         to_send: set when something does.
         lanes: what is more urgent.
         events: told what the hub does not take.
 
     """
-    desk, outage = way.desk, OutageLog()
+    dispatcher, outage = hub.dispatcher, OutageLog()
 
     def up() -> None:
         if outage.back():
@@ -161,12 +179,12 @@ async def keep_files(
     def refused(offer: FileOffer | FilmOffer | ArchiveOffer, why: str) -> None:
         device = offer.device if isinstance(offer, ArchiveOffer) else ""
         said = f"the hub does not take {offer.id}: {why}"
-        events.tell("file_refused", said, device=device)
+        events.report_event("file_refused", said, device=device)
 
     sending = TransferCallbacks(lambda: lanes.busy, up, refused)
 
     async def once() -> None:
-        await send_files(way.settings, way.trust, files, sending)
+        await send_files(hub.settings, hub.trust, files, sending)
 
     def waiting() -> bool:
         return any(each.source.offers() for each in files)
@@ -175,7 +193,7 @@ async def keep_files(
         await to_send.wait()
         to_send.clear()
         try:
-            await beside_link(desk.linked, lambda: desk.links, once)
+            await beside_link(dispatcher.linked, lambda: dispatcher.links, once)
         except BaseException:
             to_send.set()
             raise
@@ -185,4 +203,4 @@ async def keep_files(
 
     # What a run before has left.
     to_send.set()
-    await keep_dialling("the hub's side for files", waited, outage, way.clock)
+    await keep_dialling("the hub's side for files", waited, outage, hub.clock)

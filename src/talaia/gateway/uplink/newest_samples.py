@@ -29,15 +29,16 @@ class NewestSamplesSender:
 
     def __init__(
         self,
+        *,
         newest: Callable[[], NewestSamples],
-        keeper: SpoolThread,
+        spool: SpoolThread,
         lanes: SendLanes,
         clock: Clock,
         boot: str,
     ) -> None:
         """Take who knows of this run (named ``boot``) and of former ones, and the way out."""
         self._newest = newest
-        self._keeper = keeper
+        self._spool = spool
         self._lanes = lanes
         self._clock = clock
         self._boot = boot
@@ -55,7 +56,7 @@ class NewestSamplesSender:
             former: list[FormerNewest] = []
             known = self._heard(addresses())
             now_us = self._clock.wall_ns() // 1000
-            async for each in self._keeper.former_newest(known, now_us):
+            async for each in self._spool.former_newest(known, now_us):
                 former.append(each)
                 self._tell_one(each, addresses())
                 if known.issuperset(addresses()):

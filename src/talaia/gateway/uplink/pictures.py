@@ -42,14 +42,14 @@ class PictureUplink:
         self,
         loop: asyncio.AbstractEventLoop,
         clock: Clock,
-        looks: FrameSource,
+        frames: FrameSource,
         films: FilmRecorder | None = None,
     ) -> None:
         """Take the loop that sends, where those at the gateway look, and who films."""
         self._films = films
         self._loop = loop
         self._clock = clock
-        self._looks = looks
+        self._frames = frames
         self._waiting: dict[tuple[str, str], deque[PictureFrame]] = {}
         self._small: deque[bytes] = deque(maxlen=100)
         self._wake = asyncio.Event()
@@ -89,7 +89,7 @@ class PictureUplink:
     def watched(self) -> frozenset[str]:
         """Name the streams to be read: by those at the hub or those at the gateway."""
         filmed = frozenset() if self._films is None else self._films.wanted()
-        return self._looks.held() | filmed | self._asked.keys()
+        return self._frames.held() | filmed | self._asked.keys()
 
     # ── PictureSink, for the encoding threads ──
 
@@ -110,14 +110,14 @@ class PictureUplink:
         with self._lock:
             return self._room.share(self._clock.monotonic_ns() // 1000)
 
-    def look(
+    def offer_frame(
         self,
         stream: str,
         stamp: tuple[int, int, int],
         decode: Callable[[], NDArray[np.uint8] | None],
     ) -> None:
-        """See `PictureSink.look`."""
-        self._looks.put(stream, stamp, decode)
+        """See `PictureSink.offer_frame`."""
+        self._frames.offer_frame(stream, stamp, decode)
 
     def filming(self, stream: str, time_us: int) -> Filming:
         """See `PictureSink.filming`."""
@@ -126,27 +126,27 @@ class PictureUplink:
     def film(self, picture: PictureFrame) -> None:
         """See `PictureSink.film`."""
         if self._films is not None:
-            self._films.put(picture)
+            self._films.add_picture(picture)
 
     def offer(self, picture: PictureFrame) -> None:
         """Take one picture; any thread."""
         if self._linked:
-            self._loop.call_soon_threadsafe(self._put, picture)
+            self._loop.call_soon_threadsafe(self._enqueue_picture, picture)
 
     def trouble(self, stream: str, why: str) -> None:
         """See `PictureSink.trouble`."""
         if self._linked and self._tells_trouble:
             told = MEDIA_FROM_GATEWAY.encode(StreamError(stream=stream, why=why[:2000]))
-            self._loop.call_soon_threadsafe(self.say, told)
+            self._loop.call_soon_threadsafe(self.enqueue_small, told)
 
     # ── on the loop ──
 
     def boxes(self, boxes: DetectedBoxes) -> None:
         """Take what is seen on a picture, for those who want to know."""
         if self._linked and boxes.stream in self._boxed:
-            self.say(MEDIA_FROM_GATEWAY.encode(boxes))
+            self.enqueue_small(MEDIA_FROM_GATEWAY.encode(boxes))
 
-    def _put(self, picture: PictureFrame) -> None:
+    def _enqueue_picture(self, picture: PictureFrame) -> None:
         if not self._linked:
             return
         key = (picture.stream, picture.forms[0] if picture.forms else "")
@@ -163,7 +163,7 @@ class PictureUplink:
         self._waiting[key] = waiting
         self._wake.set()
 
-    def say(self, data: bytes) -> None:
+    def enqueue_small(self, data: bytes) -> None:
         """Queue a small message before all pictures."""
         self._small.append(data)
         self._wake.set()
@@ -174,11 +174,11 @@ class PictureUplink:
             if self._small:
                 return self._small.popleft()
             if self._waiting:
-                return self._take()
+                return self._next_picture()
             self._wake.clear()
             await self._wake.wait()
 
-    def _take(self) -> bytes:
+    def _next_picture(self) -> bytes:
         key = next(iter(self._waiting))
         waiting = self._waiting.pop(key)
         picture = waiting.popleft()

@@ -53,9 +53,17 @@ _LEAST_QUALITY = 20
 _NEAR = 0.6
 # What decoders of foreign bytes raise; a camera's nonsense must not end the thread of them all.
 _UNREADABLE = (
-    FieldError, ValueError, TypeError, AttributeError, RuntimeError, ArithmeticError, LookupError,
-    BufferError, MemoryError, struct.error,
-)  # fmt: skip
+    FieldError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    RuntimeError,
+    ArithmeticError,
+    LookupError,
+    BufferError,
+    MemoryError,
+    struct.error,
+)
 _PNG = b"\x89PNG"
 
 
@@ -80,7 +88,7 @@ class CapturedFrame:
 
     def jpeg(self) -> tuple[bytes, int, int] | None:
         """Give it as the camera's own JPEG with width and height, if that is what came."""
-        self._look()
+        self._read_once()
         return self._jpeg
 
     def pixels(self) -> Pixels:
@@ -90,10 +98,10 @@ class CapturedFrame:
             FieldError: it is not what it says, or not known.
 
         """
-        self._look()
+        self._read_once()
         if self._pixels is None and self._jpeg is not None:
             self._pixels = jpeg.pixels_in(self._jpeg[0])
-        assert self._pixels is not None  # noqa: S101 - told to mypy; `_look` raised
+        assert self._pixels is not None  # noqa: S101 - told to mypy; `_read_once` raised
         return self._pixels
 
     def rgb(self) -> NDArray[np.uint8] | None:
@@ -103,7 +111,7 @@ class CapturedFrame:
         except _UNREADABLE:
             return None
 
-    def _look(self) -> None:
+    def _read_once(self) -> None:
         if self._seen:
             return
         message = self._read()
@@ -183,12 +191,12 @@ class PictureStream:
         self._due_ns = (self._due_ns if late < self._period_ns else mono_ns) + self._period_ns
         return True
 
-    def take(self, raw: object, time_us: int, mono_us: int, sink: PictureSink) -> None:
+    def process_picture(self, raw: object, time_us: int, mono_us: int, sink: PictureSink) -> None:
         """Make of one raw picture what is wanted of it, and give that to ``sink``."""
         self._seq += 1
         stamp = FrameStamp(self._seq, time_us, mono_us)
         taken = CapturedFrame(lambda: self._decode(raw), self._stream.source.type)
-        sink.look(self.address, stamp, taken.rgb)
+        sink.offer_frame(self.address, stamp, taken.rgb)
         forms = _served(sink.asked(self.address))
         for form in self._rungs.keys() - forms.keys():
             del self._rungs[form]
@@ -199,26 +207,33 @@ class PictureStream:
         large: PictureFrame | None = None
         try:
             for form, served in forms.items():
-                picture = self._made(taken, stamp, form, served, share, sink)
+                picture = self._made(
+                    taken=taken, stamp=stamp, form=form, served=served, share=share, sink=sink
+                )
                 if picture is not None:
                     self._told = ""
                     sink.offer(picture)
                     large = picture if form is PictureForm.H264 else large
             # Last: those who look on do not wait for it.
             self._film(
-                taken, stamp, large, filming, sink, whole=PictureForm.H264 in forms and share >= 1
+                taken=taken,
+                stamp=stamp,
+                large=large,
+                filming=filming,
+                sink=sink,
+                whole=PictureForm.H264 in forms and share >= 1,
             )
         except _UNREADABLE as error:
             self._complain(str(error) or type(error).__name__, mono_us, sink)
 
     def _film(
         self,
+        *,
         taken: CapturedFrame,
         stamp: FrameStamp,
         large: PictureFrame | None,
         filming: Filming,
         sink: PictureSink,
-        *,
         whole: bool,
     ) -> None:
         """Give the film its next picture: what viewers get where they get all, else one for it."""
@@ -250,6 +265,7 @@ class PictureStream:
 
     def _made(
         self,
+        *,
         taken: CapturedFrame,
         stamp: FrameStamp,
         form: PictureForm,
@@ -268,12 +284,24 @@ class PictureStream:
                 rung.key_now(-_KEY_EVERY_US, asked=True)
             return None
         if form in (PictureForm.H264, PictureForm.H264_SMALL):
-            return self._h264(taken, stamp, form, served, share, rung, asked=asked)
+            return self._h264(
+                taken=taken,
+                stamp=stamp,
+                form=form,
+                served=served,
+                share=share,
+                rung=rung,
+                asked=asked,
+            )
         data, width, height = self._jpeg(taken, form, share)
         return PictureFrame(
-            stream=self.address, **stamp._asdict(), width=width, height=height, forms=served,
+            stream=self.address,
+            **stamp._asdict(),
+            width=width,
+            height=height,
+            forms=served,
             data=data,
-        )  # fmt: skip
+        )
 
     def _jpeg(
         self, taken: CapturedFrame, form: PictureForm, share: float
@@ -293,31 +321,43 @@ class PictureStream:
 
     def _h264(
         self,
+        *,
         taken: CapturedFrame,
         stamp: FrameStamp,
         form: PictureForm,
         served: list[str],
         share: float,
         rung: _Rung,
-        *,
         asked: bool,
     ) -> PictureFrame | None:
         pixels = taken.pixels()
         rate = 1e6 / rung.period_us
         width, height, bits = self._film_size(pixels, form, rate)
         encoder = rung.encoder
-        if encoder is None or not _serves(encoder, width, height, bits, share):
+        if encoder is None or not _serves(
+            encoder=encoder, width=width, height=height, bits=bits, share=share
+        ):
             encoder = rung.encoder = h264.Encoder(
-                width, height, rate, round(bits * share), KEY_EVERY_S[form]
+                width=width,
+                height=height,
+                rate=rate,
+                bits=round(bits * share),
+                key_every_s=KEY_EVERY_S[form],
             )
         made = encoder.encode(pixels, stamp.mono_us, key=rung.key_now(stamp.mono_us, asked=asked))
         if made is None:
             return None
         return PictureFrame(
-            stream=self.address, **stamp._asdict(), width=encoder.width, height=encoder.height,
-            format="h264", forms=served, key=made.key, codec=encoder.codec if made.key else "",
+            stream=self.address,
+            **stamp._asdict(),
+            width=encoder.width,
+            height=encoder.height,
+            format="h264",
+            forms=served,
+            key=made.key,
+            codec=encoder.codec if made.key else "",
             data=made.data,
-        )  # fmt: skip
+        )
 
     def _film_size(self, pixels: Pixels, form: PictureForm, rate: float) -> tuple[int, int, int]:
         """Give width and height (px) and bit rate (bit/s) of a film of these pictures."""
@@ -330,7 +370,7 @@ class PictureStream:
         return width, height, min(bits, SMALL_BITS) if form is PictureForm.H264_SMALL else bits
 
 
-def _serves(encoder: h264.Encoder, width: int, height: int, bits: int, share: float) -> bool:
+def _serves(*, encoder: h264.Encoder, width: int, height: int, bits: int, share: float) -> bool:
     """Tell whether an encoder goes on: a new one begins with a key picture, which is the dearest.
 
     ``bits`` a second are the line's whole; while the share of it wavers, an encoder that is near

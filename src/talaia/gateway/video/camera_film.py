@@ -73,7 +73,9 @@ class CameraFilm:
         """
         if self._encoder is None or self._made_for != made_for:
             width, height, bits, rate = made_for
-            self._encoder = Encoder(width, height, rate, bits, KEY_EVERY_S)
+            self._encoder = Encoder(
+                width=width, height=height, rate=rate, bits=bits, key_every_s=KEY_EVERY_S
+            )
             self._made_for, self._wants_key = made_for, True
         encoder = self._encoder
         # By the time that passes, for a camera may be slower than it is allowed to be.
@@ -84,6 +86,12 @@ class CameraFilm:
         if made.key:
             self._wants_key, self._key_us = False, stamp.mono_us
         return PictureFrame(
-            stream=address, **stamp._asdict(), width=encoder.width, height=encoder.height,
-            format="h264", key=made.key, codec=encoder.codec if made.key else "", data=made.data,
-        )  # fmt: skip
+            stream=address,
+            **stamp._asdict(),
+            width=encoder.width,
+            height=encoder.height,
+            format="h264",
+            key=made.key,
+            codec=encoder.codec if made.key else "",
+            data=made.data,
+        )

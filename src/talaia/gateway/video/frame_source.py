@@ -29,13 +29,12 @@ class _Newest:
 class FrameSource:
     """A `talaia.gateway.ports.Pictures`."""
 
-    def __init__(self) -> None:
-        """Hold nothing."""
+    def __init__(self, on_held: Callable[[], None] = lambda: None) -> None:
+        """Hold nothing; ``on_held`` is told, from any thread, that other streams are held."""
         self._of: dict[str, _Newest] = {}
         self._lock = threading.Lock()
         self._arrived = threading.Condition(self._lock)
-        # Told, from any thread, that other streams are held than before.
-        self.on_held: Callable[[], object] = lambda: None
+        self._on_held = on_held
 
     def held(self) -> frozenset[str]:
         """Name the streams that somebody holds."""
@@ -49,7 +48,7 @@ class FrameSource:
             newest.holders += 1
             first = newest.holders == 1
         if first:
-            self.on_held()
+            self._on_held()
         freed = False
 
         def release() -> None:
@@ -63,11 +62,11 @@ class FrameSource:
                 if last:
                     self._of.pop(stream, None)
             if last:
-                self.on_held()
+                self._on_held()
 
         return release
 
-    def put(
+    def offer_frame(
         self,
         stream: str,
         stamp: tuple[int, int, int],

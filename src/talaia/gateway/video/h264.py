@@ -24,9 +24,15 @@ __all__ = ["Encoded", "Encoder", "bits_for", "can_encode", "png_pixels"]
 
 # Layouts that PyAV takes as they lie.
 _FORMATS = {
-    "RGB": "rgb24", "BGR": "bgr24", "RGBA": "rgba", "BGRA": "bgra", "GRAY": "gray",
-    "YUYV": "yuyv422", "NV12": "nv12", "I420": "yuv420p",
-}  # fmt: skip
+    "RGB": "rgb24",
+    "BGR": "bgr24",
+    "RGBA": "rgba",
+    "BGRA": "bgra",
+    "GRAY": "gray",
+    "YUYV": "yuyv422",
+    "NV12": "nv12",
+    "I420": "yuv420p",
+}
 _MICROS = Fraction(1, 1_000_000)
 _SMPTE170M, _LIMITED = 6, 1
 # A key picture may take as much of the link as this time of the stream (s).
@@ -62,7 +68,7 @@ class Encoder:
     """One H.264 stream of one size. The codec works without the interpreter's lock."""
 
     def __init__(
-        self, width: int, height: int, rate: float, bits: int, key_every_s: float = 10
+        self, *, width: int, height: int, rate: float, bits: int, key_every_s: float = 10
     ) -> None:
         """Make pictures of ``width`` and ``height`` (made even), at most ``bits`` a second.
 

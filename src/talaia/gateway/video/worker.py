@@ -53,7 +53,7 @@ class PictureWorker:
                 if self._ended:
                     return
                 stream, raw, time_us, mono_us = self._waiting.pop(next(iter(self._waiting)))
-            stream.take(raw, time_us, mono_us, self._sink)
+            stream.process_picture(raw, time_us, mono_us, self._sink)
 
     def close(self) -> None:
         """End the thread."""

@@ -20,7 +20,7 @@ import subprocess
 import sys
 import time
 
-from talaia.gateway.watchdog.silence import Silence, Task
+from talaia.gateway.watchdog.silence import Silence, WatchdogTask
 
 __all__ = ["ALREADY", "main"]
 
@@ -52,7 +52,7 @@ def main(argv: list[str]) -> int:
     _write_number(lock, str(os.getpid()))
     for ignored in (signal.SIGINT, signal.SIGHUP, signal.SIGPIPE):
         signal.signal(ignored, signal.SIG_IGN)
-    Watchdog(os.dup(0), argv[0]).run()
+    WatchdogProcess(os.dup(0), argv[0]).run()
     return 0
 
 
@@ -62,7 +62,7 @@ def _write_number(lock: int, number: str) -> None:
         os.pwrite(lock, f"{number:<20}".encode(), 0)
 
 
-class Watchdog:
+class WatchdogProcess:
     """Hears, judges, and has closed."""
 
     def __init__(self, line: int, lock: str) -> None:
@@ -81,8 +81,8 @@ class Watchdog:
     def run(self) -> None:
         """Go on until there is nothing to watch."""
         try:
-            while (task := self._silence.judge(time.monotonic())) is not Task.LEAVE:
-                if task is Task.CLOSE:
+            while (task := self._silence.judge(time.monotonic())) is not WatchdogTask.LEAVE:
+                if task is WatchdogTask.CLOSE:
                     self._close()
                 else:
                     self._end_closing()
@@ -111,11 +111,11 @@ class Watchdog:
             return
         *lines, self._waiting = (self._waiting + data).split(b"\n")
         for line in lines:
-            self._take(line)
+            self._read_message(line)
         if len(self._waiting) > MOST_LINE:
             self._waiting = b""
 
-    def _take(self, line: bytes) -> None:
+    def _read_message(self, line: bytes) -> None:
         try:
             said = json.loads(line)
         except ValueError:

@@ -2,9 +2,9 @@
 
 Long, because what it leaves out of a gateway stands beside what it has of one.
 
-It reads one line, a `Job`, from its input, joins the connections that the enclosures need and no
-others, and keeps them closed by the gateway's own rules (order, deadlines, retries, sensors). It
-ends with 0 when the sensors have said *closed* for a while, and when its input ends.
+It reads one line, a `ClosingJob`, from its input, joins the connections that the enclosures need
+and no others, and keeps them closed by the gateway's own rules (order, deadlines, retries,
+sensors). It ends with 0 when the sensors have said *closed* for a while, and when its input ends.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import msgspec
 from talaia.clock import SECOND, SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway.adapters.catalog import adapter_of
-from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.notices.settings import NoticeSettings  # noqa: TC001 - msgspec reads it
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from talaia.wire.columns import Columns
     from talaia.wire.frames import FromGateway, PictureFrame
 
-__all__ = ["Job", "Record", "main"]
+__all__ = ["ClosingJob", "WatchdogRecord", "main"]
 
 log = logging.getLogger("talaia.watchdog")
 LOOK_S = 0.1
@@ -60,7 +60,7 @@ STEADY_S = 3.0
 WHY = "the gateway is dead or stands still"
 
 
-class Job(msgspec.Struct, frozen=True, kw_only=True):
+class ClosingJob(msgspec.Struct, frozen=True, kw_only=True):
     """What is to be closed.
 
     Attributes:
@@ -83,7 +83,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     failed: str = ""
 
 
-class Record(msgspec.Struct, frozen=True, kw_only=True):
+class WatchdogRecord(msgspec.Struct, frozen=True, kw_only=True):
     """What was done, for the gateway that comes back. Time: µs since the epoch (UTC)."""
 
     time_us: int
@@ -100,13 +100,13 @@ class _Recorder:
         self._clock = clock
         self.on_enclosure: Callable[[EnclosureState], None] = lambda _state: None
 
-    def note(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
+    def record_event(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
         message = _plain(message)
         log.info("%s %s %s %s", kind, device, message, who)
         if not self._path:
             return
         time_us = self._clock.wall_ns() // 1000
-        said = Record(time_us=time_us, kind=kind, message=f"watchdog: {message}", good=good)
+        said = WatchdogRecord(time_us=time_us, kind=kind, message=f"watchdog: {message}", good=good)
         try:
             with Path(self._path).open("ab") as file:
                 file.write(msgspec.json.encode(said) + b"\n")
@@ -114,11 +114,11 @@ class _Recorder:
             # It closes first; a disk that is full or broken keeps nothing open.
             log.warning("what was done cannot be written down: %s", error)
 
-    def tell(
+    def report_event(
         self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
     ) -> None:
         if kind in ("notice_sent", "notice_failed"):
-            self.note(kind, device, message, who, good=good)
+            self.record_event(kind, device, message, who, good=good)
         else:
             log.info("%s %s %s %s", kind, device, message, who)
 
@@ -142,7 +142,7 @@ def _plain(message: str) -> str:
 class _NoSamples:
     """A `SampleSink` and a `PictureSink` that take nothing."""
 
-    def put(self, columns: Columns) -> None:
+    def put_samples(self, columns: Columns) -> None:
         pass
 
     def asked(self, stream: str) -> Collection[str]:
@@ -154,7 +154,7 @@ class _NoSamples:
     def room(self) -> float:
         return 0.0
 
-    def look(
+    def offer_frame(
         self,
         stream: str,
         stamp: tuple[int, int, int],
@@ -179,7 +179,13 @@ class Closing:
     """Keeps enclosures closed. Event loop only."""
 
     def __init__(
-        self, job: Job, site: Site, *, clock: Clock, recorder: _Recorder, notices: WatchdogNotices
+        self,
+        job: ClosingJob,
+        site: Site,
+        *,
+        clock: Clock,
+        recorder: _Recorder,
+        notices: WatchdogNotices,
     ) -> None:
         """Join what is needed of a `closing_site`.
 
@@ -194,37 +200,35 @@ class Closing:
         of = {name: site.connection_of(name) for name in site.devices}
         reach = DeviceReachability(of, clock, lambda _state: None)
         nothing = _NoSamples()
-        outlets = AdapterContext(
+        context = AdapterContext(
             clock, nothing, nothing, self._recorder, Path(job.folder), job.domain, site=site.name
         )
         adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
-        for share in shares_of(site):
-            if share.devices:
-                adapters[share.name] = self._joined(
-                    share, outlets, ConnectionStatus(share.name, loop, reach)
+        for scope in scopes_of(site):
+            if scope.devices:
+                adapters[scope.name] = self._joined(
+                    scope, context, ConnectionStatus(scope.name, loop, reach)
                 )
-        self._adapter = MultiAdapter(
-            of, adapters, reach, self._recorder, lambda _devices: None, lambda _devices: None
-        )
+        self._adapter = MultiAdapter(of=of, adapters=adapters, reach=reach, events=self._recorder)
         self._interlocks = Interlocks(
-            site,
-            self._adapter,
-            self._recorder,
-            self._run_steps,
-            clock.monotonic_ns(),
-            clock.wall_ns,
+            site=site,
+            readings=self._adapter,
+            output=self._recorder,
+            run=self._run_steps,
+            now_ns=clock.monotonic_ns(),
+            wall_ns=clock.wall_ns,
         )
         self._closed_ns: int | None = None
 
     @staticmethod
     def _joined(
-        share: ConnectionScope, outlets: AdapterContext, post: ConnectionStatus
+        scope: ConnectionScope, context: AdapterContext, post: ConnectionStatus
     ) -> tuple[Adapter, ConnectionStatus]:
-        return adapter_of(share, outlets, post), post
+        return adapter_of(scope, context, post), post
 
     async def run(self) -> None:
         """Close, and keep closed until the sensors have said so for a while."""
-        self._recorder.note("watchdog_closes", "", WHY, "", good=False)
+        self._recorder.record_event("watchdog_closes", "", WHY, "", good=False)
         joining = asyncio.ensure_future(self._adapter.run())
         # What is asked before anything is reached is refused, and time goes by until it is again.
         until_ns = self._clock.monotonic_ns() + round(JOIN_S * SECOND)
@@ -235,7 +239,9 @@ class Closing:
                     until_ns = now
                     self._interlocks.step(now)
                     if self._settled(now):
-                        self._recorder.note("watchdog_closed", "", "all is closed", "", good=True)
+                        self._recorder.record_event(
+                            "watchdog_closed", "", "all is closed", "", good=True
+                        )
                         self._notices.closed()
                         return
                 await asyncio.sleep(LOOK_S)
@@ -271,9 +277,9 @@ class Closing:
             command = self._site.devices[device].commands[name]
             fields = fields_of(command, step.args)
             if isinstance(fields, str):
-                self._recorder.note("watchdog_failed", device, fields, "", good=False)
+                self._recorder.record_event("watchdog_failed", device, fields, "", good=False)
                 continue
-            self._recorder.note(
+            self._recorder.record_event(
                 "watchdog_command", device, f"{label}: {step.command}", "", good=True
             )
             for roof in self._site.enclosures.values():
@@ -293,7 +299,7 @@ def _end_with_input() -> None:
     os._exit(0)
 
 
-async def _run(job: Job) -> None:
+async def _run(job: ClosingJob) -> None:
     clock = SystemClock()
     site = closing_site(load_site(job.description))
     recorder = _Recorder(job.record, clock)
@@ -312,7 +318,7 @@ def main() -> int:
     logging.basicConfig(
         level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s"
     )
-    job = msgspec.json.decode(sys.stdin.buffer.readline(), type=Job)
+    job = msgspec.json.decode(sys.stdin.buffer.readline(), type=ClosingJob)
     threading.Thread(target=_end_with_input, daemon=True).start()
     try:
         asyncio.run(_run(job))

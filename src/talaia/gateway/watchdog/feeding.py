@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.watchdog.child import ALREADY
-from talaia.gateway.watchdog.closing import Job, Record
+from talaia.gateway.watchdog.closing import ClosingJob, WatchdogRecord
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.gateway.notices.settings import NoticeSettings
     from talaia.model.site import Site
 
-__all__ = ["Watchdog", "dismiss", "taken_records"]
+__all__ = ["WatchdogClient", "dismiss", "taken_records"]
 
 log = logging.getLogger(__name__)
 # A watchdog that is asked to leave ends what it has begun; after this it is killed.
@@ -106,7 +106,7 @@ def _acquire(file: int) -> bool:
     return True
 
 
-def taken_records(path: Path) -> list[Record]:
+def taken_records(path: Path) -> list[WatchdogRecord]:
     """Give what a watchdog has written down, once."""
     try:
         lines = path.read_bytes().splitlines()
@@ -116,11 +116,11 @@ def taken_records(path: Path) -> list[Record]:
     records = []
     for line in lines:
         with contextlib.suppress(msgspec.DecodeError):
-            records.append(msgspec.json.decode(line, type=Record))
+            records.append(msgspec.json.decode(line, type=WatchdogRecord))
     return records
 
 
-class Watchdog:
+class WatchdogClient:
     """One gateway's watchdog. Event loop only."""
 
     def __init__(
@@ -165,7 +165,7 @@ class Watchdog:
         """Watch for this description (and its text) from here on."""
         times = [each.watchdog_after for each in site.enclosures.values() if each.watchdog_after]
         self._after_s = min(times, default=0.0)
-        job = Job(
+        job = ClosingJob(
             description=said,
             folder=str(self._folder.resolve()),
             domain=self._domain,
@@ -177,13 +177,13 @@ class Watchdog:
         if self._line is not None:
             self._send(self._setting)
 
-    async def take_over(self) -> list[Record]:
+    async def take_over(self) -> list[WatchdogRecord]:
         """End the watchdog of an earlier run; give what it has done."""
         if await asyncio.to_thread(dismiss, self._lock):
             log.warning("the watchdog of an earlier run has been dismissed")
         return self.records()
 
-    def records(self) -> list[Record]:
+    def records(self) -> list[WatchdogRecord]:
         """Give what watchdogs have done since this was last asked."""
         return taken_records(self._record)
 

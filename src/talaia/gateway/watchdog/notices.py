@@ -36,7 +36,14 @@ class WatchdogNotices:
         self._roofs: list[str] = []
         if settings is not None:
             now = msgspec.structs.replace(settings, after=0.0)
-            self._own = OwnNotices(now, site, clock, lambda: False, events, teller=TELLER)
+            self._own = OwnNotices(
+                settings=now,
+                site=site,
+                clock=clock,
+                linked=lambda: False,
+                events=events,
+                teller=TELLER,
+            )
         self._running: asyncio.Task[None] | None = None
 
     def begin(self, failures: int, failed: str) -> None:

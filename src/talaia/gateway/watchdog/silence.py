@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from enum import Enum, auto
 
-__all__ = ["Silence", "Task"]
+__all__ = ["Silence", "WatchdogTask"]
 
 # Longer between two looks, the watchdog itself stood still, and with it most likely the machine:
 # what it could not hear in that time counts for nothing.
 LONGEST_LOOK_S = 1.0
 
 
-class Task(Enum):
+class WatchdogTask(Enum):
     """What the watchdog has to do now."""
 
     WAIT = auto()
@@ -56,12 +56,12 @@ class Silence:
         """Take that all is closed, as the sensors say."""
         self._closed = True
 
-    def judge(self, now_s: float) -> Task:
+    def judge(self, now_s: float) -> WatchdogTask:
         """Say what to do at a moment (monotonic, s)."""
         self._silent_s += min(LONGEST_LOOK_S, max(0.0, now_s - self._looked_s))
         self._looked_s = now_s
         if self._dismissed or (self._gone and (self._closed or not self.after_s)):
-            return Task.LEAVE
+            return WatchdogTask.LEAVE
         if self._closed or not self.after_s or self._silent_s < self.after_s:
-            return Task.WAIT
-        return Task.CLOSE
+            return WatchdogTask.WAIT
+        return WatchdogTask.CLOSE

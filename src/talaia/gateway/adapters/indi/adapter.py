@@ -4,7 +4,7 @@ A small client of our own over asyncio's streams. It must see the end of the con
 `indipyclient` 0.9.4 noticed a killed server after 40 s, this one in some milliseconds (see
 docs/decisions/0043). All that decides stands in the modules beside; here bytes come and go.
 
-Long, because reading, asking and the age of what was read share one book.
+Long, because reading, asking and the age of what was read scope one book.
 """
 
 from __future__ import annotations
@@ -110,18 +110,18 @@ class IndiAdapter:
     """An `Adapter` for the devices of one INDI server. See `talaia.gateway.ports`."""
 
     def __init__(
-        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+        self, scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
     ) -> None:
         """Take what it serves, where things go, and where it says how its side stands."""
-        assert isinstance(share.connection, IndiConnection)  # noqa: S101 - the catalogue's promise
-        self._share, self._status = share, status
-        self._connection = share.connection
-        self._clock, self._samples = outlets.clock, outlets.samples
-        self._events, self._frames = outlets.events, outlets.frames
-        self._site = outlets.site
+        assert isinstance(scope.connection, IndiConnection)  # noqa: S101 - the catalogue's promise
+        self._scope, self._status = scope, status
+        self._connection = scope.connection
+        self._clock, self._samples = context.clock, context.samples
+        self._events, self._frames = context.events, context.frames
+        self._site = context.site
         self.book = IndiDeviceTree()
-        self._plans = _plans(share)
-        self._devices = {name: each.indi for name, each in share.devices.items() if each.indi}
+        self._plans = _plans(scope)
+        self._devices = {name: each.indi for name, each in scope.devices.items() if each.indi}
         self._last = {plan.address: _Last() for plan in self._plans}
         self._latest: dict[str, ChannelReading] = {}
         self._under: list[_Under] = []
@@ -129,7 +129,7 @@ class IndiAdapter:
         self._began_ns = 0
         self._pinged_ns = 0
         self._changed_ns = 0
-        setups = {each.indi: each.setup for each in share.devices.values() if each.setup}
+        setups = {each.indi: each.setup for each in scope.devices.values() if each.setup}
         self._connections = DriverConnections(setups, connect=self._connection.connect)
         self._silent: set[str] = set()
         self._asked_blobs: set[str] = set()
@@ -205,9 +205,11 @@ class IndiAdapter:
         if self._writer is None:
             done(CommandOutcome(CommandPhase.REFUSED, "the INDI server is not connected"))
             return None
-        described = self._share.devices[device]
+        described = self._scope.devices[device]
         target = described.commands[command].target
-        goal = begin(self.book, described.indi, target, fields, now_ns)
+        goal = begin(
+            book=self.book, device=described.indi, target=target, fields=fields, now_ns=now_ns
+        )
         if isinstance(goal, str):
             done(CommandOutcome(CommandPhase.REFUSED, goal))
             return None
@@ -256,7 +258,7 @@ class IndiAdapter:
         for _, _, done in self._waiting:
             done(CommandOutcome(CommandPhase.FAILED, "the INDI server went away meanwhile"))
         self._waiting.clear()
-        self._give(self._plans)
+        self._publish_values(self._plans)
         self._latest.clear()
 
     def _send(self, data: bytes) -> None:
@@ -302,8 +304,10 @@ class IndiAdapter:
                             self._want_pictures(event.device)
                         if isinstance(event, DriverMessage):
                             log.debug("%s: %s", event.device, event.message)
-                        self._look(now_ns, event.device)
-            self._give(plan for plan in self._plans if plan.device in touched or "" in touched)
+                        self._follow_commands(now_ns, event.device)
+            self._publish_values(
+                plan for plan in self._plans if plan.device in touched or "" in touched
+            )
 
     async def _tick(self) -> None:
         while True:
@@ -313,11 +317,11 @@ class IndiAdapter:
                 self._pinged_ns = now_ns
                 self._ping(now_ns)
             self._connect(now_ns)
-            self._look(now_ns)
+            self._follow_commands(now_ns)
             self._answer_waiting(now_ns)
             self._say_who_is_there(now_ns)
             self._find(now_ns)
-            self._give(self._plans)
+            self._publish_values(self._plans)
 
     def _ping(self, now_ns: int) -> None:
         """Ask every driver for one property: an answer says that it lives, and no more."""
@@ -332,18 +336,22 @@ class IndiAdapter:
             if silent:
                 self._silent.add(device.name)
                 log.warning("the INDI driver of %s does not answer", device.name)
-                self._tell("driver_silent", device.name, "its driver does not answer", good=False)
+                self._record_event(
+                    "driver_silent", device.name, "its driver does not answer", good=False
+                )
             else:
                 self._silent.discard(device.name)
                 log.info("the INDI driver of %s answers again", device.name)
-                self._tell("driver_back", device.name, "its driver answers again", good=True)
+                self._record_event(
+                    "driver_back", device.name, "its driver answers again", good=True
+                )
         # One with nothing to ask for: what comes later is asked for anew.
         if not self.book.devices:
             self._send(ask_properties())
 
-    def _tell(self, kind: str, name: str, message: str, *, good: bool) -> None:
+    def _record_event(self, kind: str, name: str, message: str, *, good: bool) -> None:
         ours = next((each for each, indi in self._devices.items() if indi == name), "")
-        self._events.tell(kind, f"{name}: {message}", device=ours, good=good)
+        self._events.report_event(kind, f"{name}: {message}", device=ours, good=good)
 
     def _connect(self, now_ns: int) -> None:
         """Connect drivers, and set up those that are; see `DriverConnections`."""
@@ -355,7 +363,7 @@ class IndiAdapter:
                     self._send(due)
                     continue
                 log.warning("%s: %s: %s", device.name, due.kind, due.message)
-                self._tell(due.kind, device.name, due.message, good=False)
+                self._record_event(due.kind, device.name, due.message, good=False)
 
     def _say_who_is_there(self, now_ns: int) -> None:
         if now_ns - self._began_ns < SETTLE_NS:
@@ -382,11 +390,15 @@ class IndiAdapter:
             device
             for device in self.book
             if self._is_ours(device)
-            and (device.connected or "CONNECTION" not in device.vectors
-                 or self._connections.tried(device.name) > 1 or not self._connection.connect)
-        ]  # fmt: skip
+            and (
+                device.connected
+                or "CONNECTION" not in device.vectors
+                or self._connections.tried(device.name) > 1
+                or not self._connection.connect
+            )
+        ]
         new = devices_of(
-            [each for each in found if each.name not in named], self._share.name, self._devices
+            [each for each in found if each.name not in named], self._scope.name, self._devices
         )
         grown = self._grown([each for each in found if each.name in named])
         told = {**new, **grown}
@@ -400,8 +412,8 @@ class IndiAdapter:
         grown = {}
         for device in found:
             ours = names[device.name]
-            known = self._share.devices[ours]
-            now = next(iter(devices_of([device], self._share.name).values()), None)
+            known = self._scope.devices[ours]
+            now = next(iter(devices_of([device], self._scope.name).values()), None)
             if now is None or not (
                 now.signals.keys() - known.signals.keys()
                 or now.commands.keys() - known.commands.keys()
@@ -423,11 +435,11 @@ class IndiAdapter:
 
     # ── commands ──
 
-    def _look(self, now_ns: int, device: str = "") -> None:
+    def _follow_commands(self, now_ns: int, device: str = "") -> None:
         for under in list(self._under):
             if device and under.goal.device != device:
                 continue
-            outcome = under.goal.look(self.book, now_ns)
+            outcome = under.goal.evaluate_progress(self.book, now_ns)
             if outcome is None:
                 continue
             under.done(outcome)
@@ -471,7 +483,17 @@ class IndiAdapter:
         """Write into a picture's header what all devices say now."""
         unix_s = self._clock.wall_ns() / 1e9
         known = values_of(header)
-        return rewritten(header, circumstances(self.book, camera, self._site, ours, known, unix_s))
+        return rewritten(
+            header,
+            circumstances(
+                book=self.book,
+                camera=camera,
+                site=self._site,
+                address=ours,
+                header=known,
+                unix_s=unix_s,
+            ),
+        )
 
     async def _shot(self, end: BlobEnd) -> None:
         if not self._shooting or self._frames is None:
@@ -480,12 +502,12 @@ class IndiAdapter:
         for under in self._under:
             if under.goal.device == self._shooting:
                 under.goal.picture(problem)
-        self._look(self._clock.monotonic_ns(), self._shooting)
+        self._follow_commands(self._clock.monotonic_ns(), self._shooting)
         self._shooting = ""
 
     # ── readings ──
 
-    def _give(self, plans: Iterable[_Plan]) -> None:
+    def _publish_values(self, plans: Iterable[_Plan]) -> None:
         """Give out what is new, and repeat what still holds before it looks old."""
         now_ns, wall_us = self._clock.monotonic_ns(), self._clock.wall_ns() // 1000
         channels: list[int] = []
@@ -502,7 +524,7 @@ class IndiAdapter:
             channels.append(plan.channel)
             values.append(math.nan if isinstance(value, str) else value)
         if channels:
-            self._samples.put(
+            self._samples.put_samples(
                 Columns(
                     np.array(channels, np.uint16),
                     np.full(len(channels), wall_us, np.int64),
@@ -518,7 +540,13 @@ class IndiAdapter:
         if signal.type is SignalType.TEXT:
             found = read_text(self.book, device, source.property, element)
         elif signal.type is SignalType.STATE:
-            found = read_state(self.book, device, source.property, element, signal.states)
+            found = read_state(
+                book=self.book,
+                device=device,
+                name=source.property,
+                element=element,
+                states=signal.states,
+            )
         else:
             found = read_number(self.book, device, source.property, element)
         unknown = found is None or now_ns - found.mono_ns > round(signal.max_age * SECOND)
@@ -574,16 +602,16 @@ class IndiAdapter:
         return changed or since >= plan.signal.max_age * SECOND / 2
 
 
-def _plans(share: ConnectionScope) -> list[_Plan]:
+def _plans(scope: ConnectionScope) -> list[_Plan]:
     return [
         _Plan(
             f"{name}/{signal_name}",
-            share.channel[f"{name}/{signal_name}"],
+            scope.channel[f"{name}/{signal_name}"],
             signal.source.device or device.indi,
             signal,
-            f"{name}/{signal_name}" in share.guarded,
+            f"{name}/{signal_name}" in scope.guarded,
         )
-        for name, device in share.devices.items()
+        for name, device in scope.devices.items()
         for signal_name, signal in device.signals.items()
     ]
 
@@ -596,8 +624,10 @@ def _keep_alive(writer: asyncio.StreamWriter) -> None:
     sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (
-        ("TCP_KEEPIDLE", 2), ("TCP_KEEPINTVL", 1), ("TCP_KEEPCNT", _SILENT_TCP_S - 2),
+        ("TCP_KEEPIDLE", 2),
+        ("TCP_KEEPINTVL", 1),
+        ("TCP_KEEPCNT", _SILENT_TCP_S - 2),
         ("TCP_USER_TIMEOUT", _SILENT_TCP_S * 1000),
-    ):  # fmt: skip
+    ):
         if hasattr(socket, option):
             sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)

@@ -156,8 +156,15 @@ _COMMANDS = (
     _Do("DOME_SHUTTER", "close", "Close", _on("SHUTTER_CLOSE"), timeout=180),
     _Do("DOME_FLAP", "open_flap", "Open flap", _on("FLAP_OPEN"), timeout=180, confirm=True),
     _Do("DOME_FLAP", "close_flap", "Close flap", _on("FLAP_CLOSE"), timeout=180),
-    _Do("ABS_DOME_POSITION", "goto", "Turn to", element="DOME_ABSOLUTE_POSITION",
-        argument="azimuth", unit="°", timeout=300),
+    _Do(
+        "ABS_DOME_POSITION",
+        "goto",
+        "Turn to",
+        element="DOME_ABSOLUTE_POSITION",
+        argument="azimuth",
+        unit="°",
+        timeout=300,
+    ),
     _Do("DOME_PARK", "park", "Park", _on("PARK"), timeout=600),
     _Do("DOME_PARK", "unpark", "Unpark", _on("UNPARK"), timeout=600, confirm=True),
     _Do("DOME_ABORT_MOTION", "stop", "Stop", _on("ABORT"), timeout=15),
@@ -169,48 +176,134 @@ _COMMANDS = (
     _Do("TELESCOPE_TRACK_STATE", "track", "Track", _on("TRACK_ON"), timeout=15),
     _Do("TELESCOPE_TRACK_STATE", "untrack", "Stop tracking", _on("TRACK_OFF"), timeout=15),
     _Do("CCD_ABORT_EXPOSURE", "abort", "Abort exposure", _on("ABORT"), timeout=30),
-    _Do("CCD_TEMPERATURE", "cool", "Cool to", element="CCD_TEMPERATURE_VALUE",
-        argument="temperature", unit="°C", timeout=1800),
+    _Do(
+        "CCD_TEMPERATURE",
+        "cool",
+        "Cool to",
+        element="CCD_TEMPERATURE_VALUE",
+        argument="temperature",
+        unit="°C",
+        timeout=1800,
+    ),
     _Do("CCD_COOLER", "cooler_on", "Cooler on", _on("COOLER_ON"), timeout=30),
     _Do("CCD_COOLER", "cooler_off", "Cooler off", _on("COOLER_OFF"), timeout=30),
     _Do("FILTER_SLOT", "filter", "Filter", element="FILTER_SLOT_VALUE", argument="slot"),
-    _Do("ABS_FOCUS_POSITION", "focus", "Focus to", element="FOCUS_ABSOLUTE_POSITION",
-        argument="position", timeout=300),
-    _Do("REL_FOCUS_POSITION", "focus_in", "Focus in", (("FOCUS_MOTION/FOCUS_INWARD", True),),
-        element="FOCUS_RELATIVE_POSITION", argument="steps", timeout=300),
-    _Do("REL_FOCUS_POSITION", "focus_out", "Focus out", (("FOCUS_MOTION/FOCUS_OUTWARD", True),),
-        element="FOCUS_RELATIVE_POSITION", argument="steps", timeout=300),
+    _Do(
+        "ABS_FOCUS_POSITION",
+        "focus",
+        "Focus to",
+        element="FOCUS_ABSOLUTE_POSITION",
+        argument="position",
+        timeout=300,
+    ),
+    _Do(
+        "REL_FOCUS_POSITION",
+        "focus_in",
+        "Focus in",
+        (("FOCUS_MOTION/FOCUS_INWARD", True),),
+        element="FOCUS_RELATIVE_POSITION",
+        argument="steps",
+        timeout=300,
+    ),
+    _Do(
+        "REL_FOCUS_POSITION",
+        "focus_out",
+        "Focus out",
+        (("FOCUS_MOTION/FOCUS_OUTWARD", True),),
+        element="FOCUS_RELATIVE_POSITION",
+        argument="steps",
+        timeout=300,
+    ),
     _Do("FOCUS_ABORT_MOTION", "stop_focus", "Stop focuser", _on("ABORT"), timeout=15),
-    _Do("ABS_ROTATOR_ANGLE", "rotate", "Rotate to", element="ANGLE", argument="angle", unit="°",
-        timeout=300),
+    _Do(
+        "ABS_ROTATOR_ANGLE",
+        "rotate",
+        "Rotate to",
+        element="ANGLE",
+        argument="angle",
+        unit="°",
+        timeout=300,
+    ),
     _Do("ROTATOR_ABORT_MOTION", "stop_rotator", "Stop rotator", _on("ABORT"), timeout=15),
     _Do("CAP_PARK", "close_cover", "Close cover", _on("PARK")),
     _Do("CAP_PARK", "open_cover", "Open cover", _on("UNPARK")),
     _Do("WEATHER_REFRESH", "refresh", "Measure now", _on("REFRESH"), timeout=30),
     _Do("CONNECTION", "connect", "Connect driver", _on("CONNECT"), timeout=30),
-    _Do("CONNECTION", "disconnect", "Disconnect driver", _on("DISCONNECT"), timeout=30,
-        confirm=True),
-)  # fmt: skip
+    _Do(
+        "CONNECTION", "disconnect", "Disconnect driver", _on("DISCONNECT"), timeout=30, confirm=True
+    ),
+)
 
 # Set up once by the one who installs it: not for a page that is watched at night.
-_HIDDEN_GROUPS = frozenset({
-    "options", "connection", "general info", "site management", "image info", "streaming",
-    "signal processing", "presets", "wcs", "simulation", "guider head", "guider control",
-    "alignment",
-})  # fmt: skip
-_HIDDEN = frozenset({
-    "CONFIG_PROCESS", "DEBUG", "DEBUG_LEVEL", "LOGGING_LEVEL", "LOG_OUTPUT", "POLLING_PERIOD",
-    "SIMULATION", "DRIVER_INFO", "ON_COORD_SET", "FITS_HEADER", "CCD_FRAME_TYPE", "CCD_FRAME_RESET",
-    "TARGET_EOD_COORD", "TIME_UTC", "FOCUS_MOTION", "DOME_MOTION", "TELESCOPE_MOTION_NS",
-    "TELESCOPE_MOTION_WE", "USEJOYSTICK", "FILTER_NAME", "WEATHER_OVERRIDE",
-    "GUIDER_EXPOSURE", "GUIDER_ABORT_EXPOSURE",
-})  # fmt: skip
+_HIDDEN_GROUPS = frozenset(
+    {
+        "options",
+        "connection",
+        "general info",
+        "site management",
+        "image info",
+        "streaming",
+        "signal processing",
+        "presets",
+        "wcs",
+        "simulation",
+        "guider head",
+        "guider control",
+        "alignment",
+    }
+)
+_HIDDEN = frozenset(
+    {
+        "CONFIG_PROCESS",
+        "DEBUG",
+        "DEBUG_LEVEL",
+        "LOGGING_LEVEL",
+        "LOG_OUTPUT",
+        "POLLING_PERIOD",
+        "SIMULATION",
+        "DRIVER_INFO",
+        "ON_COORD_SET",
+        "FITS_HEADER",
+        "CCD_FRAME_TYPE",
+        "CCD_FRAME_RESET",
+        "TARGET_EOD_COORD",
+        "TIME_UTC",
+        "FOCUS_MOTION",
+        "DOME_MOTION",
+        "TELESCOPE_MOTION_NS",
+        "TELESCOPE_MOTION_WE",
+        "USEJOYSTICK",
+        "FILTER_NAME",
+        "WEATHER_OVERRIDE",
+        "GUIDER_EXPOSURE",
+        "GUIDER_ABORT_EXPOSURE",
+    }
+)
 _IN_LABEL = re.compile(r"\(([^()]{1,12})\)\s*\Z")
 _UNITS = {
-    "c": "°C", "°c": "°C", "kph": "km/h", "km/h": "km/h", "m/s": "m/s", "mm": "mm", "mm/h": "mm/h",
-    "deg": "°", "s": "s", "sec": "s", "ms": "ms", "%": "%", "hpa": "hPa", "mb": "hPa", "m": "m",
-    "v": "V", "a": "A", "w": "W", "um": "", "arcsecs/s": "", "hh:mm:ss": "h", "dd:mm:ss": "°",
-}  # fmt: skip
+    "c": "°C",
+    "°c": "°C",
+    "kph": "km/h",
+    "km/h": "km/h",
+    "m/s": "m/s",
+    "mm": "mm",
+    "mm/h": "mm/h",
+    "deg": "°",
+    "s": "s",
+    "sec": "s",
+    "ms": "ms",
+    "%": "%",
+    "hpa": "hPa",
+    "mb": "hPa",
+    "m": "m",
+    "v": "V",
+    "a": "A",
+    "w": "W",
+    "um": "",
+    "arcsecs/s": "",
+    "hh:mm:ss": "h",
+    "dd:mm:ss": "°",
+}
 _KINDS = (
     (Interface.DOME, DeviceKind.DOME),
     (Interface.TELESCOPE, DeviceKind.TELESCOPE),
@@ -497,14 +590,22 @@ def _number_argument(element: Element, name: str, unit: str) -> Argument:
 def _pointing(device: IndiDevice) -> dict[str, Command]:
     arguments = {
         "ra": Argument(
-            type=ArgumentType.NUMBER, field="RA", name="Right ascension (JNow)", unit="h",
-            minimum=0.0, maximum=24.0,
+            type=ArgumentType.NUMBER,
+            field="RA",
+            name="Right ascension (JNow)",
+            unit="h",
+            minimum=0.0,
+            maximum=24.0,
         ),
         "dec": Argument(
-            type=ArgumentType.NUMBER, field="DEC", name="Declination (JNow)", unit="°",
-            minimum=-90.0, maximum=90.0,
+            type=ArgumentType.NUMBER,
+            field="DEC",
+            name="Declination (JNow)",
+            unit="°",
+            minimum=-90.0,
+            maximum=90.0,
         ),
-    }  # fmt: skip
+    }
     made = {}
     for element, word, name, timeout in (
         ("TRACK", "goto", "Go to", 600.0),
@@ -530,20 +631,30 @@ def _expose(device: IndiDevice) -> Command:
     longest = element.maximum if element is not None and element.maximum > 0 else 3600.0
     arguments = {
         "seconds": Argument(
-            type=ArgumentType.NUMBER, field="CCD_EXPOSURE_VALUE", name="Exposure", unit="s",
-            minimum=max(0.0, element.minimum) if element is not None else 0.0, maximum=longest,
+            type=ArgumentType.NUMBER,
+            field="CCD_EXPOSURE_VALUE",
+            name="Exposure",
+            unit="s",
+            minimum=max(0.0, element.minimum) if element is not None else 0.0,
+            maximum=longest,
         )
-    }  # fmt: skip
+    }
     if "CCD_FRAME_TYPE" in device.vectors:
         arguments["frame"] = Argument(
-            type=ArgumentType.TEXT, field=f"CCD_FRAME_TYPE/{CHOICE}", name="Frame",
-            default="Light", max_length=20,
-        )  # fmt: skip
+            type=ArgumentType.TEXT,
+            field=f"CCD_FRAME_TYPE/{CHOICE}",
+            name="Frame",
+            default="Light",
+            max_length=20,
+        )
     if device.value("FITS_HEADER", "FITS_OBJECT") is not None:
         arguments["target"] = Argument(
-            type=ArgumentType.TEXT, field="FITS_HEADER/FITS_OBJECT", name="Target",
-            default="Unknown", max_length=60,
-        )  # fmt: skip
+            type=ArgumentType.TEXT,
+            field="FITS_HEADER/FITS_OBJECT",
+            name="Target",
+            default="Unknown",
+            max_length=60,
+        )
     return Command(
         name="Expose",
         kind=CommandKind.INDI,
@@ -564,9 +675,11 @@ def _add_setting(made: dict[str, Command], held: StoredVector) -> None:
         and held.rule is not SwitchRule.ANY
     ):
         made[word_of(held.name, made)] = Command(
-            name=title, kind=CommandKind.INDI, target=held.name, fixed={elements[0].name: True}
-            if elements else {},
-        )  # fmt: skip
+            name=title,
+            kind=CommandKind.INDI,
+            target=held.name,
+            fixed={elements[0].name: True} if elements else {},
+        )
         return
     arguments: dict[str, Argument] = {}
     if held.kind is VectorKind.SWITCH and held.rule is not SwitchRule.ANY:

@@ -178,7 +178,7 @@ class DriverConnections:
             known.tries = known.due_ns = 0
         for name, write in list(known.writes.items()):
             values = self._setups[device.name][name]
-            yield from _written(device, name, values, write, now_ns)
+            yield from _written(device=device, name=name, values=values, write=write, now_ns=now_ns)
             if _is_written(device.vectors.get(name), values, write):
                 del known.writes[name]
 
@@ -194,7 +194,7 @@ def _is_written(held: StoredVector | None, values: Mapping[str, Value], write: _
 
 
 def _written(
-    device: IndiDevice, name: str, values: Mapping[str, Value], write: _Write, now_ns: int
+    *, device: IndiDevice, name: str, values: Mapping[str, Value], write: _Write, now_ns: int
 ) -> Iterator[bytes | DriverProblem]:
     """Ask for one property's values, unless they are there or it is not time."""
     held = device.vectors.get(name)

@@ -68,6 +68,7 @@ def precessed(ra_deg: float, dec_deg: float, unix_s: float) -> tuple[float, floa
 
 
 def circumstances(
+    *,
     book: IndiDeviceTree,
     camera: str,
     site: str,
@@ -161,16 +162,25 @@ def _pointing(
     )
     width, height = header.get("NAXIS1"), header.get("NAXIS2")
     if (
-        focal and pixel and isinstance(width, int) and isinstance(height, int)
+        focal
+        and pixel
+        and isinstance(width, int)
+        and isinstance(height, int)
         and "CTYPE1" not in header
-    ):  # fmt: skip
+    ):
         binned = header.get("XBINNING")
         across = binned if isinstance(binned, int) and binned > 0 else 1
-        cards += _world(float(ra), float(dec), width, height, pixel * across / focal / 1000 / _DEG)
+        cards += _world(
+            ra=float(ra),
+            dec=float(dec),
+            width=width,
+            height=height,
+            scale_deg=pixel * across / focal / 1000 / _DEG,
+        )
     return cards
 
 
-def _world(ra: float, dec: float, width: int, height: int, scale_deg: float) -> list[HeaderCard]:
+def _world(*, ra: float, dec: float, width: int, height: int, scale_deg: float) -> list[HeaderCard]:
     """A tangent plane about the middle, north up and east left: without the camera's turn."""
     return [
         HeaderCard("CTYPE1", "RA---TAN", "estimate from the mount, not from stars"),
@@ -193,9 +203,12 @@ def _state(
     cards = []
     if "CCD-TEMP" not in header:
         cards.append(
-            HeaderCard("CCD-TEMP", _number(camera, "CCD_TEMPERATURE", "CCD_TEMPERATURE_VALUE"),
-                 "[deg C] sensor")
-        )  # fmt: skip
+            HeaderCard(
+                "CCD-TEMP",
+                _number(camera, "CCD_TEMPERATURE", "CCD_TEMPERATURE_VALUE"),
+                "[deg C] sensor",
+            )
+        )
     wheel = _used(book, camera, "ACTIVE_FILTER", Interface.FILTER)
     slot = None if wheel is None else _number(wheel, "FILTER_SLOT", "FILTER_SLOT_VALUE")
     if wheel is not None and slot is not None and not header.get("FILTER"):

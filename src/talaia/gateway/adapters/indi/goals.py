@@ -81,7 +81,7 @@ class _Ask(NamedTuple):
 
 
 def begin(
-    book: IndiDeviceTree, device: str, target: str, fields: Mapping[str, Value], now_ns: int
+    *, book: IndiDeviceTree, device: str, target: str, fields: Mapping[str, Value], now_ns: int
 ) -> IndiGoal | str:
     """Begin a command: give its goal, or the sentence that says why it cannot be asked.
 
@@ -231,7 +231,7 @@ class IndiGoal:
         if self.target == _EXPOSURE:
             self._picture = problem
 
-    def look(self, book: IndiDeviceTree, now_ns: int) -> CommandOutcome | None:
+    def evaluate_progress(self, book: IndiDeviceTree, now_ns: int) -> CommandOutcome | None:
         """Say how it stands, if there is anything to say."""
         device = book.devices.get(self.device)
         held = None if device is None else device.vectors.get(self.target)

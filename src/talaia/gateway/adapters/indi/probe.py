@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.indi.protocol import Element
     from talaia.gateway.adapters.indi.state import IndiDevice, StoredVector
 
-__all__ = ["look"]
+__all__ = ["probe_server"]
 
 OPEN_S = 5.0
 # Drivers define their properties in bursts; after so long without one, that was all.
@@ -47,7 +47,7 @@ READ_BYTES = 256 * 1024
 MAX_SHOWN = 200
 
 
-def look(host: str, port: int, seconds: float, *, connect: bool = False) -> Found:
+def probe_server(host: str, port: int, seconds: float, *, connect: bool = False) -> Found:
     """Ask a server what it has.
 
     Args:
@@ -60,10 +60,10 @@ def look(host: str, port: int, seconds: float, *, connect: bool = False) -> Foun
         AdapterLost: it does not answer, or is no INDI server.
 
     """
-    return asyncio.run(_look(host, port, seconds, connect=connect))
+    return asyncio.run(_probe_server(host, port, seconds, connect=connect))
 
 
-async def _look(host: str, port: int, seconds: float, *, connect: bool) -> Found:
+async def _probe_server(host: str, port: int, seconds: float, *, connect: bool) -> Found:
     where = f"the INDI server {host}:{port}"
     try:
         async with asyncio.timeout(OPEN_S):
@@ -90,7 +90,7 @@ async def _look(host: str, port: int, seconds: float, *, connect: bool) -> Found
         seconds=round(time.monotonic() - began, 1),
         host=host,
         port=port,
-        devices=_told(looking.book),
+        devices=_devices_found(looking.book),
     )
 
 
@@ -145,7 +145,7 @@ class _Look:
         return True
 
 
-def _told(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
+def _devices_found(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
     found = []
     words: set[str] = set()
     for device in sorted(book, key=lambda each: each.name):

@@ -247,7 +247,7 @@ class IndiParser:
         if self._depth != 3:
             return
         if self._blob is not None:
-            part = self._blob.take(text)
+            part = self._blob.decode_chunk(text)
             if part:
                 self._events.append(BlobPart(part))
             return
@@ -318,7 +318,7 @@ class _Base64:
         self._room = most
         self._problem = ""
 
-    def take(self, text: str) -> bytes:
+    def decode_chunk(self, text: str) -> bytes:
         if self._problem:
             return b""
         text = self._rest + _WHITE.sub("", text)
@@ -434,14 +434,14 @@ def new_vector(kind: VectorKind, device: str, name: str, values: Mapping[str, Va
     if kind not in (VectorKind.NUMBER, VectorKind.SWITCH, VectorKind.TEXT):
         raise ValueError(f"a {kind} cannot be sent")
     members = "".join(
-        f"<one{kind} name={_quoted(element)}>{escape(_said(kind, value))}</one{kind}>"
+        f"<one{kind} name={_quoted(element)}>{escape(_value_text(kind, value))}</one{kind}>"
         for element, value in values.items()
     )
     head = f"<new{kind}Vector device={_quoted(device)} name={_quoted(name)}>"
     return f"{head}{members}</new{kind}Vector>\n".encode("utf-8", "replace")
 
 
-def _said(kind: VectorKind, value: Value) -> str:
+def _value_text(kind: VectorKind, value: Value) -> str:
     if kind is VectorKind.SWITCH:
         return "On" if value else "Off"
     if kind is VectorKind.NUMBER:

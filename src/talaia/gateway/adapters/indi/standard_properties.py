@@ -129,7 +129,7 @@ def read_number(
 
 
 def read_state(
-    book: IndiDeviceTree, device: str, name: str, element: str, states: tuple[str, ...]
+    *, book: IndiDeviceTree, device: str, name: str, element: str, states: tuple[str, ...]
 ) -> PropertyReading | None:
     """Read a state as its place in ``states``; NaN where none of them fits."""
     found = book.devices.get(device)

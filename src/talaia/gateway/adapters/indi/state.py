@@ -143,7 +143,7 @@ class IndiDeviceTree:
                 found = self.devices.get(event.device)
                 if found is not None:
                     found.heard_ns = now_ns
-                    _say(found, event.message, now_ns)
+                    _log_message(found, event.message, now_ns)
         return None
 
     def clear(self) -> None:
@@ -160,7 +160,7 @@ class IndiDeviceTree:
             device = self.devices[event.device] = IndiDevice(event.device, now_ns)
         device.heard_ns = now_ns
         if event.message:
-            _say(device, event.message, now_ns)
+            _log_message(device, event.message, now_ns)
         held = device.vectors.get(event.name)
         if event.new:
             return self._define(device, held, event, now_ns)
@@ -219,7 +219,7 @@ class IndiDeviceTree:
         elif (device := self.devices.get(event.device)) is not None:
             device.heard_ns = now_ns
             if event.message:
-                _say(device, event.message, now_ns)
+                _log_message(device, event.message, now_ns)
             device.vectors.pop(event.name, None)
             if not device.vectors:
                 del self.devices[event.device]
@@ -232,6 +232,6 @@ def _updated(known: Element, element: Element) -> Element:
     return known._replace(value=element.value)
 
 
-def _say(device: IndiDevice, message: str, now_ns: int) -> None:
+def _log_message(device: IndiDevice, message: str, now_ns: int) -> None:
     device.said.append(LoggedDriverMessage(now_ns, message))
     del device.said[:-MAX_SAID]

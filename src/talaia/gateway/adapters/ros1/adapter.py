@@ -79,17 +79,17 @@ class Ros1Adapter:
     """An `Adapter` for ROS 1. See `talaia.gateway.ports` for its promises."""
 
     def __init__(
-        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+        self, scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
     ) -> None:
         """Take what is to be served and where things go; `run` joins ROS."""
-        settings = share.connection
+        settings = scope.connection
         assert isinstance(settings, Ros1Connection)  # noqa: S101 - the catalog has seen to it
         self._settings = settings
-        self._share, self._status = share, status
-        self._clock = outlets.clock
-        self._samples, self._events = outlets.samples, outlets.events
-        self._pictures = outlets.pictures
-        self._raw, self._files = outlets.raw, outlets.files
+        self._scope, self._status = scope, status
+        self._clock = context.clock
+        self._samples, self._events = context.samples, context.events
+        self._pictures = context.pictures
+        self._raw, self._files = context.raw, context.files
         # By number: the type and its definition, as the publisher told them.
         self._told: dict[int, tuple[str, str]] = {}
         self._recorded: list[int] = []
@@ -97,8 +97,8 @@ class Ros1Adapter:
         self._master = RosMaster(uri)
         self._latest: dict[str, ChannelReading] = {}
         self._gathered = SampleBuffer()
-        self._plans = plans_of(share, self._latest, self._complain)
-        self._parameters = parameter_plans_of(share, self._latest, self._complain)
+        self._plans = plans_of(scope, self._latest, self._complain)
+        self._parameters = parameter_plans_of(scope, self._latest, self._complain)
         self._wanted: dict[int, _Wanted] = {}
         self._streams: dict[str, int] = {}
         # By device: where its FITS files come.
@@ -136,19 +136,19 @@ class Ros1Adapter:
         node = attending = None
         try:
             node = NodeProcess(
-                self._settings,
-                self._master.uri,
-                lambda frame: self._hear(frame, loop),
-                self._turn,
-                fail,
+                settings=self._settings,
+                uri=self._master.uri,
+                heard=lambda frame: self._hear(frame, loop),
+                turned=self._turn,
+                failed=fail,
             )
             self._settled = False
-            node.tell(node=self._settings.node, namespace=self._settings.namespace)
+            node.send_frame(node=self._settings.node, namespace=self._settings.namespace)
             name = await self._joined(failed)
             self._node = node
             self._describe(node)
             self._status.up()
-            presence = Ros1Presence(self._share, self._master, self._clock, self._on_presence)
+            presence = Ros1Presence(self._scope, self._master, self._clock, self._on_presence)
             self._presence = presence
             attending = asyncio.ensure_future(presence.run())
             await self._stay(node, name, failed)
@@ -185,7 +185,7 @@ class Ros1Adapter:
         asked = seen = missed = 0
         while True:
             asked += 1
-            node.tell(op="ping", n=asked)
+            node.send_frame(op="ping", n=asked)
             await asyncio.wait([failed], timeout=_LOOK_S)
             if failed.done():
                 raise AdapterLost(failed.result())
@@ -208,7 +208,7 @@ class Ros1Adapter:
             if address in self._watched and address not in before:
                 self._listen(node, number)
             elif address in before and address not in self._watched:
-                node.tell(op="leave", topic=number)
+                node.send_frame(op="leave", topic=number)
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`."""
@@ -216,15 +216,15 @@ class Ros1Adapter:
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """See `CommandTarget.drive`."""
-        described = self._share.devices.get(device)
+        described = self._scope.devices.get(device)
         if self._node is not None and described is not None and described.drive is not None:
             fields = velocity_fields(described.drive, linear, angular, key)
-            self._node.tell(op="say", id=f"drive {device}", fields=fields)
+            self._node.send_frame(op="say", id=f"drive {device}", fields=fields)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""
         if self._node is not None:
-            self._node.tell(op="say", id=f"stop {device}", fields={"data": stopped})
+            self._node.send_frame(op="say", id=f"stop {device}", fields={"data": stopped})
 
     def act(
         self,
@@ -242,16 +242,16 @@ class Ros1Adapter:
             # Calls that were never answered; their callers have long given up.
             self._pending.pop(next(iter(self._pending)))
         address, call = f"{device}/{command}", next(self._calls)
-        described = self._share.devices[device].commands[command]
+        described = self._scope.devices[device].commands[command]
         self._pending[call] = done
-        node.tell(op="act", id=address, call=call, fields=fields, target=described.target)
+        node.send_frame(op="act", id=address, call=call, fields=fields, target=described.target)
         if described.kind is not CommandKind.ACTION:
             return None
-        return lambda: node.tell(op="cancel", id=address, call=call)
+        return lambda: node.send_frame(op="cancel", id=address, call=call)
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
-        node, described = self._node, self._share.devices.get(device)
+        node, described = self._node, self._scope.devices.get(device)
         if node is None or described is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
@@ -309,7 +309,7 @@ class Ros1Adapter:
         self._streams.clear()
         for number, plan in enumerate(self._plans):
 
-            def take(heard: ReceivedMessage, number: int = number) -> None:
+            def read_message(heard: ReceivedMessage, number: int = number) -> None:
                 self._record(heard, number)
                 decode = self._decoders.get(number)
                 if decode is None:
@@ -321,12 +321,12 @@ class Ros1Adapter:
                 mono_ns = now_ns - late_us * 1000
                 if self._presence is not None:
                     self._presence.heard_ns[self._plans[number].topic] = now_ns
-                self._plans[number].take(
+                self._plans[number].read_message(
                     decode(heard.raw), now_us - late_us, mono_ns, self._gathered
                 )
 
-            self._wanted[number] = _Wanted(plan.topic, plan.type_name, take)
-        for device_id, device in self._share.devices.items():
+            self._wanted[number] = _Wanted(plan.topic, plan.type_name, read_message)
+        for device_id, device in self._scope.devices.items():
             for stream_id, stream in device.streams.items():
                 number, address = len(self._wanted), f"{device_id}/{stream_id}"
 
@@ -361,12 +361,12 @@ class Ros1Adapter:
 
     def _plan_frames(self) -> None:
         self._frames.clear()
-        for device_id, device in self._share.devices.items():
+        for device_id, device in self._scope.devices.items():
             if device.frames is None or self._files is None:
                 continue
             number, files = len(self._wanted), self._files
 
-            def take(
+            def keep_file(
                 heard: ReceivedMessage,
                 number: int = number,
                 device: str = device_id,
@@ -374,23 +374,23 @@ class Ros1Adapter:
             ) -> None:
                 decode = self._decoders.get(number)
                 if decode is not None:
-                    files.take(device, lambda: file_in(decode(heard.raw)))
+                    files.keep_file(device, lambda: file_in(decode(heard.raw)))
 
             self._frames[device_id] = number
-            self._wanted[number] = _Wanted(device.frames.topic, device.frames.type, take)
+            self._wanted[number] = _Wanted(device.frames.topic, device.frames.type, keep_file)
 
     def _record(self, heard: ReceivedMessage, number: int) -> None:
         """Give a message to who records, if it is one of those and its type is known."""
         topic, told = self._wanted[number].topic, self._told.get(number)
         if self._raw is not None and told is not None and topic in self._raw.topics:
-            self._raw.offer(topic, told[0], heard.raw, heard.time_us * 1000, told[1])
+            self._raw.offer(topic, told[0], heard.raw, heard.time_us * 1000, definition=told[1])
 
     def _describe(self, node: NodeProcess) -> None:
-        for device_id, device in self._share.devices.items():
+        for device_id, device in self._scope.devices.items():
             rule = device.drive
             if rule is not None:
                 # Characters may add up: none takes another's place before it is sent.
-                node.tell(
+                node.send_frame(
                     op="voice",
                     id=f"drive {device_id}",
                     topic=rule.topic,
@@ -399,10 +399,13 @@ class Ros1Adapter:
                     deep=20 if rule.message is DriveMessage.KEYS else 1,
                 )
                 if rule.stop.topic:
-                    node.tell(
-                        op="voice", id=f"stop {device_id}", topic=rule.stop.topic, type=BOOL,
+                    node.send_frame(
+                        op="voice",
+                        id=f"stop {device_id}",
+                        topic=rule.stop.topic,
+                        type=BOOL,
                         latch=True,
-                    )  # fmt: skip
+                    )
             for name, command in device.commands.items():
                 self._offer(node, f"{device_id}/{name}", command)
         for number, _ in enumerate(self._plans):
@@ -411,19 +414,25 @@ class Ros1Adapter:
             self._listen(node, number)
         for address in sorted(self._watched & self._streams.keys()):
             self._listen(node, self._streams[address])
-        node.tell(op="parameters", names=[each.topic for each in self._parameters])
+        node.send_frame(op="parameters", names=[each.topic for each in self._parameters])
 
     def _offer(self, node: NodeProcess, address: str, command: Command) -> None:
         match command.kind:
             case CommandKind.TOPIC:
-                node.tell(op="voice", id=address, topic=command.target, type=command.type, deep=10)
+                node.send_frame(
+                    op="voice", id=address, topic=command.target, type=command.type, deep=10
+                )
             case CommandKind.ACTION:
-                node.tell(
-                    op="action", id=address, name=command.target, type=command.type,
-                    progress=command.progress, progress_end=command.progress_end,
-                )  # fmt: skip
+                node.send_frame(
+                    op="action",
+                    id=address,
+                    name=command.target,
+                    type=command.type,
+                    progress=command.progress,
+                    progress_end=command.progress_end,
+                )
             case CommandKind.SERVICE:
-                node.tell(op="service", id=address, name=command.target, type=command.type)
+                node.send_frame(op="service", id=address, name=command.target, type=command.type)
             case _:
                 # Parameters are set by name, without anything to get ready.
                 return
@@ -431,7 +440,7 @@ class Ros1Adapter:
     def _listen(self, node: NodeProcess, number: int) -> None:
         wanted = self._wanted[number]
         deep = 1 if wanted.rate else DEPTH
-        node.tell(op="listen", topic=number, name=wanted.topic, rate=wanted.rate, deep=deep)
+        node.send_frame(op="listen", topic=number, name=wanted.topic, rate=wanted.rate, deep=deep)
 
     # ── on the node's thread ──
 
@@ -451,7 +460,7 @@ class Ros1Adapter:
         elif frame["op"] == "parameter":
             plan = self._parameters[frame["number"]]
             message = SimpleNamespace(data=frame["value"])
-            plan.take(message, frame["at"], self._clock.monotonic_ns(), self._gathered)
+            plan.read_message(message, frame["at"], self._clock.monotonic_ns(), self._gathered)
         else:
             loop.call_soon_threadsafe(self._on_said, frame)
 
@@ -459,9 +468,9 @@ class Ros1Adapter:
         now_us = self._clock.wall_ns() // 1000
         for plan in (*self._plans, *self._parameters):
             plan.take_due(now_us, self._gathered)
-        columns = self._gathered.take()
+        columns = self._gathered.take_columns()
         if columns is not None:
-            self._samples.put(columns)
+            self._samples.put_samples(columns)
 
     def _learn(self, said: dict[str, Any]) -> None:
         number = said["topic"]
@@ -483,11 +492,13 @@ class Ros1Adapter:
         if topic not in self._complained:
             self._complained.add(topic)
             log.warning("%s: %s", topic, problem)
-            self._events.tell("unreadable", f"{topic}: {problem}")
+            self._events.report_event("unreadable", f"{topic}: {problem}")
 
     def _complain(self, address: str, problem: str) -> None:
         log.warning("%s: %s", address, problem)
-        self._events.tell("unreadable", f"{address}: {problem}", device=address.split("/", 1)[0])
+        self._events.report_event(
+            "unreadable", f"{address}: {problem}", device=address.split("/", 1)[0]
+        )
 
     # ── what the node says, on the event loop ──
 
@@ -515,7 +526,7 @@ class Ros1Adapter:
         if problem not in self._complained:
             self._complained.add(problem)
             log.warning("%s", problem)
-            self._events.tell("type_missing", problem)
+            self._events.report_event("type_missing", problem)
 
     def _on_outcome(self, said: dict[str, Any]) -> None:
         phase = CommandPhase(said["phase"])

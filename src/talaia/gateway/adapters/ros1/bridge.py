@@ -48,7 +48,7 @@ class FrameWriter:
         self._fd = fd
         self._turn = threading.Lock()
 
-    def say(self, **what: Any) -> None:
+    def send(self, **what: Any) -> None:
         """Write a JSON frame."""
         self.write(JSON, json.dumps(what).encode())
 
@@ -121,7 +121,7 @@ def class_of(name: str, find: Callable[[str], Any]) -> Any:
 class RawSubscription:
     """A subscription by raw bytes, so that a type need not be known here."""
 
-    def __init__(self, out: FrameWriter, number: int, name: str, rate: float, deep: int) -> None:
+    def __init__(self, *, out: FrameWriter, number: int, name: str, rate: float, deep: int) -> None:
         """Subscribe; with ``rate`` (Hz) messages that come sooner are left."""
         self._out = out
         self._number, self._name = number, name
@@ -129,10 +129,15 @@ class RawSubscription:
         self._due = 0.0
         self._known = ""
         self._subscriber = rospy.Subscriber(
-            name, rospy.AnyMsg, self._take, queue_size=deep, buff_size=MAX_FRAME, tcp_nodelay=True
+            name,
+            rospy.AnyMsg,
+            self._forward,
+            queue_size=deep,
+            buff_size=MAX_FRAME,
+            tcp_nodelay=True,
         )
 
-    def _take(self, message: Any) -> None:
+    def _forward(self, message: Any) -> None:
         at_us = time.time_ns() // 1000
         if self._period:
             now = time.monotonic()
@@ -143,19 +148,14 @@ class RawSubscription:
         known = header.get("md5sum", "")
         if known != self._known:
             self._known = known
-            self._out.say(
-                op="type",
-                topic=self._number,
-                type=header.get("type", ""),
-                md5=known,
-                definition=header.get("message_definition", ""),
-            )
+            kind, text = header.get("type", ""), header.get("message_definition", "")
+            self._out.send(op="type", topic=self._number, type=kind, md5=known, definition=text)
         raw = message._buff  # noqa: SLF001
         if len(raw) + STAMP.size < MAX_FRAME:
             self._out.write(MESSAGE, STAMP.pack(self._number, at_us) + raw)
         else:
             problem = f"a message of {len(raw)} bytes is too large, and is left out"
-            self._out.say(op="complaint", id=self._name, problem=problem)
+            self._out.send(op="complaint", id=self._name, problem=problem)
 
     def close(self) -> None:
         """Unsubscribe."""
@@ -174,11 +174,14 @@ class ZeroEndedPublisher:
         self._said = 0.0
         self._turn = threading.Lock()
         self.publisher = rospy.Publisher(
-            asked["topic"], kind, queue_size=asked.get("deep", 1), latch=asked.get("latch", False),
+            asked["topic"],
+            kind,
+            queue_size=asked.get("deep", 1),
+            latch=asked.get("latch", False),
             tcp_nodelay=True,
-        )  # fmt: skip
+        )
 
-    def say(self, fields: dict[str, Any]) -> None:
+    def publish_fields(self, fields: dict[str, Any]) -> None:
         """Publish a message with these fields."""
         message = fill(self._kind(), fields)
         with self._turn:
@@ -220,17 +223,21 @@ class RospyBridge:
         # Each topic is a question to the master; where that is slow, pings wait behind many.
         if time.monotonic() - self._shown >= WORKING_EVERY_S:
             self._shown = time.monotonic()
-            self._out.say(op="working")
+            self._out.send(op="working")
 
     def on_ping(self, asked: dict[str, Any]) -> None:
         """Show that this process is alive."""
-        self._out.say(op="pong", n=asked["n"])
+        self._out.send(op="pong", n=asked["n"])
 
     def on_listen(self, asked: dict[str, Any]) -> None:
         """Subscribe a topic under a number."""
         self.on_leave(asked)
         self._topics[asked["topic"]] = RawSubscription(
-            self._out, asked["topic"], asked["name"], asked.get("rate", 0.0), asked["deep"]
+            out=self._out,
+            number=asked["topic"],
+            name=asked["name"],
+            rate=asked.get("rate", 0.0),
+            deep=asked["deep"],
         )
 
     def on_leave(self, asked: dict[str, Any]) -> None:
@@ -248,9 +255,9 @@ class RospyBridge:
         voice = self._voices.get(asked["id"])
         if voice is not None:
             try:
-                voice.say(asked["fields"])
+                voice.publish_fields(asked["fields"])
             except (ValueError, rospy.ROSException, rospy.ROSSerializationException) as error:
-                self._out.say(op="complaint", id=asked["id"], problem=str(error))
+                self._out.send(op="complaint", id=asked["id"], problem=str(error))
 
     def on_service(self, asked: dict[str, Any]) -> None:
         """Get ready to call a service."""
@@ -282,10 +289,8 @@ class RospyBridge:
             make()
         except (LookupError, ImportError, ValueError, AttributeError) as error:
             self._problems[asked["id"]] = asked["type"]
-            self._out.say(
-                op="missing", id=asked["id"], type=asked["type"],
-                used_by=asked.get("name", asked.get("topic", "")), problem=str(error),
-            )  # fmt: skip
+            name, about = asked.get("name", asked.get("topic", "")), {"type": asked["type"]}
+            self._out.send(op="missing", id=asked["id"], used_by=name, problem=str(error), **about)
 
     def on_parameters(self, asked: dict[str, Any]) -> None:
         """Tell the values of these from now on."""
@@ -300,7 +305,7 @@ class RospyBridge:
             text = (found._request_class if service else found)._full_text  # noqa: SLF001
         except (AttributeError, ImportError, ValueError):
             text = None
-        self._out.say(op="described", what=asked["what"], type=asked["type"], definition=text)
+        self._out.send(op="described", what=asked["what"], type=asked["type"], definition=text)
 
     # ── one-shot commands ──
 
@@ -333,7 +338,7 @@ class RospyBridge:
         threading.Thread(target=run, daemon=True).start()
 
     def _end(self, call: int, phase: str, message: str = "", progress: float = 0.0) -> None:
-        self._out.say(op="outcome", call=call, phase=phase, message=message, progress=progress)
+        self._out.send(op="outcome", call=call, phase=phase, message=message, progress=progress)
 
     def _publish(self, name: str, call: int, fields: dict[str, Any]) -> None:
         voice = self._voices[name]
@@ -342,7 +347,7 @@ class RospyBridge:
                 topic = voice.publisher.name
                 self._end(call, "refused", "nobody on the robot listens to " + topic)
                 return
-            voice.say(fields)
+            voice.publish_fields(fields)
         except (ValueError, rospy.ROSException, rospy.ROSSerializationException) as error:
             self._end(call, "refused", str(error))
             return
@@ -442,7 +447,8 @@ class RospyBridge:
             except (KeyError, OSError, rospy.ROSException):
                 continue
             if isinstance(value, (bool, int, float, str)):
-                self._out.say(op="parameter", number=number, value=value, at=time.time_ns() // 1000)
+                at_us = time.time_ns() // 1000
+                self._out.send(op="parameter", number=number, value=value, at=at_us)
 
     def end(self) -> None:
         """Say the zeros."""
@@ -482,7 +488,7 @@ def main() -> None:
     first = next(asking)
     os.environ["ROS_NAMESPACE"] = first["namespace"]
     rospy.init_node(first["node"], disable_signals=True, disable_rosout=True)
-    out.say(op="ready", node=rospy.get_name())
+    out.send(op="ready", node=rospy.get_name())
     bridge = RospyBridge(out)
     threading.Thread(target=bridge.watch, daemon=True).start()
     try:

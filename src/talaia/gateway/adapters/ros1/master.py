@@ -146,8 +146,11 @@ class RosMaster:
                 return ""
             with socket.create_connection((where.hostname, where.port), _WAIT_S) as asked:
                 # ``probe``: only the header is exchanged, nothing is called.
-                asked.sendall(header_of({"callerid": "/talaia", "md5sum": "*", "probe": "1",
-                                         "service": service}))  # fmt: skip
+                asked.sendall(
+                    header_of(
+                        {"callerid": "/talaia", "md5sum": "*", "probe": "1", "service": service}
+                    )
+                )
                 size = _SIZE.unpack(_exactly(asked, _SIZE.size))[0]
                 said = fields_of(_exactly(asked, min(size, _MAX_HEADER)))
         except (OSError, ValueError, struct.error):

@@ -30,8 +30,11 @@ _TURN_S = 0.1
 _END_S = 2.0
 # What the ROS 2 wheels and a virtual environment leave for their own Python only.
 _NOT_FOR_IT = (
-    "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE", "VIRTUAL_ENV", "PYTHONHOME",
-)  # fmt: skip
+    "LD_LIBRARY_PATH",
+    "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
+    "VIRTUAL_ENV",
+    "PYTHONHOME",
+)
 
 
 def environment_of(uri: str, ours: Mapping[str, str]) -> dict[str, str]:
@@ -45,6 +48,7 @@ class NodeProcess:
 
     def __init__(
         self,
+        *,
         settings: Ros1Connection,
         uri: str,
         heard: Callable[[ReceivedMessage | dict[str, Any]], None],
@@ -95,7 +99,7 @@ class NodeProcess:
 
     # ── to it, on the event loop ──
 
-    def tell(self, **what: object) -> None:
+    def send_frame(self, **what: object) -> None:
         """Send a frame; never waits."""
         if self._ended:
             return

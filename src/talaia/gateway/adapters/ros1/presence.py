@@ -28,7 +28,7 @@ _GRAPH_EVERY = 4
 
 
 class Ros1Presence:
-    """All devices of a share. On the event loop, but for ``heard_ns``.
+    """All devices of a scope. On the event loop, but for ``heard_ns``.
 
     Attributes:
         heard_ns: by topic: when a message came last, monotonic. Written by any thread.
@@ -37,7 +37,7 @@ class Ros1Presence:
 
     def __init__(
         self,
-        share: ConnectionScope,
+        scope: ConnectionScope,
         master: RosMaster,
         clock: Clock,
         tell: Callable[[str, str, bool], None],
@@ -47,16 +47,16 @@ class Ros1Presence:
         self.heard_ns: dict[str, int] = {}
         self._topics = {
             name: {each.source.topic for each in device.signals.values() if each.source.topic}
-            for name, device in share.devices.items()
+            for name, device in scope.devices.items()
         }
         self._services = {
             name: {
                 each.target for each in device.commands.values() if each.kind is CommandKind.SERVICE
             }
-            for name, device in share.devices.items()
+            for name, device in scope.devices.items()
         }
         self._offers: dict[str, DeviceEndpoints] = {}
-        self._presence = DevicePresence(share.devices, tell)
+        self._presence = DevicePresence(scope.devices, tell)
         self._asking: dict[str, asyncio.Future[bool]] = {}
 
     async def run(self) -> None:
@@ -74,14 +74,16 @@ class Ros1Presence:
                 name: max((self.heard_ns.get(topic, 0) for topic in topics), default=0)
                 for name, topics in self._topics.items()
             }
-            for node in self._presence.look(self._clock.monotonic_ns(), self._offers, heard):
+            for node in self._presence.judge_devices(
+                self._clock.monotonic_ns(), self._offers, heard
+            ):
                 if node not in self._asking:
                     asked = loop.run_in_executor(None, self._master.lives, node)
                     self._asking[node] = asked
-                    asked.add_done_callback(partial(self._take, node))
+                    asked.add_done_callback(partial(self._on_answer, node))
             await asyncio.sleep(LOOK_S)
 
-    def _take(self, node: str, asked: asyncio.Future[bool]) -> None:
+    def _on_answer(self, node: str, asked: asyncio.Future[bool]) -> None:
         self._asking.pop(node, None)
         if asked.cancelled() or asked.exception() is not None:
             # The master is gone, see above.

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.ros1.master import GraphState
 
-__all__ = ["DEFAULT_MASTER", "look"]
+__all__ = ["DEFAULT_MASTER", "probe_graph"]
 
 DEFAULT_MASTER = "http://localhost:11311"
 PLUMBING = {"/rosout", "/rosout_agg", "/clock", "/statistics", "/diagnostics_agg"}
@@ -74,7 +74,7 @@ class _Heard:
         except FieldError as error:
             self.problem = str(error)
 
-    def take(self, heard: ReceivedMessage) -> None:
+    def count_message(self, heard: ReceivedMessage) -> None:
         self.first_us = self.first_us or heard.time_us
         self.last_us = heard.time_us
         self.count += 1
@@ -100,7 +100,7 @@ class _Heard:
         return self.count / seconds
 
 
-def look(uri: str, seconds: float, python: str = Ros1Connection().python) -> Found:
+def probe_graph(uri: str, seconds: float, python: str = Ros1Connection().python) -> Found:
     """Join the graph, listen for so many seconds (s) and tell what is there.
 
     Args:
@@ -138,14 +138,20 @@ class _Look:
 
         def hear(frame: ReceivedMessage | dict[str, Any]) -> None:
             if isinstance(frame, ReceivedMessage):
-                self._heard[frame.topic].take(frame)
+                self._heard[frame.topic].count_message(frame)
             else:
                 self._hear(frame)
                 loop.call_soon_threadsafe(self._changed.set)
 
-        node = NodeProcess(self._settings, self._master.uri, hear, lambda: None, fail)
+        node = NodeProcess(
+            settings=self._settings,
+            uri=self._master.uri,
+            heard=hear,
+            turned=lambda: None,
+            failed=fail,
+        )
         try:
-            node.tell(node=self._settings.node, namespace="/")
+            node.send_frame(node=self._settings.node, namespace="/")
             await self._until(lambda: bool(self._name), START_S)
             if not self._name:
                 raise AdapterLost("ROS 1 cannot be joined: its node does not begin")
@@ -163,7 +169,7 @@ class _Look:
         finally:
             node.hang_up()
             await loop.run_in_executor(None, node.wait)
-        return self._told(system, types, kinds)
+        return self._describe_found(system, types, kinds)
 
     async def _until(self, holds: Callable[[], bool], seconds: float) -> None:
         """Wait until it holds, or so long (s).
@@ -205,7 +211,7 @@ class _Look:
                 known.add(topic)
                 self._heard.append(_Heard(topic))
                 number = len(self._heard) - 1
-                node.tell(op="listen", topic=number, name=topic, rate=0.0, deep=DEPTH)
+                node.send_frame(op="listen", topic=number, name=topic, rate=0.0, deep=DEPTH)
             await self._until(lambda: False, min(LOOK_AGAIN_S, left))
 
     async def _describe(
@@ -217,12 +223,14 @@ class _Look:
         for what, wanted in (("msg", silent | goals), ("srv", set(kinds.values()))):
             for name in sorted(each for each in wanted if "/" in each):
                 self._asked.add((what, name))
-                node.tell(op="describe", what=what, type=name)
+                node.send_frame(op="describe", what=what, type=name)
         await self._until(lambda: self._asked <= self._described.keys(), DESCRIBE_S)
 
     # ── telling ──
 
-    def _told(self, system: GraphState, types: dict[str, str], kinds: dict[str, str]) -> Found:
+    def _describe_found(
+        self, system: GraphState, types: dict[str, str], kinds: dict[str, str]
+    ) -> Found:
         actions = _actions(types)
         parts = {f"{name}/{part}" for name in actions for part in ACTION_PARTS}
         return Found(
@@ -305,7 +313,11 @@ class _Look:
 def _shape(text: str, kind: str, message: object) -> ReadableFields:
     definition = definition_of(text, kind)
     return shape_of(
-        definition.kinds[kind], kind, definition.kinds.get, message, definition.comment_of
+        kind=definition.kinds[kind],
+        type_name=kind,
+        find=definition.kinds.get,
+        message=message,
+        comment_of=definition.comment_of,
     )
 
 

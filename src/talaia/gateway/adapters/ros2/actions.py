@@ -55,7 +55,7 @@ class _Calls:
         self._entity = node.create_client(kind, name)
         self._kind = kind
         self._pending: dict[int, Callable[[Any], None]] = {}
-        thread.add_client(self._entity.handle, kind.Response, self._take)
+        thread.add_client(self._entity.handle, kind.Response, self._on_response)
 
     @property
     def ready(self) -> bool:
@@ -74,7 +74,7 @@ class _Calls:
         self._node.destroy_client(self._entity)
         self._pending.clear()
 
-    def _take(self, number: int, response: object) -> None:
+    def _on_response(self, number: int, response: object) -> None:
         answer = self._pending.pop(number, None)
         if answer is not None:
             answer(response)
@@ -94,14 +94,14 @@ class Ros2Action:
         message = kind.Impl.FeedbackMessage
         self._progress = getter(command.progress) if command.progress else None
 
-        def take(raw: bytes, _: Any) -> None:  # noqa: ANN401
+        def on_feedback(raw: bytes, _: Any) -> None:  # noqa: ANN401
             self._feedback(deserialize_message(raw, message))
 
         # Kept, because a subscription that nobody holds is destroyed.
         self._subscription = node.create_subscription(
             message, f"{name}/feedback", _never, QoSProfile(depth=FEEDBACK_DEPTH), raw=True
         )
-        thread.add_subscription(self._subscription.handle, message, take)
+        thread.add_subscription(self._subscription.handle, message, on_feedback)
 
     @property
     def ready(self) -> bool:
@@ -177,15 +177,15 @@ class Ros2Action:
         goal = self._goals.get(bytes(message.goal_id.uuid))
         if goal is None:
             return
-        share = 0.0
+        scope = 0.0
         if self._progress is not None:
             try:
                 value: Any = self._progress(message.feedback)
-                share = float(value) / self._command.progress_end
+                scope = float(value) / self._command.progress_end
             except (FieldError, TypeError, ValueError):
-                share = 0.0
-        share = min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
-        goal.done(CommandOutcome(CommandPhase.RUNNING, progress=share))
+                scope = 0.0
+        scope = min(max(scope, 0.0), 1.0) if math.isfinite(scope) else 0.0
+        goal.done(CommandOutcome(CommandPhase.RUNNING, progress=scope))
 
     def _ended(self, goal: ActionGoal, answer: Any) -> None:  # noqa: ANN401
         if self._goals.pop(goal.id.bytes, None) is None:

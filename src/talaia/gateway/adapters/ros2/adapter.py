@@ -2,7 +2,7 @@
 
 This file joins the parts: `ros2_waitset` (the thread), `ros2_decode` (messages to samples),
 `pictures` (images to JPEG), `ros2_services` (commands), `ros2_motion` (driving and STOP),
-`ros2_presence` (who is there) and `ros2_qos`. Long, because joining, matching and leaving share
+`ros2_presence` (who is there) and `ros2_qos`. Long, because joining, matching and leaving scope
 one node and must be read together.
 """
 
@@ -102,24 +102,24 @@ class Ros2Adapter:
     """An `Adapter` for ROS 2. See `talaia.gateway.ports` for its promises."""
 
     def __init__(
-        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+        self, scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
     ) -> None:
         """Take what is to be served and where things go; `run` joins ROS."""
-        settings = share.connection
+        settings = scope.connection
         assert isinstance(settings, Ros2Connection)  # noqa: S101 - the catalog has seen to it
-        self._share = share
+        self._scope = scope
         self._status = status
-        self._clock = outlets.clock
-        self._samples = outlets.samples
-        self._pictures = outlets.pictures
-        self._events = outlets.events
-        self._domain = settings.domain if outlets.domain is None else outlets.domain
+        self._clock = context.clock
+        self._samples = context.samples
+        self._pictures = context.pictures
+        self._events = context.events
+        self._domain = settings.domain if context.domain is None else context.domain
         self._node_name = settings.node
-        self._raw = outlets.raw
-        self._files = outlets.files
+        self._raw = context.raw
+        self._files = context.files
         self._latest: dict[str, ChannelReading] = {}
         self._gathered = SampleBuffer()
-        self._plans = plans_of(share, self._latest, self._complain)
+        self._plans = plans_of(scope, self._latest, self._complain)
         self._watched: frozenset[str] = frozenset()
         self._listening: dict[str, _Listening] = {}
         self._motion: Ros2Motion | None = None
@@ -162,16 +162,16 @@ class Ros2Adapter:
         """See `Adapter.watch`."""
         self._watched = frozenset(streams)
         if self._thread is not None:
-            self._thread.do(self._look)
+            self._thread.run_soon(self._update_subscriptions)
 
-    def redescribe(self, share: ConnectionScope) -> None:
+    def redescribe(self, scope: ConnectionScope) -> None:
         """See `ReconfigurableAdapter.redescribe`."""
         if self._thread is None:
             # It is joined with the next `run`.
-            self._share = share
-            self._plans = plans_of(share, self._latest, self._complain)
+            self._scope = scope
+            self._plans = plans_of(scope, self._latest, self._complain)
         else:
-            self._thread.do(lambda: self._redescribe(share))
+            self._thread.run_soon(lambda: self._redescribe(scope))
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`."""
@@ -199,7 +199,7 @@ class Ros2Adapter:
         if thread is None or commands is None:
             done(Ros2Commands.away())
             return None
-        return commands.begin(f"{device}/{command}", fields, done, thread.do)
+        return commands.begin(f"{device}/{command}", fields, done, thread.run_soon)
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
@@ -207,7 +207,7 @@ class Ros2Adapter:
         if thread is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
         else:
-            thread.do(lambda: self._rejoin(device, done))
+            thread.run_soon(lambda: self._rejoin(device, done))
 
     # ── joining and leaving ──
 
@@ -230,21 +230,36 @@ class Ros2Adapter:
         )
         guard = self._node.create_guard_condition(lambda: None)
         thread = WaitThread(
-            context.handle, guard.handle, after=self._after, idle=self._on_idle, failed=fail
+            context=context.handle,
+            guard=guard.handle,
+            after=self._after,
+            idle=self._on_idle,
+            failed=fail,
         )
         self._worker = PictureWorker(self._pictures, self._clock)
-        self._commands = Ros2Commands(self._share, self._node, thread, self._tell_missing)
+        self._commands = Ros2Commands(self._scope, self._node, thread, self._tell_missing)
         self._parameters = Ros2Parameters(
-            self._share, self._node, thread, self._clock, self._gathered, self._latest,
-            self._complain,
-        )  # fmt: skip
+            scope=self._scope,
+            node=self._node,
+            thread=thread,
+            clock=self._clock,
+            gathered=self._gathered,
+            latest=self._latest,
+            complain=self._complain,
+        )
         self._presence = Ros2Presence(
-            self._share, self._node, thread, self._clock, self._commands, self._on_presence,
-            deafness=self._deafness, rejoin=lambda why: fail(AdapterLost(why)),
-        )  # fmt: skip
+            scope=self._scope,
+            node=self._node,
+            thread=thread,
+            clock=self._clock,
+            commands=self._commands,
+            tell=self._on_presence,
+            deafness=self._deafness,
+            rejoin=lambda why: fail(AdapterLost(why)),
+        )
         for plan in self._plans:
             self._plan(plan)
-        self._motion = Ros2Motion(self._share, self._node, self._tell_missing)
+        self._motion = Ros2Motion(self._scope, self._node, self._tell_missing)
         self._worker.start()
         self._thread = thread
         thread.start()
@@ -265,11 +280,11 @@ class Ros2Adapter:
             self._node = None
         rclpy.try_shutdown(context=context)
 
-    def _redescribe(self, share: ConnectionScope) -> None:
-        """Bring all in line with another share; on the wait-set thread, between two turns."""
-        before, self._share = self._share, share
+    def _redescribe(self, scope: ConnectionScope) -> None:
+        """Bring all in line with another scope; on the wait-set thread, between two turns."""
+        before, self._scope = self._scope, scope
         old = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
-        self._plans = plans_of(share, self._latest, self._complain)
+        self._plans = plans_of(scope, self._latest, self._complain)
         wanted = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
         for key in old.keys() - wanted.keys():
             self._end_listening(key)
@@ -280,20 +295,20 @@ class Ros2Adapter:
             self._plan(plan)
         for key in [key for key in self._listening if key.startswith("stream ")]:
             device, _, stream = key.removeprefix("stream ").partition("/")
-            if _stream_of(before, device, stream) != _stream_of(share, device, stream):
+            if _stream_of(before, device, stream) != _stream_of(scope, device, stream):
                 self._end_listening(key)
         for device in [each for each in before.devices if _frames_of(before, each)]:
-            if _frames_of(before, device) != _frames_of(share, device):
+            if _frames_of(before, device) != _frames_of(scope, device):
                 self._end_listening(f"frames {device}")
-        for address in [each for each in self._latest if _moved(before, share, each)]:
+        for address in [each for each in self._latest if _moved(before, scope, each)]:
             del self._latest[address]
         if self._commands is not None:
-            self._commands.redescribe(share)
+            self._commands.redescribe(scope)
         if self._parameters is not None:
-            self._parameters.redescribe(share)
+            self._parameters.redescribe(scope)
         if self._motion is not None:
-            self._motion.redescribe(share)
-        self._look()
+            self._motion.redescribe(scope)
+        self._update_subscriptions()
 
     def _end_listening(self, key: str) -> None:
         listening = self._listening.pop(key, None)
@@ -308,21 +323,21 @@ class Ros2Adapter:
         decode = decoder_for(plan.type_name, lambda data: deserialize_message(data, kind))
         recorded = self._raw if self._raw is not None and plan.topic in self._raw.topics else None
 
-        def take(raw: bytes, info: Any) -> None:  # noqa: ANN401
+        def read_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
             now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
             time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
             if recorded is not None:
                 recorded.offer(plan.topic, plan.type_name, raw, time_us * 1000)
             if self._presence is not None:
                 self._presence.heard_ns[plan.topic] = now_ns
-            plan.take(decode(raw), time_us, now_ns, self._gathered)
+            plan.read_message(decode(raw), time_us, now_ns, self._gathered)
 
         listening = self._listening.get(_key(plan.topic, plan.type_name))
         if listening is None:
-            listening = _Listening(plan.topic, kind, DEPTH, take)
+            listening = _Listening(plan.topic, kind, DEPTH, read_message)
             self._listening[_key(plan.topic, plan.type_name)] = listening
         else:
-            listening.take = take
+            listening.take = read_message
 
     def _class(self, type_name: str, used_by: str) -> Any:  # noqa: ANN401
         try:
@@ -335,11 +350,13 @@ class Ros2Adapter:
         if str(error) not in self._missing:
             self._missing.add(str(error))
             log.warning("%s", error)
-            self._events.tell("type_missing", str(error))
+            self._events.report_event("type_missing", str(error))
 
     def _complain(self, address: str, problem: str) -> None:
         log.warning("%s: %s", address, problem)
-        self._events.tell("unreadable", f"{address}: {problem}", device=address.split("/", 1)[0])
+        self._events.report_event(
+            "unreadable", f"{address}: {problem}", device=address.split("/", 1)[0]
+        )
 
     # ── on the wait-set thread ──
 
@@ -349,9 +366,9 @@ class Ros2Adapter:
         own = self._parameters.plans if self._parameters is not None else []
         for plan in (*self._plans, *own):
             held = plan.take_due(now_us, self._gathered) or held
-        columns = self._gathered.take()
+        columns = self._gathered.take_columns()
         if columns is not None:
-            self._samples.put(columns)
+            self._samples.put_samples(columns)
         self._arrivals.awake(self._clock.monotonic_ns())
         return held
 
@@ -360,10 +377,10 @@ class Ros2Adapter:
         if self._parameters is not None and self._turn % 4 == 0:
             self._parameters.ask()
         if self._turn % 2 == 0:
-            self._look(everything=self._turn % 8 == 0)
-            self._rejoining.look()
+            self._update_subscriptions(everything=self._turn % 8 == 0)
+            self._rejoining.report_finished()
         if self._presence is not None:
-            self._presence.look()
+            self._presence.judge_devices()
 
     def _on_presence(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001
         self._status.device(device, there=not why, why=why, sure=sure)
@@ -371,13 +388,13 @@ class Ros2Adapter:
     def _rejoin(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Make the subscriptions and clients of a device anew; its publishers of motion stay.
 
-        Topics that it shares with other devices are taken anew for them, too.
+        Topics that it scopes with other devices are taken anew for them, too.
         """
         commands = self._commands
-        if commands is None or device not in self._share.devices:
+        if commands is None or device not in self._scope.devices:
             done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
-        described = self._share.devices[device]
+        described = self._scope.devices[device]
         sources = [each.source for each in described.signals.values()]
         wanted = {_key(source.topic, source.type) for source in sources if source.topic}
         for plan in self._plans:
@@ -388,7 +405,7 @@ class Ros2Adapter:
         for key in wanted & self._listening.keys():
             self._drop(self._listening[key])
         commands.rejoin(device)
-        self._look()
+        self._update_subscriptions()
 
         def absent() -> list[str]:
             return sorted(self._unheard(wanted)) + commands.absent(device)
@@ -406,7 +423,7 @@ class Ros2Adapter:
                 unheard.append(f"{listening.topic} (nobody publishes it)")
         return unheard
 
-    def _look(self, *, everything: bool = True) -> None:
+    def _update_subscriptions(self, *, everything: bool = True) -> None:
         """Bring subscriptions in line with what is wanted and with what publishers offer."""
         self._look_at_streams()
         self._look_at_frames()
@@ -417,7 +434,7 @@ class Ros2Adapter:
                 self._match(listening)
 
     def _look_at_streams(self) -> None:
-        for device_id, device in self._share.devices.items():
+        for device_id, device in self._scope.devices.items():
             for stream_id, stream in device.streams.items():
                 address = f"{device_id}/{stream_id}"
                 key = f"stream {address}"
@@ -434,16 +451,16 @@ class Ros2Adapter:
         taker = PictureStream(address, stream, decode, self._complain)
         worker = self._worker
 
-        def take(raw: bytes, _: Any) -> None:  # noqa: ANN401
+        def offer_picture(raw: bytes, _: Any) -> None:  # noqa: ANN401
             if worker is not None:
                 worker.offer(taker, raw)
 
-        self._listening[key] = _Listening(stream.source.topic, kind, PICTURE_DEPTH, take)
+        self._listening[key] = _Listening(stream.source.topic, kind, PICTURE_DEPTH, offer_picture)
 
     def _look_at_frames(self) -> None:
         files = self._files
-        for device_id in self._share.devices if files is not None else ():
-            source, key = _frames_of(self._share, device_id), f"frames {device_id}"
+        for device_id in self._scope.devices if files is not None else ():
+            source, key = _frames_of(self._scope, device_id), f"frames {device_id}"
             if source is None or key in self._listening or files is None:
                 continue
             kind = self._class(source.type, source.topic)
@@ -451,16 +468,17 @@ class Ros2Adapter:
                 continue
             decode = decoder_for(source.type, partial(deserialize_message, message_type=kind))
 
-            def take(
+            def keep_file(
                 raw: bytes,
                 _: Any,  # noqa: ANN401
+                *,
                 device: str = device_id,
                 files: FileSink = files,
                 decode: Callable[[bytes], object] = decode,
             ) -> None:
-                files.take(device, lambda: file_in(decode(raw)))
+                files.keep_file(device, lambda: file_in(decode(raw)))
 
-            self._listening[key] = _Listening(source.topic, kind, FILE_DEPTH, take)
+            self._listening[key] = _Listening(source.topic, kind, FILE_DEPTH, keep_file)
 
     def _look_at_recorded(self, sink: RawSink) -> None:
         """Hear topics that are recorded and that nothing else reads; the graph tells their type."""
@@ -474,12 +492,12 @@ class Ros2Adapter:
                 )
 
     def _recording(self, sink: RawSink, topic: str, type_name: str) -> Callable[[bytes, Any], None]:
-        def take(raw: bytes, info: Any) -> None:  # noqa: ANN401
+        def record_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
             now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
             time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
             sink.offer(topic, type_name, raw, time_us * 1000)
 
-        return take
+        return record_message
 
     def _match(self, listening: _Listening) -> None:
         offers = [
@@ -520,13 +538,13 @@ class Ros2Adapter:
         listening.subscription, listening.quality = None, None
 
 
-def _frames_of(share: ConnectionScope, device: str) -> Source | None:
-    described = share.devices.get(device)
+def _frames_of(scope: ConnectionScope, device: str) -> Source | None:
+    described = scope.devices.get(device)
     return None if described is None else described.frames
 
 
-def _stream_of(share: ConnectionScope, device: str, stream: str) -> Stream | None:
-    described = share.devices.get(device)
+def _stream_of(scope: ConnectionScope, device: str, stream: str) -> Stream | None:
+    described = scope.devices.get(device)
     return None if described is None else described.streams.get(stream)
 
 

@@ -46,7 +46,7 @@ def comments_in(text: str) -> dict[str, str]:
 
 
 def _definition(package: str, name: str) -> str:
-    """Find the definition as ROS installs it: ``share/<package>/msg/<Name>.msg``."""
+    """Find the definition as ROS installs it: ``scope/<package>/msg/<Name>.msg``."""
     try:
         where = import_module(package).__file__
     except ImportError:
@@ -59,7 +59,7 @@ def _definition(package: str, name: str) -> str:
     except Exception:  # noqa: BLE001, S110 - the index raises kinds of its own; the rest remains
         pass
     for folder in folders:
-        for base in (folder, folder / "share" / package):
+        for base in (folder, folder / "scope" / package):
             try:
                 return (base / "msg" / f"{name}.msg").read_text(errors="replace")
             except OSError:

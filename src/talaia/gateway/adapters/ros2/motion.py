@@ -28,7 +28,7 @@ class Ros2Motion:
 
     def __init__(
         self,
-        share: ConnectionScope,
+        scope: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         missing: Callable[[TypeMissing], None],
     ) -> None:
@@ -38,15 +38,15 @@ class Ros2Motion:
         self._velocity: dict[str, tuple[Any, Any]] = {}
         self._stops: dict[str, tuple[Any, Any]] = {}
         self._broken = False
-        self.redescribe(share)
+        self.redescribe(scope)
 
-    def redescribe(self, share: ConnectionScope) -> None:
+    def redescribe(self, scope: ConnectionScope) -> None:
         """Make the publishers of devices whose driving is described anew; the others stay.
 
         Nobody drives those now: their zeros have been published.
         """
         rules = {
-            name: device.drive for name, device in share.devices.items() if device.drive is not None
+            name: device.drive for name, device in scope.devices.items() if device.drive is not None
         }
         before, self._rules = self._rules, rules
         for name in [name for name, rule in before.items() if rules.get(name) != rule]:
@@ -82,7 +82,9 @@ class Ros2Motion:
         found = self._velocity.get(device)
         if found is not None:
             publisher, message = found
-            velocity_message(self._rules[device], message, linear, angular, key)
+            velocity_message(
+                drive=self._rules[device], message=message, linear=linear, angular=angular, key=key
+            )
             self._publish(publisher, message)
 
     def stop(self, device: str, *, stopped: bool) -> None:

@@ -76,7 +76,8 @@ class Ros2Parameters:
 
     def __init__(
         self,
-        share: ConnectionScope,
+        *,
+        scope: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         clock: Clock,
@@ -90,12 +91,12 @@ class Ros2Parameters:
         self._latest, self._complain = latest, complain
         self._nodes: dict[str, _Node] = {}
         self.plans: list[TopicPlan] = []
-        self.redescribe(share)
+        self.redescribe(scope)
 
-    def redescribe(self, share: ConnectionScope) -> None:
-        """Ask for the parameters of this share; nodes that are asked already stay so."""
+    def redescribe(self, scope: ConnectionScope) -> None:
+        """Ask for the parameters of this scope; nodes that are asked already stay so."""
         before = {plan.channel: plan for plan in self.plans}
-        self.plans = parameter_plans_of(share, self._latest, self._complain)
+        self.plans = parameter_plans_of(scope, self._latest, self._complain)
         owners = {plan.topic.rpartition("/")[0] for plan in self.plans}
         for owner in self._nodes.keys() - owners:
             client = self._nodes.pop(owner).client
@@ -111,7 +112,7 @@ class Ros2Parameters:
             if owner not in self._nodes:
                 client = self._node.create_client(GetParameters, f"{owner}/get_parameters")
                 self._nodes[owner] = _Node(client, {}, {})
-                taker = self._taker(self._nodes[owner])
+                taker = self._values_reader(self._nodes[owner])
                 self._thread.add_client(client.handle, GetParameters.Response, taker)
             self._nodes[owner].plans.setdefault(name, []).append(plan)
 
@@ -126,8 +127,8 @@ class Ros2Parameters:
                     one.asked.pop(next(iter(one.asked)))
                 one.asked[number] = tuple(one.plans)
 
-    def _taker(self, one: _Node) -> Callable[[int, Any], None]:
-        def take(number: int, response: Any) -> None:  # noqa: ANN401
+    def _values_reader(self, one: _Node) -> Callable[[int, Any], None]:
+        def on_values(number: int, response: Any) -> None:  # noqa: ANN401
             now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
             names = one.asked.pop(number, ())
             for name, value in zip(names, response.values, strict=False):
@@ -138,6 +139,6 @@ class Ros2Parameters:
                     continue
                 message = SimpleNamespace(data=getattr(value, field))
                 for plan in plans:
-                    plan.take(message, now_us, now_ns, self._gathered)
+                    plan.read_message(message, now_us, now_ns, self._gathered)
 
-        return take
+        return on_values

@@ -28,7 +28,7 @@ _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 
 
 class Ros2Presence:
-    """All devices of a share.
+    """All devices of a scope.
 
     Attributes:
         heard_ns: by topic: when a message came last, monotonic.
@@ -37,7 +37,8 @@ class Ros2Presence:
 
     def __init__(
         self,
-        share: ConnectionScope,
+        *,
+        scope: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         clock: Clock,
@@ -55,16 +56,16 @@ class Ros2Presence:
         self.heard_ns: dict[str, int] = {}
         self._topics = {
             name: {each.source.topic for each in device.signals.values() if each.source.topic}
-            for name, device in share.devices.items()
+            for name, device in scope.devices.items()
         }
         self._clients: dict[str, Any] = {}
         self._offers: dict[str, DeviceEndpoints] = {}
         self._tell = tell
         self._deafness, self._rejoin = deafness, rejoin
-        self._presence = DevicePresence(share.devices, self._told)
+        self._presence = DevicePresence(scope.devices, self._on_change)
         self._turn = 0
 
-    def look(self) -> None:
+    def judge_devices(self) -> None:
         """Read the graph now and then, judge, and ask."""
         if self._turn % _GRAPH_EVERY == 0:
             self._offers = {name: self._offer(name) for name in self._topics}
@@ -73,12 +74,12 @@ class Ros2Presence:
             name: max((self.heard_ns.get(topic, 0) for topic in topics), default=0)
             for name, topics in self._topics.items()
         }
-        for name in self._presence.look(self._clock.monotonic_ns(), self._offers, heard):
+        for name in self._presence.judge_devices(self._clock.monotonic_ns(), self._offers, heard):
             self._clients[name].handle.send_request(GetParameters.Request(names=[]))
         if self._deafness.look(deaf=self._presence.deaf):
             self._rejoin("nobody of all who are there is heard or answers; joining anew")
 
-    def _told(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `DevicePresence`
+    def _on_change(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `DevicePresence`
         # A node that does not answer may be busy with just that call; one that has left is not.
         if why and sure:
             self._commands.cut(device)
@@ -106,8 +107,8 @@ class Ros2Presence:
             client = self._node.create_client(GetParameters, f"{node}/get_parameters")
             self._clients[node] = client
 
-            def take(_number: int, _response: object) -> None:
+            def on_answer(_number: int, _response: object) -> None:
                 self._presence.answered(node, self._clock.monotonic_ns())
 
-            self._thread.add_client(client.handle, GetParameters.Response, take)
+            self._thread.add_client(client.handle, GetParameters.Response, on_answer)
         return bool(client.service_is_ready())

@@ -33,7 +33,7 @@ from talaia.model.discovery.probe_report import FORMAT, ActionFound, Found, Serv
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["look"]
+__all__ = ["probe_graph"]
 
 # What every node has, and what carries ROS itself.
 PLUMBING = {"/parameter_events", "/rosout", "/clock"}
@@ -57,7 +57,7 @@ class _Heard:
         self.raw = b""
         self.names: dict[str, None] = {}
 
-    def take(self, raw: bytes) -> None:
+    def count_message(self, raw: bytes) -> None:
         now = time.monotonic()
         self.first = self.first or now
         self.last = now
@@ -74,7 +74,7 @@ class _Heard:
         return self.count / seconds
 
 
-def look(domain: int | None, seconds: float) -> Found:
+def probe_graph(domain: int | None, seconds: float) -> Found:
     """Join the graph, listen for so many seconds (s) and tell what is there.
 
     Raises:
@@ -158,7 +158,9 @@ class _Look:
                 self._problems[topic] = str(error)
                 continue
             heard = self._heard[topic] = _Heard(topic, types[0], kind)
-            self._node.create_subscription(kind, topic, heard.take, _profile(publishers), raw=True)
+            self._node.create_subscription(
+                kind, topic, heard.count_message, _profile(publishers), raw=True
+            )
 
     # ── telling ──
 
@@ -235,7 +237,11 @@ def _read(heard: _Heard) -> tuple[ReadableFields, str]:
             problem = f"a message that came is not a {heard.type_name}: {error}"
     package, _, name = heard.type_name.split("/")
     return shape_of(
-        kind_of(heard.kind), f"{package}/{name}", kind_named, message, comment_of
+        kind=kind_of(heard.kind),
+        type_name=f"{package}/{name}",
+        find=kind_named,
+        message=message,
+        comment_of=comment_of,
     ), problem
 
 
@@ -245,7 +251,13 @@ def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[Readable
         asked = getattr(class_of(type_name, used_by), part)
     except TypeMissing as error:
         return ReadableFields((), ()), str(error)
-    shape = shape_of(kind_of(asked), f"{type_name}{kind}", kind_named, asked(), comment_of)
+    shape = shape_of(
+        kind=kind_of(asked),
+        type_name=f"{type_name}{kind}",
+        find=kind_named,
+        message=asked(),
+        comment_of=comment_of,
+    )
     lists = [each.split(":", 1)[0] for each in shape.left_out]
     fields = tuple(each for each in shape.fields if "[" not in each.path)
     problem = f"its request holds lists ({', '.join(lists)})" if lists else ""

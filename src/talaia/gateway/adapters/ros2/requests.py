@@ -109,6 +109,7 @@ def outcome_of(response: object) -> CommandOutcome:
 
 
 def velocity_message(
+    *,
     drive: Drive,
     message: Any,  # noqa: ANN401
     linear: float,

@@ -42,19 +42,19 @@ class Ros2Commands:
 
     def __init__(
         self,
-        share: ConnectionScope,
+        scope: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         missing: Callable[[TypeMissing], None],
     ) -> None:
         """Make a client or publisher for each command, so that they are known before they act."""
-        self._share, self._node, self._thread, self._missing = share, node, thread, missing
+        self._scope, self._node, self._thread, self._missing = scope, node, thread, missing
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
         self._actions: dict[str, Ros2Action] = {}
         self._problems: dict[str, str] = {}
         self._commands: dict[str, Command] = {}
-        for device_id, device in share.devices.items():
+        for device_id, device in scope.devices.items():
             for command_id, command in device.commands.items():
                 self._make(f"{device_id}/{command_id}", command)
 
@@ -77,21 +77,23 @@ class Ros2Commands:
             client = _Client(self._node.create_client(kind, target), kind, {})
             self._clients[address] = client
             read = as_set if sets else outcome_of
-            self._thread.add_client(client.entity.handle, kind.Response, _taker(client, read))
+            self._thread.add_client(
+                client.entity.handle, kind.Response, _response_reader(client, read)
+            )
 
     def rejoin(self, device: str) -> None:
         """Make a device's clients and publishers anew; calls under way end as *unknown*."""
-        for command_id, command in self._share.devices[device].commands.items():
+        for command_id, command in self._scope.devices[device].commands.items():
             address = f"{device}/{command_id}"
             self._close(address)
             self._make(address, command)
 
-    def redescribe(self, share: ConnectionScope) -> None:
+    def redescribe(self, scope: ConnectionScope) -> None:
         """Make what is new or other than it was; the rest stays, with its calls under way."""
-        self._share = share
+        self._scope = scope
         wanted = {
             f"{device_id}/{command_id}": command
-            for device_id, device in share.devices.items()
+            for device_id, device in scope.devices.items()
             for command_id, command in device.commands.items()
         }
         for address, command in list(self._commands.items()):
@@ -119,7 +121,7 @@ class Ros2Commands:
 
     def cut(self, device: str) -> None:
         """End a device's calls that are under way as *unknown*: nobody will answer them."""
-        for command_id in self._share.devices[device].commands:
+        for command_id in self._scope.devices[device].commands:
             address = f"{device}/{command_id}"
             if (action := self._actions.get(address)) is not None:
                 action.cut(CommandOutcome(CommandPhase.UNKNOWN, _GONE))
@@ -131,7 +133,7 @@ class Ros2Commands:
 
     def offered(self, device: str) -> bool:
         """Tell whether anybody offers one of a device's services or actions now."""
-        names = [f"{device}/{each}" for each in self._share.devices[device].commands]
+        names = [f"{device}/{each}" for each in self._scope.devices[device].commands]
         return any(
             (each in self._clients and self._clients[each].entity.service_is_ready())
             or (each in self._actions and self._actions[each].ready)
@@ -141,7 +143,7 @@ class Ros2Commands:
     def absent(self, device: str) -> list[str]:
         """Name those of a device's services that nobody offers, and types not known here."""
         absent = []
-        for command_id, command in self._share.devices[device].commands.items():
+        for command_id, command in self._scope.devices[device].commands.items():
             address = f"{device}/{command_id}"
             client = self._clients.get(address)
             if address in self._problems:
@@ -223,10 +225,12 @@ class Ros2Commands:
         client.pending[client.entity.handle.send_request(request)] = done
 
 
-def _taker(client: _Client, read: Callable[[Any], CommandOutcome]) -> Callable[[int, Any], None]:
-    def take(number: int, response: object) -> None:
+def _response_reader(
+    client: _Client, read: Callable[[Any], CommandOutcome]
+) -> Callable[[int, Any], None]:
+    def on_response(number: int, response: object) -> None:
         done = client.pending.pop(number, None)
         if done is not None:
             done(read(response))
 
-    return take
+    return on_response

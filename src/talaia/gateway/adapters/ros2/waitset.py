@@ -38,9 +38,9 @@ class WaitThread:
 
     def __init__(
         self,
+        *,
         context: Any,  # noqa: ANN401 - rclpy ships no types
         guard: Any,  # noqa: ANN401
-        *,
         after: Callable[[], bool],
         idle: Callable[[], None],
         failed: Callable[[BaseException], None],
@@ -73,7 +73,7 @@ class WaitThread:
         """Begin."""
         self._thread.start()
 
-    def do(self, job: Callable[[], None]) -> None:
+    def run_soon(self, job: Callable[[], None]) -> None:
         """Run something on the thread, soon."""
         self._jobs.append(job)
         self._guard.trigger_guard_condition()
@@ -136,7 +136,7 @@ class WaitThread:
                 wait_set, size = self._make(wait_set, wanted), wanted
             self._wait(wait_set, HELD_NS if held else max(0, next_idle - now))
             woke = time.monotonic()
-            taken = self._take(wait_set)
+            taken = self._take_messages(wait_set)
             if taken or held:
                 held = self._after()
             if taken:
@@ -161,7 +161,7 @@ class WaitThread:
         wait_set.add_guard_condition(self._guard)
         wait_set.wait(timeout_ns)
 
-    def _take(self, wait_set: Any) -> bool:  # noqa: ANN401
+    def _take_messages(self, wait_set: Any) -> bool:  # noqa: ANN401
         taken = False
         for pointer in wait_set.get_ready_entities("subscription"):
             handle, kind, take = self._subscriptions[pointer]

@@ -75,7 +75,7 @@ class RosbridgeAdapter:
     """An `Adapter` for ROS behind a rosbridge server; see `talaia.gateway.ports`."""
 
     def __init__(
-        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+        self, scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
     ) -> None:
         """Take what is to be served and where things go; `run` connects.
 
@@ -83,24 +83,24 @@ class RosbridgeAdapter:
             SettingsError: the token or the certificate authorities cannot be read.
 
         """
-        settings = share.connection
+        settings = scope.connection
         assert isinstance(settings, RosbridgeConnection)  # noqa: S101 - the catalog has seen to it
         self._settings = settings
-        self._share, self._status = share, status
-        self._clock = outlets.clock
-        self._samples, self._events = outlets.samples, outlets.events
-        self._pictures = outlets.pictures
-        self._headers, self._tls = _trust(settings, outlets.folder)
+        self._scope, self._status = scope, status
+        self._clock = context.clock
+        self._samples, self._events = context.samples, context.events
+        self._pictures = context.pictures
+        self._headers, self._tls = _trust(settings, context.folder)
         self._latest: dict[str, ChannelReading] = {}
         self._gathered = SampleBuffer()
         self._plans = {
             (plan.topic, plan.type_name): plan
-            for plan in plans_of(share, self._latest, self._complain)
+            for plan in plans_of(scope, self._latest, self._complain)
         }
         self._by_topic = {plan.topic: plan for plan in self._plans.values()}
         self._streams: dict[str, Stream] = {
             f"{device_id}/{stream_id}": stream
-            for device_id, device in share.devices.items()
+            for device_id, device in scope.devices.items()
             for stream_id, stream in device.streams.items()
         }
         self._takers: dict[str, dict[str, PictureStream]] = {}
@@ -208,7 +208,7 @@ class RosbridgeAdapter:
             now_us = self._clock.wall_ns() // 1000
             for plan in self._plans.values():
                 plan.take_due(now_us, self._gathered)
-            self._put()
+            self._publish_samples()
 
     def _ask_again(self) -> None:
         """Subscribe anew what has never come.
@@ -218,7 +218,7 @@ class RosbridgeAdapter:
         """
         for plan in self._plans.values():
             if plan.topic not in self._heard:
-                self._say("unsubscribe", topic=plan.topic, id=f"signal {plan.topic}")
+                self._send_operation("unsubscribe", topic=plan.topic, id=f"signal {plan.topic}")
                 self._subscribe(f"signal {plan.topic}", plan.topic, plan.type_name)
 
     def watch(self, streams: Collection[str]) -> None:
@@ -238,7 +238,7 @@ class RosbridgeAdapter:
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """See `CommandTarget.drive`."""
-        described = self._share.devices.get(device)
+        described = self._scope.devices.get(device)
         if self._connected and described is not None and described.drive is not None:
             rule = described.drive
             fields = nested(velocity_fields(rule, linear, angular, key))
@@ -252,7 +252,7 @@ class RosbridgeAdapter:
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""
-        described = self._share.devices.get(device)
+        described = self._scope.devices.get(device)
         if self._connected and described is not None and described.drive is not None:
             topic = described.drive.stop.topic
             if topic:
@@ -271,7 +271,7 @@ class RosbridgeAdapter:
         if not self._connected:
             done(CommandOutcome(CommandPhase.REFUSED, "the robot is not connected"))
             return None
-        described = self._share.devices[device].commands[command]
+        described = self._scope.devices[device].commands[command]
         try:
             body = nested(fields)
         except FieldError as error:
@@ -279,7 +279,7 @@ class RosbridgeAdapter:
             return None
         call, target = f"call {next(self._calls)}", described.target
         if described.kind is CommandKind.TOPIC:
-            self._say("publish", topic=target, msg=body)
+            self._send_operation("publish", topic=target, msg=body)
             done(CommandOutcome(CommandPhase.SUCCEEDED, "published"))
             return None
         if described.kind is CommandKind.PARAMETER:
@@ -290,23 +290,23 @@ class RosbridgeAdapter:
         self._pending[call] = _Call(described, done)
         kind = type_for(described.type, self._settings.ros)
         if described.kind is CommandKind.SERVICE:
-            self._say("call_service", id=call, service=target, type=kind, args=body)
+            self._send_operation("call_service", id=call, service=target, type=kind, args=body)
             return None
-        self._say(
+        self._send_operation(
             "send_action_goal", id=call, action=target, action_type=kind, args=body, feedback=True
         )
-        return lambda: self._say("cancel_action_goal", id=call, action=target)
+        return lambda: self._send_operation("cancel_action_goal", id=call, action=target)
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`. A server does not say who publishes, so nothing is absent."""
-        described = self._share.devices.get(device)
+        described = self._scope.devices.get(device)
         if not self._connected or described is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
         topics = {each.source.topic for each in described.signals.values()}
         for plan in self._plans.values():
             if plan.topic in topics:
-                self._say("unsubscribe", topic=plan.topic, id=f"signal {plan.topic}")
+                self._send_operation("unsubscribe", topic=plan.topic, id=f"signal {plan.topic}")
                 self._subscribe(f"signal {plan.topic}", plan.topic, plan.type_name)
         for address in sorted(self._watched & self._streams.keys()):
             if address.startswith(f"{device}/"):
@@ -316,7 +316,7 @@ class RosbridgeAdapter:
 
     # ── to the server ──
 
-    def _say(self, op: str, **what: object) -> None:
+    def _send_operation(self, op: str, **what: object) -> None:
         if len(self._waiting) >= _MAX_WAITING:
             # A server that takes nothing for so long is noticed by its pings.
             self._waiting.popleft()
@@ -324,7 +324,7 @@ class RosbridgeAdapter:
         self._wake.set()
 
     def _describe(self) -> None:
-        for device in self._share.devices.values():
+        for device in self._scope.devices.values():
             rule = device.drive
             if rule is not None:
                 self._advertise(rule.topic, rule.message.value)
@@ -340,10 +340,10 @@ class RosbridgeAdapter:
 
     def _advertise(self, topic: str, type_name: str, *, latch: bool = False) -> None:
         kind = type_for(type_name, self._settings.ros)
-        self._say("advertise", topic=topic, type=kind, latch=latch, queue_size=1)
+        self._send_operation("advertise", topic=topic, type=kind, latch=latch, queue_size=1)
 
     def _subscribe(self, name: str, topic: str, type_name: str, **more: object) -> None:
-        self._say(
+        self._send_operation(
             "subscribe",
             id=name,
             topic=topic,
@@ -373,14 +373,14 @@ class RosbridgeAdapter:
         stream = self._streams.get(address)
         if stream is not None:
             self._takers.get(stream.source.topic, {}).pop(address, None)
-            self._say("unsubscribe", id=f"stream {address}", topic=stream.source.topic)
+            self._send_operation("unsubscribe", id=f"stream {address}", topic=stream.source.topic)
 
     # ── from the server ──
 
     def _hear(self, said: ServerMessage) -> None:
         match said.op:
             case "publish":
-                self._take(said)
+                self._read_message(said)
             case "service_response" | "action_result":
                 call = self._pending.pop(said.id, None)
                 if call is not None:
@@ -394,21 +394,21 @@ class RosbridgeAdapter:
             case _:
                 log.debug("the server said %s", said.op)
 
-    def _take(self, said: ServerMessage) -> None:
+    def _read_message(self, said: ServerMessage) -> None:
         plan = self._by_topic.get(said.topic)
         if plan is not None:
             self._heard.add(said.topic)
             now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
-            plan.take(said.body, now_us, now_ns, self._gathered)
-            self._put()
+            plan.read_message(said.body, now_us, now_ns, self._gathered)
+            self._publish_samples()
         if self._worker is not None:
             for taker in list(self._takers.get(said.topic, {}).values()):
                 self._worker.offer(taker, said.body)
 
-    def _put(self) -> None:
-        columns = self._gathered.take()
+    def _publish_samples(self) -> None:
+        columns = self._gathered.take_columns()
         if columns is not None:
-            self._samples.put(columns)
+            self._samples.put_samples(columns)
 
     def _on_status(self, said: ServerMessage) -> None:
         words = said.body if isinstance(said.body, str) else ""
@@ -422,11 +422,13 @@ class RosbridgeAdapter:
         if about not in self._complained:
             self._complained.add(about)
             log.warning("%s: %s", about, problem)
-            self._events.tell("unreadable", f"{about}: {problem}")
+            self._events.report_event("unreadable", f"{about}: {problem}")
 
     def _complain(self, address: str, problem: str) -> None:
         log.warning("%s: %s", address, problem)
-        self._events.tell("unreadable", f"{address}: {problem}", device=address.split("/", 1)[0])
+        self._events.report_event(
+            "unreadable", f"{address}: {problem}", device=address.split("/", 1)[0]
+        )
 
     def _fail_pending(self) -> None:
         pending, self._pending = self._pending, {}

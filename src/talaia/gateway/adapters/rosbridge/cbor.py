@@ -23,9 +23,19 @@ _FLOATS = {25: ">e", 26: ">f", 27: ">d"}
 _SIMPLE: dict[int, object] = {20: False, 21: True, 22: None, 23: None}
 # Tags of typed arrays: RFC 8746, section 2.1. All are little-endian but for single bytes.
 _ARRAYS = {
-    64: "u1", 68: "u1", 69: "<u2", 70: "<u4", 71: "<u8",
-    72: "i1", 77: "<i2", 78: "<i4", 79: "<i8", 84: "<f2", 85: "<f4", 86: "<f8",
-}  # fmt: skip
+    64: "u1",
+    68: "u1",
+    69: "<u2",
+    70: "<u4",
+    71: "<u8",
+    72: "i1",
+    77: "<i2",
+    78: "<i4",
+    79: "<i8",
+    84: "<f2",
+    85: "<f4",
+    86: "<f8",
+}
 
 
 def read_cbor(data: bytes, make: Callable[[dict[str, object]], object]) -> object:

@@ -49,24 +49,24 @@ class VideoAdapter:
     """An `Adapter` for cameras only."""
 
     def __init__(
-        self, share: ConnectionScope, outlets: AdapterContext, status: AdapterStatus
+        self, scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
     ) -> None:
         """Take what is to be served and where pictures go."""
-        assert isinstance(share.connection, VideoConnection)  # noqa: S101 - the catalog has seen to it
-        self._settings = share.connection
-        self._share = share
+        assert isinstance(scope.connection, VideoConnection)  # noqa: S101 - the catalog has seen to it
+        self._settings = scope.connection
+        self._scope = scope
         self._status = status
-        self._outlets = outlets
+        self._context = context
         self._cameras: dict[str, _Camera] = {}
         self._watched: frozenset[str] = frozenset()
         self._worker: PictureWorker | None = None
 
     async def run(self) -> None:
         """See `Adapter.run`."""
-        self._worker = PictureWorker(self._outlets.pictures, self._outlets.clock)
+        self._worker = PictureWorker(self._context.pictures, self._context.clock)
         self._worker.start()
         self._status.up()
-        self._look()
+        self._update_cameras()
         try:
             await asyncio.Event().wait()
         finally:
@@ -79,20 +79,24 @@ class VideoAdapter:
     def watch(self, streams: Collection[str]) -> None:
         """See `Adapter.watch`."""
         self._watched = frozenset(streams)
-        self._look()
+        self._update_cameras()
 
-    def _look(self) -> None:
+    def _update_cameras(self) -> None:
         if self._worker is None:
             return
         for address in self._cameras.keys() - self._watched:
             self._cameras.pop(address).end()
         for address in self._watched - self._cameras.keys():
             device, _, name = address.partition("/")
-            described = self._share.devices.get(device)
+            described = self._scope.devices.get(device)
             stream = None if described is None else described.streams.get(name)
             if stream is not None:
                 self._cameras[address] = _Camera(
-                    address, stream, self._settings, self._outlets, self._worker
+                    address=address,
+                    stream=stream,
+                    settings=self._settings,
+                    context=self._context,
+                    worker=self._worker,
                 )
 
     def latest(self, address: str) -> ChannelReading | None:
@@ -120,7 +124,7 @@ class VideoAdapter:
         """Open the device's cameras anew."""
         for address in [each for each in self._cameras if each.split("/", 1)[0] == device]:
             self._cameras.pop(address).end()
-        self._look()
+        self._update_cameras()
         done(CommandOutcome(CommandPhase.SUCCEEDED))
 
 
@@ -129,16 +133,17 @@ class _Camera:
 
     def __init__(
         self,
+        *,
         address: str,
         stream: Stream,
         settings: VideoConnection,
-        outlets: AdapterContext,
+        context: AdapterContext,
         worker: PictureWorker,
     ) -> None:
         self._address = address
         self._stream = stream
         self._settings = settings
-        self._outlets = outlets
+        self._context = context
         self._worker = worker
         self._taker = PictureStream(address, stream, _read, self._complain)
         self._ended = threading.Event()
@@ -150,7 +155,7 @@ class _Camera:
         self._ended.set()
 
     def _complain(self, address: str, problem: str) -> None:
-        self._outlets.events.tell("camera", problem, device=address.split("/", 1)[0])
+        self._context.events.report_event("camera", problem, device=address.split("/", 1)[0])
 
     def _run(self) -> None:
         while not self._ended.is_set():
@@ -182,7 +187,7 @@ class _Camera:
             "protocol_whitelist": _LOSSY_PROTOCOLS if self._settings.udp else _PROTOCOLS,
         }
         with CameraRelay(source.url, here=self._settings.here, timeout=OPEN_S) as relay:
-            url = address_of(relay.url, self._settings, self._outlets.folder)
+            url = address_of(relay.url, self._settings, self._context.folder)
             try:
                 with av.open(url, format="rtsp", options=options, timeout=timeout) as container:
                     yield container
@@ -202,7 +207,7 @@ class _Camera:
                 return
             if not self._well:
                 self._well = True
-                self._outlets.events.tell(
+                self._context.events.report_event(
                     "camera back", self._address, device=self._address.split("/", 1)[0], good=True
                 )
             self._worker.offer(self._taker, frame)
@@ -214,7 +219,7 @@ class _Camera:
             self._well = False
             log.warning("%s: %s", self._address, said)
             self._complain(self._address, said)
-        self._outlets.pictures.trouble(self._address, f"{said}; trying again")
+        self._context.pictures.trouble(self._address, f"{said}; trying again")
 
 
 def address_of(url: str, settings: VideoConnection, folder: Path) -> str:

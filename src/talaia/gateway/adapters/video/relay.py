@@ -69,7 +69,7 @@ class CameraResponseFilter:
         self._address = address
         self._got = b""
 
-    def take(self, data: bytes) -> bytes:
+    def filter_bytes(self, data: bytes) -> bytes:
         """Give what may go on of what has come.
 
         Raises:
@@ -209,7 +209,7 @@ class CameraRelay:
         while (got := self._heard()) is not None:
             if not got:
                 return False
-            near.sendall(got if playing else self._answers.take(got))
+            near.sendall(got if playing else self._answers.filter_bytes(got))
             # What is decrypted already wakes no selector.
             if not isinstance(self._far, ssl.SSLSocket) or not self._far.pending():
                 break

@@ -1,0 +1,103 @@
+"""The adapters: one for each connection of the site, joined into one robot."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from talaia.gateway.adapters.catalog import adapter_of
+from talaia.gateway.adapters.connection_scope import scopes_of
+from talaia.gateway.adapters.connectivity import DeviceReachability
+from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.ports import AdapterContext
+from talaia.gateway.uplink.output_router import OutputRouter
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.assembly.description import DescriptionPart
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.assembly.recording import RecordingPart
+    from talaia.gateway.assembly.samples import SamplesPart
+    from talaia.gateway.assembly.video import VideoPart
+    from talaia.gateway.ports import Adapter
+
+__all__ = ["AdaptersPart"]
+
+
+class AdaptersPart(GatewayPart):
+    """The robot's side, and what is said to it.
+
+    Attributes:
+        answers: what the commands of process connections printed, by the signal's address.
+        reachability: which devices answer now.
+        by_connection: each connection's adapter, by its name.
+        adapter: all of them as one.
+        output: what is decided here goes out by it: to the robot, the hub and the record.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        base: FoundationPart,
+        description: DescriptionPart,
+        samples: SamplesPart,
+        recording: RecordingPart,
+        video: VideoPart,
+    ) -> None:
+        """Make an adapter for each connection; none runs yet.
+
+        Raises:
+            SettingsError: the description names a connection that cannot be used here.
+
+        """
+        self._base, self._description = base, description
+        self.answers: dict[str, str] = {}
+        self.reachability = DeviceReachability(
+            description.connection_of, base.clock, base.lanes.send
+        )
+        self._context = AdapterContext(
+            clock=base.clock,
+            samples=samples.sink,
+            pictures=video.pictures,
+            events=base.events,
+            folder=base.settings.folder,
+            domain=base.settings.domain,
+            answers=self.answers,
+            raw=recording.recorder,
+            frames=video.frame_taker,
+            files=video.whole_files,
+            site=description.site.name,
+        )
+        scopes = scopes_of(description.site, description.numbering)
+        self.by_connection = {scope.name: self.make_adapter(scope) for scope in scopes}
+        self.adapter = MultiAdapter(
+            of=description.connection_of,
+            adapters=dict(self.by_connection),
+            reach=self.reachability,
+            events=base.events,
+        )
+        self.output = OutputRouter(
+            adapter=self.adapter,
+            lanes=base.lanes,
+            clock=base.clock,
+            recorders=recording.recorders,
+        )
+
+    def make_adapter(self, scope: ConnectionScope) -> tuple[Adapter, ConnectionStatus]:
+        """Make the adapter of one connection, and where it says how its side stands.
+
+        Raises:
+            SettingsError: the connection cannot be used here.
+
+        """
+        status = ConnectionStatus(scope.name, self._base.loop, self.reachability)
+        status.on_found = partial(self._description.restart.found, scope.name)
+        return adapter_of(scope, self._context, status), status
+
+    def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
+        """Read the robot."""
+        return {"robot": self.adapter.run}

@@ -1,0 +1,49 @@
+"""The description that counts, the numbers of its channels, and a restart with another one."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.reload.current_description import CurrentDescription, prepared
+from talaia.gateway.reload.restart import GatewayRestart
+from talaia.gateway.samples.channel_numbering import ChannelNumbering
+from talaia.model.derived_signals import with_counts
+from talaia.model.interlocks.unguarded import unguarded_notice
+
+if TYPE_CHECKING:
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.reload.description_file import DescriptionFile
+    from talaia.model.site import Site
+
+__all__ = ["DescriptionPart"]
+
+log = logging.getLogger(__name__)
+
+
+class DescriptionPart(GatewayPart):
+    """What the gateway was started with, and what counts now.
+
+    Attributes:
+        site: what all parts are built of, with the signals that its cameras imply.
+        file: the description's; none leaves it as it is until the end.
+        current: what counts now.
+        numbering: of channels, which stays while the gateway runs.
+        restart: ends this gateway in favour of another, with a new description.
+        connection_of: by device: the name of its connection, or an empty one.
+
+    """
+
+    def __init__(self, *, base: FoundationPart, site: Site, file: DescriptionFile | None) -> None:
+        """Make ready what takes long."""
+        self.site = site = with_counts(site)
+        self.file = file
+        text = file.text if file is not None and file.editable else ""
+        self.current = CurrentDescription(prepared(site, text))
+        self.numbering = ChannelNumbering(site)
+        self.restart = GatewayRestart(base.settings.data, self.current)
+        self.connection_of = {device: site.connection_of(device) for device in site.devices}
+        if notice := unguarded_notice(site):
+            log.warning("%s", notice)
+            base.events.report_event("nothing_closes", notice)

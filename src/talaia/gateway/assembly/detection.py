@@ -1,0 +1,67 @@
+"""Objects on pictures of cameras: what is detected, and how the hub is told of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.detection.camera_detection import (
+    DetectionOutputs,
+    ObjectDetection,
+    ReadingsWithDetections,
+)
+from talaia.gateway.detection.sighting_reports import DetectionReporter
+from talaia.objects.worker import Worker
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from talaia.gateway.assembly.adapters import AdaptersPart
+    from talaia.gateway.assembly.description import DescriptionPart
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.assembly.samples import SamplesPart
+    from talaia.gateway.assembly.video import VideoPart
+
+__all__ = ["DetectionPart"]
+
+
+class DetectionPart(GatewayPart):
+    """Object detection on the cameras that are described so.
+
+    Attributes:
+        reporter: keeps sightings until the hub has them.
+        detection: looks at the cameras.
+        readings: the newest of the robot, and of what is detected on its cameras.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        base: FoundationPart,
+        description: DescriptionPart,
+        samples: SamplesPart,
+        video: VideoPart,
+        adapters: AdaptersPart,
+    ) -> None:
+        """Take up the sightings that an earlier run left."""
+        site, settings = description.site, base.settings
+        self.reporter = DetectionReporter(settings.data / "sightings", base.lanes, base.file_thread)
+        self.detection = ObjectDetection(
+            site=site,
+            numbers=description.numbering.numbers(site),
+            pictures=video.frames,
+            worker=lambda on_status: Worker(site.object_models, settings.folder, on_status),
+            outlet=DetectionOutputs(
+                samples=samples.sink,
+                boxes=video.pictures.boxes,
+                sightings=self.reporter.report_sighting,
+                events=base.events,
+            ),
+            clock=base.clock,
+        )
+        self.readings = ReadingsWithDetections(adapters.adapter, self.detection)
+
+    def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
+        """Look at cameras, and tell the hub."""
+        return {"detect": self.detection.run, "report": self.reporter.run}

@@ -1,0 +1,96 @@
+"""Changes of the description while the gateway runs: who is told, and in which order."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import TYPE_CHECKING
+
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.reload.apply import DescriptionReload, ReloadTargets
+from talaia.gateway.reload.requests import ChangeRequests
+from talaia.model.yaml_text.load import dump_site
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from talaia.gateway.assembly.actuation import ActuationPart
+    from talaia.gateway.assembly.adapters import AdaptersPart
+    from talaia.gateway.assembly.description import DescriptionPart
+    from talaia.gateway.assembly.detection import DetectionPart
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.assembly.legacy import LegacyPart
+    from talaia.gateway.assembly.recording import RecordingPart
+    from talaia.gateway.assembly.samples import SamplesPart
+    from talaia.gateway.assembly.supervision import SupervisionPart
+    from talaia.model.site import Site
+
+__all__ = ["ReloadPart"]
+
+
+class ReloadPart(GatewayPart):
+    """Knows every part that follows a change of the description.
+
+    Attributes:
+        reload: puts another description in the place of the one that counts.
+        requests: changes of the file, and those that the hub asks for.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        base: FoundationPart,
+        description: DescriptionPart,
+        samples: SamplesPart,
+        recording: RecordingPart,
+        adapters: AdaptersPart,
+        detection: DetectionPart,
+        actuation: ActuationPart,
+        legacy: LegacyPart,
+        supervision: SupervisionPart,
+    ) -> None:
+        """Follow nothing yet."""
+        settings = base.settings
+        followers: list[Callable[[Site], None]] = [
+            lambda after: detection.detection.redescribe(
+                after, description.numbering.numbers(after)
+            ),
+            supervision.heartbeats.redescribe,
+            lambda after: supervision.watchdog.describe(after, dump_site(after)),
+        ]
+        if legacy.server is not None:
+            followers.append(legacy.server.redescribe)
+        self.reload = DescriptionReload(
+            current=description.current,
+            parts=ReloadTargets(
+                boot=base.boot,
+                clock=base.clock,
+                numbering=description.numbering,
+                batcher=samples.batcher,
+                spool=samples.spool,
+                reachability=adapters.reachability,
+                adapter=adapters.adapter,
+                adapters=adapters.by_connection,
+                make=adapters.make_adapter,
+                actuation=actuation.actuation,
+                newest=samples.newest_values,
+                recorders=recording.recorders,
+                followers=tuple(followers),
+            ),
+            say=base.lanes.send,
+            begin_again=description.restart.begin,
+        )
+        self.requests = ChangeRequests(
+            file=description.file,
+            accepts=settings.accepts,
+            key_hash=hashlib.sha256(settings.key.encode()).hexdigest(),
+            data=settings.data,
+            reload=self.reload,
+            send=base.lanes.send,
+            events=base.events,
+            on_disk=base.run_on_disk,
+        )
+
+    def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
+        """Follow the description's file."""
+        return {"file": self.requests.watch}

@@ -1,0 +1,110 @@
+"""From samples to batches: numbered, kept on disk until the hub has them, gaps recorded."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from talaia.clock import SECOND
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.freeze_watchdog import watch_stalls
+from talaia.gateway.legacy.messages import NewestValues
+from talaia.gateway.samples.absence_gaps import NOT_HEARD, NOT_RUNNING, absence, watch_first_heard
+from talaia.gateway.samples.batching import Batcher
+from talaia.gateway.spool.journal import SegmentHead, Spool
+from talaia.gateway.spool.progress_mark import machine_run
+from talaia.gateway.spool.spool_thread import SpoolThread
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from talaia.gateway.assembly.description import DescriptionPart
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.ports import SampleSink
+    from talaia.gateway.spool.segment import SampleRecord
+
+__all__ = ["SamplesPart"]
+
+
+class SamplesPart(GatewayPart):
+    """Where adapters give what they hear.
+
+    Attributes:
+        spool: has what the hub has not, on disk.
+        batcher: numbers samples.
+        newest_values: for clients of the legacy API; none where that is not served.
+        sink: takes samples.
+
+    """
+
+    def __init__(self, *, base: FoundationPart, description: DescriptionPart) -> None:
+        """Make the spool ready, with what an earlier run left in it.
+
+        Raises:
+            SpoolError: the data folder cannot be used.
+
+        """
+        self._base = base
+        settings, clock, begun = base.settings, base.clock, description.current.now
+        spool = Spool(
+            folder=settings.data / "spool",
+            head=SegmentHead(base.boot, begun.catalogue, begun.addresses),
+            bound=settings.spool_bytes,
+            age_s=settings.spool_age_s,
+            spare=settings.spare_bytes,
+            now=lambda: clock.monotonic_ns() / SECOND,
+            wall_us=base.wall_us,
+            machine=machine_run(),
+        )
+        self.spool = SpoolThread(spool)
+        self.batcher = Batcher(
+            loop=base.loop,
+            boot=base.boot,
+            catalogue=begun.catalogue,
+            flush=settings.flush,
+            keep=self._keep_batch,
+            lose=self.spool.lose,
+        )
+        self._record_absence()
+        self.newest_values: NewestValues | None = None
+        if settings.door is not None:
+            numbers = description.numbering.numbers(description.site)
+            self.newest_values = NewestValues(numbers, self.batcher, clock.monotonic_ns)
+        self.sink: SampleSink = self.newest_values or self.batcher
+
+    def _keep_batch(self, record: SampleRecord) -> None:
+        self._base.lanes.live(record.body, record.first, record.end)
+        self.spool.append(record)
+
+    def _record_absence(self) -> None:
+        """Record the time since the run before heard anything as a gap, if there was one."""
+        former = self.spool.former
+        if former is not None:
+            mono_s = self._base.clock.monotonic_ns() / SECOND
+            span = absence(former, self._base.wall_us(), mono_s, machine_run())
+            self.batcher.missed(*span, NOT_RUNNING)
+            if 0 < former.deaf_us <= former.heard_us:
+                # It ended before it could tell since when it heard all.
+                self.batcher.missed(former.deaf_us, former.heard_us, NOT_HEARD)
+
+    def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
+        """Force samples to disk, and notice times in which nothing was heard."""
+        base, batcher = self._base, self.batcher
+        tasks: dict[str, Callable[[], Awaitable[None]]] = {
+            "sync": partial(self.spool.keep_syncing, base.settings.sync, base.wall_us),
+            "freezes": partial(watch_stalls, base.clock, batcher.missed),
+        }
+        if self.spool.former is not None:
+            tasks["first heard"] = partial(
+                watch_first_heard,
+                batcher.first_heard,
+                base.clock,
+                batcher.missed,
+                self.spool.all_heard,
+            )
+        return tasks
+
+    async def close(self) -> None:
+        """Have on disk what was heard to the end."""
+        self.batcher.flush()
+        await self.spool.close()

@@ -1,0 +1,107 @@
+"""Who sees that this gateway really supervises: service manager, watchdog, roof controllers."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.clock import SECOND
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.safety.supervision import Heartbeats, Supervision
+from talaia.gateway.watchdog.feeding import WatchdogClient
+from talaia.wire.frames import Event
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from talaia.gateway.assembly.actuation import ActuationPart
+    from talaia.gateway.assembly.adapters import AdaptersPart
+    from talaia.gateway.assembly.description import DescriptionPart
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.watchdog.closing import WatchdogRecord
+    from talaia.service_manager import ServiceManager
+
+__all__ = ["SupervisionPart"]
+
+log = logging.getLogger(__name__)
+KEEP_S = 1.0
+
+
+class SupervisionPart(GatewayPart):
+    """Told in time while interlocks are judged; a watchdog closes the roof when they are not.
+
+    Attributes:
+        watchdog: a process beside this one.
+        heartbeats: to controllers of roofs that close by themselves without them.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        base: FoundationPart,
+        description: DescriptionPart,
+        adapters: AdaptersPart,
+        actuation: ActuationPart,
+        manager: ServiceManager,
+    ) -> None:
+        """Start no process yet."""
+        self._base = base
+        settings, begun = base.settings, description.current.now
+        interlocks, output = actuation.actuation.interlocks, adapters.output
+        self.watchdog = WatchdogClient(
+            data=settings.data,
+            folder=settings.folder,
+            domain=settings.domain,
+            trouble=lambda why: output.record_event("watchdog_missing", "", why, "", good=False),
+            notices=settings.notices,
+        )
+        self.watchdog.describe(begun.site, begun.said)
+        self.heartbeats = Heartbeats(
+            site=description.site,
+            interlocks=interlocks,
+            target=adapters.adapter,
+            output=output,
+        )
+        self._supervision = Supervision(
+            clock=base.clock,
+            judged_ns=lambda: interlocks.judged_ns,
+            watched=(manager.feed_watchdog, self.watchdog.beat),
+            heartbeats=self.heartbeats,
+        )
+
+    async def take_over(self) -> None:
+        """End the watchdog of an earlier run: two must never move a roof."""
+        self._report(await self.watchdog.take_over())
+
+    async def say_goodbye(self) -> None:
+        """End the watchdog: this gateway ends as it was asked to."""
+        await self.watchdog.goodbye()
+
+    def leave_watchdog(self) -> None:
+        """Leave the watchdog to the gateway that follows, which takes over from it in time."""
+        self.watchdog.let_go()
+
+    def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
+        """Tell while it supervises, and keep the watchdog alive."""
+        return {"supervise": self._supervision.run, "watchdog": self._keep_watchdog}
+
+    async def _keep_watchdog(self) -> None:
+        """Have a watchdog, and report what it did while this gateway stood still."""
+        while True:
+            await self.watchdog.keep(self._base.clock.monotonic_ns() / SECOND)
+            self._report(self.watchdog.records())
+            await asyncio.sleep(KEEP_S)
+
+    def _report(self, records: list[WatchdogRecord]) -> None:
+        for record in records:
+            log.warning("%s %s", record.kind, record.message)
+            self._base.lanes.send(
+                Event(
+                    kind=record.kind,
+                    message=record.message[:2000],
+                    time_us=record.time_us,
+                    good=record.good,
+                )
+            )

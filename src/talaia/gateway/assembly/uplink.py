@@ -1,0 +1,99 @@
+"""The connections to the hub, and where its messages are acted on."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.uplink.files import FileLane
+from talaia.gateway.uplink.links import HubConnection, keep_files, keep_link, keep_media
+from talaia.gateway.uplink.message_dispatcher import MessageDispatcher
+from talaia.gateway.uplink.tls import HubTrust
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from talaia.gateway.assembly.actuation import ActuationPart
+    from talaia.gateway.assembly.adapters import AdaptersPart
+    from talaia.gateway.assembly.detection import DetectionPart
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.assembly.recording import RecordingPart
+    from talaia.gateway.assembly.reload import ReloadPart
+    from talaia.gateway.assembly.samples import SamplesPart
+    from talaia.gateway.assembly.video import VideoPart
+
+__all__ = ["UplinkPart"]
+
+
+class UplinkPart(GatewayPart):
+    """Attributes: dispatcher: gives each message of the hub to whom it concerns."""
+
+    def __init__(
+        self,
+        *,
+        base: FoundationPart,
+        samples: SamplesPart,
+        recording: RecordingPart,
+        video: VideoPart,
+        adapters: AdaptersPart,
+        detection: DetectionPart,
+        actuation: ActuationPart,
+        reload: ReloadPart,
+    ) -> None:
+        """Dial nobody yet."""
+        self._base, self._samples, self._reload = base, samples, reload
+        self._recording, self._video = recording, video
+        self.dispatcher = MessageDispatcher(
+            boot=base.boot,
+            actuation=actuation.actuation,
+            spool=samples.spool,
+            adapter=adapters.adapter,
+            output=adapters.output,
+            events=base.events,
+            lanes=base.lanes,
+            reachability=adapters.reachability,
+            recorders=recording.recorders,
+            change_requests=reload.requests,
+            pictures=video.pictures,
+            reporter=detection.reporter,
+        )
+        base.streams_changed.connect(self.dispatcher.update_watched_streams)
+        self._hub = HubConnection(
+            settings=base.settings,
+            trust=HubTrust(base.settings.hub),
+            clock=base.clock,
+            dispatcher=self.dispatcher,
+        )
+
+    def start(self) -> None:
+        """Have the cameras read of which the last seconds are held."""
+        if self._recording.recorders is not None:
+            self.dispatcher.update_watched_streams()
+
+    def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
+        """Keep one connection for messages and samples, one for pictures, one for files."""
+        base = self._base
+        upload_bytes = base.settings.upload_bytes
+        files = [FileLane("pictures", self._video.outbox, upload_bytes), *self._recording.lanes]
+        return {
+            "link": partial(
+                keep_link,
+                hub=self._hub,
+                boot=base.boot,
+                reload=self._reload.reload,
+                lanes=base.lanes,
+                wake=base.frame_waiting,
+                batcher=self._samples.batcher,
+                spool=self._samples.spool,
+            ),
+            "pictures": partial(keep_media, self._hub, self._video.pictures),
+            "files": partial(
+                keep_files,
+                hub=self._hub,
+                files=files,
+                to_send=base.file_waiting,
+                lanes=base.lanes,
+                events=base.events,
+            ),
+        }

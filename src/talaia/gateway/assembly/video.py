@@ -1,0 +1,59 @@
+"""Pictures of cameras: for programs at the gateway, for the hub's pages, and for the archive."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.fits.frame_taker import FrameTaker
+from talaia.gateway.fits.outbox import ArchiveOutbox
+from talaia.gateway.fits.whole_files import WholeFiles
+from talaia.gateway.uplink.pictures import PictureUplink
+from talaia.gateway.video.frame_source import FrameSource
+
+if TYPE_CHECKING:
+    from talaia.gateway.assembly.description import DescriptionPart
+    from talaia.gateway.assembly.foundation import FoundationPart
+    from talaia.gateway.assembly.recording import RecordingPart
+
+__all__ = ["VideoPart"]
+
+
+class VideoPart(GatewayPart):
+    """Where adapters give pictures.
+
+    Attributes:
+        frames: gives pixels to whoever looks at cameras here, such as a detector.
+        pictures: encoded, to the hub and to films.
+        outbox: whole FITS files that wait for the hub's archive.
+        frame_taker: takes pictures for the archive in pieces.
+        whole_files: takes pictures for the archive that come as whole files.
+
+    """
+
+    def __init__(
+        self, *, base: FoundationPart, description: DescriptionPart, recording: RecordingPart
+    ) -> None:
+        """Take up the files that an earlier run left."""
+        settings, site = base.settings, description.site
+        self.frames = FrameSource(on_held=base.streams_changed.emit)
+        self.pictures = PictureUplink(base.loop, base.clock, self.frames, recording.films)
+        self.outbox = ArchiveOutbox(
+            settings.data / "outbox", settings.outbox_bytes, base.announce_file
+        )
+        self.frame_taker = FrameTaker(
+            folder=settings.data / "taking",
+            outbox=self.outbox,
+            events=base.events,
+            clock=base.clock,
+            disk=base.file_thread,
+        )
+        self.whole_files = WholeFiles(
+            folder=settings.data / "taking",
+            outbox=self.outbox,
+            events=base.events,
+            clock=base.clock,
+            disk=base.file_thread,
+            site=site.name,
+            place=site.place,
+        )

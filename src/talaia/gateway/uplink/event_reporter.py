@@ -1,0 +1,39 @@
+"""Tells the hub what is worth writing down, from any thread."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.wire.frames import Event
+
+if TYPE_CHECKING:
+    import asyncio
+
+    from talaia.clock import Clock
+    from talaia.gateway.uplink.lanes import SendLanes
+
+__all__ = ["EventReporter"]
+
+
+class EventReporter:
+    """An `EventSink`."""
+
+    def __init__(self, *, loop: asyncio.AbstractEventLoop, clock: Clock, lanes: SendLanes) -> None:
+        """Queue events in the lanes, on their event loop."""
+        self._loop = loop
+        self._clock = clock
+        self._lanes = lanes
+
+    def report_event(
+        self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
+    ) -> None:
+        """See `EventSink`."""
+        event = Event(
+            kind=kind,
+            device=device,
+            message=message[:2000],
+            who=who,
+            time_us=self._clock.wall_ns() // 1000,
+            good=good,
+        )
+        self._loop.call_soon_threadsafe(self._lanes.send, event)
