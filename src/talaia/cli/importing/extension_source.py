@@ -80,7 +80,7 @@ class ExtensionSource:
                 waiting += 1
                 if waiting == _AT_ONCE:
                     waiting = 0
-                    columns = buffer.take()
+                    columns = buffer.take_columns()
                     if columns is not None:
                         yield Piece(0.0, columns)
         except BadFile:
@@ -90,7 +90,7 @@ class ExtensionSource:
         except Exception as error:
             said = f"the importer {self._name!r} failed: {type(error).__name__}: {error}"
             raise BadFile(str(self._path), "", said) from error
-        columns = buffer.take()
+        columns = buffer.take_columns()
         if columns is not None:
             yield Piece(1.0, columns)
 

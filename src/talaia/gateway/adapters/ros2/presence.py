@@ -44,7 +44,6 @@ class Ros2Presence:
         clock: Clock,
         commands: Ros2Commands,
         tell: Callable[[str, str, bool], None],
-        *,
         deafness: Deafness,
         rejoin: Callable[[str], None],
     ) -> None:
