@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import MS
-from talaia.gateway.adapters.presence import LOOK_S, DeviceEndpoints, DevicePresence
+from talaia.gateway.adapters.presence import LOOK_S, Deafness, DeviceEndpoints, DevicePresence
 
 pytestmark = pytest.mark.pure
 
@@ -136,3 +136,41 @@ def test_whatever_happened_before_it_is_there_as_soon_as_it_speaks(
     assert not robot.told or not robot.told[-1]
     # Told of changes only.
     assert all(one != other for one, other in zip(robot.told, robot.told[1:], strict=False))
+
+
+def test_nobody_is_deaf_before_anybody_was_asked_nor_while_anybody_speaks(robot: Robot) -> None:
+    assert robot.presence.deaf is None
+    robot.looks(8, speaks=True)
+    assert robot.presence.deaf is False
+    robot.looks(40)
+    assert robot.presence.deaf is False
+    robot.answers = False
+    robot.looks(8)
+    assert robot.presence.deaf is True
+    robot.looks(1, speaks=True)
+    assert robot.presence.deaf is False
+    # What has left the graph is gone, and no fault of one's own ears.
+    robot.offer = NOTHING
+    robot.looks(40)
+    assert robot.presence.deaf is None
+
+
+def test_whoever_hears_nobody_joins_anew_ever_more_seldom_until_somebody_is_heard() -> None:
+    deafness = Deafness()
+
+    def joins(looks: int) -> list[int]:
+        """After how many looks it joins anew; the first ones behind that tell nothing yet."""
+        found = []
+        for number in range(1, looks + 1):
+            if deafness.look(deaf=True):
+                found.append(number)
+                assert not deafness.look(deaf=None)
+        return found
+
+    first = Deafness.FIRST
+    # A robot that was killed is on the graph for 20 s.
+    assert first * LOOK_S > 20
+    assert joins(7 * first) == [first, 3 * first, 7 * first]
+    assert len(joins(40 * Deafness.LONGEST)) in range(39, 43)
+    assert not deafness.look(deaf=False)
+    assert joins(first) == [first]

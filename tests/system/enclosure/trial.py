@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import random
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
+
+from websockets.exceptions import ConnectionClosed
 
 from .description import HEARTBEAT_S, LASTING_S, MOUNT_S, MOVE_S, WATCHDOG_S
 from .judge import Unsafe, judge
@@ -122,7 +125,13 @@ class Run:
 
     async def refused(self, device: str, command: str, why: str, who: str = "Bea") -> None:
         """Let a person ask for what must be refused."""
-        phase = await self.world.does(device, command, who)
+        phase = ""
+        for _ in range(5):
+            # On a link that is just lost nobody is answered, and nothing is done.
+            with contextlib.suppress(AssertionError, ConnectionClosed):
+                asked = await self.world.ask(device, command, who)
+                phase = str((await self.world.ended(asked, 10.0)).phase)
+                break
         if phase != "refused":
             self.breach(f"{device}/{command} {why}: {phase}")
 

@@ -15,7 +15,7 @@ from talaia.clock import MS
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-__all__ = ["LOOK_S", "DeviceEndpoints", "DevicePresence"]
+__all__ = ["LOOK_S", "Deafness", "DeviceEndpoints", "DevicePresence"]
 
 # A look every quarter of a second, silence of at most 0.7 s until a node is asked, and four looks
 # for its answer: less than the two seconds after which nothing old may look live.
@@ -23,6 +23,8 @@ LOOK_S = 0.25
 ASK_NS = 450 * MS
 # Looks are counted, not time: if this process stood still, the node is not to blame.
 PATIENCE = 4
+# Who has said anything in this time has been heard.
+SPOKEN_NS = 1000 * MS
 
 
 class DeviceEndpoints(NamedTuple):
@@ -38,6 +40,9 @@ class DeviceEndpoints(NamedTuple):
     there: bool
     nodes: frozenset[str] = frozenset()
     askable: frozenset[str] = frozenset()
+
+
+_NOTHING = DeviceEndpoints(there=False)
 
 
 class DevicePresence:
@@ -61,6 +66,12 @@ class DevicePresence:
         self._open: dict[str, int] = {}
         self._gone: set[str] = set()
         self._look = 0
+        self._deaf: bool | None = None
+
+    @property
+    def deaf(self) -> bool | None:
+        """Whether devices are there and none of them speaks or answers; none: not known yet."""
+        return self._deaf
 
     def answered(self, node: str, now_ns: int) -> None:
         """Take a node as alive."""
@@ -88,8 +99,9 @@ class DevicePresence:
         """
         self._look += 1
         ask: set[str] = set()
+        there = [each for each in self._devices if offers.get(each, _NOTHING).nodes]
         for device in self._devices:
-            offer = offers.get(device, DeviceEndpoints(there=False))
+            offer = offers.get(device, _NOTHING)
             if offer.there:
                 self._seen.add(device)
             if device not in self._seen:
@@ -105,6 +117,14 @@ class DevicePresence:
                 self._set(device, self._silent(offer, now_ns, ask))
         for node in ask:
             self._open.setdefault(node, self._look)
+        words = [heard_ns.get(each, 0) for each in there]
+        words += [self._answered_ns.get(node, 0) for each in there for node in offers[each].nodes]
+        if there and all(each in self._away for each in there):
+            self._deaf = True
+        elif any(now_ns - each < SPOKEN_NS for each in words if each):
+            self._deaf = False
+        else:
+            self._deaf = None
         return frozenset(ask)
 
     def _silent(self, offer: DeviceEndpoints, now_ns: int, ask: set[str]) -> str:
@@ -124,3 +144,36 @@ class DevicePresence:
         else:
             del self._away[device]
         self._tell(device, why, sure)
+
+
+class Deafness:
+    """When to join a robot anew because none of all that is there is heard.
+
+    A middleware's transport may be broken on our side alone: Fast DDS's shared memory has been
+    seen to deliver nothing any more to a process that had stood still for seconds, while the graph
+    went on and requests arrived. A robot that hangs looks the same, so this is done seldom. It
+    outlives each joining.
+    """
+
+    # In looks: longer than a graph keeps a robot that was killed (20 s with Fast DDS), and then
+    # ever longer, up to 5 minutes.
+    FIRST = round(22 / LOOK_S)
+    LONGEST = round(300 / LOOK_S)
+
+    def __init__(self) -> None:
+        """Hear well."""
+        self._looks = 0
+        self._limit = self.FIRST
+
+    def look(self, *, deaf: bool | None) -> bool:
+        """Take in what `DevicePresence.deaf` says; tell whether to join anew now."""
+        if deaf is None:
+            return False
+        if not deaf:
+            self._looks, self._limit = 0, self.FIRST
+            return False
+        self._looks += 1
+        if self._looks < self._limit:
+            return False
+        self._looks, self._limit = 0, min(self.LONGEST, 2 * self._limit)
+        return True

@@ -27,6 +27,7 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.arrivals import Arrivals
+from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
 from talaia.gateway.adapters.ros2.decode import decoder_for
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
@@ -132,6 +133,7 @@ class Ros2Adapter:
         self._turn = 0
         self._rejoining = ReconnectionAttempts(self._clock)
         self._arrivals = Arrivals(self._clock.monotonic_ns())
+        self._deafness = Deafness()
 
     # ── Adapter ──
 
@@ -237,8 +239,9 @@ class Ros2Adapter:
             self._complain,
         )  # fmt: skip
         self._presence = Ros2Presence(
-            self._share, self._node, thread, self._clock, self._commands, self._on_presence
-        )
+            self._share, self._node, thread, self._clock, self._commands, self._on_presence,
+            deafness=self._deafness, rejoin=lambda why: fail(AdapterLost(why)),
+        )  # fmt: skip
         for plan in self._plans:
             self._plan(plan)
         self._motion = Ros2Motion(self._share, self._node, self._tell_missing)
@@ -547,5 +550,8 @@ def _never(_: object) -> None:
 
 
 def _fail(future: asyncio.Future[None], error: BaseException) -> None:
-    if not future.done():
-        future.set_exception(AdapterLost(f"ROS 2 was lost: {type(error).__name__}: {error}"))
+    if future.done():
+        return
+    if not isinstance(error, AdapterLost):
+        error = AdapterLost(f"ROS 2 was lost: {type(error).__name__}: {error}")
+    future.set_exception(error)

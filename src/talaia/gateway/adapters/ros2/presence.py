@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.srv import GetParameters
 
-from talaia.gateway.adapters.presence import DeviceEndpoints, DevicePresence
+from talaia.gateway.adapters.presence import Deafness, DeviceEndpoints, DevicePresence
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,8 +43,14 @@ class Ros2Presence:
         clock: Clock,
         commands: Ros2Commands,
         tell: Callable[[str, str, bool], None],
+        *,
+        deafness: Deafness,
+        rejoin: Callable[[str], None],
     ) -> None:
-        """Take who is asked; ``tell`` as in `DevicePresence`."""
+        """Take who is asked; ``tell`` as in `DevicePresence`.
+
+        ``rejoin`` is called with a reason when nobody is heard, see ``deafness``.
+        """
         self._node, self._thread, self._clock, self._commands = node, thread, clock, commands
         self.heard_ns: dict[str, int] = {}
         self._topics = {
@@ -54,6 +60,7 @@ class Ros2Presence:
         self._clients: dict[str, Any] = {}
         self._offers: dict[str, DeviceEndpoints] = {}
         self._tell = tell
+        self._deafness, self._rejoin = deafness, rejoin
         self._presence = DevicePresence(share.devices, self._told)
         self._turn = 0
 
@@ -68,6 +75,8 @@ class Ros2Presence:
         }
         for name in self._presence.look(self._clock.monotonic_ns(), self._offers, heard):
             self._clients[name].handle.send_request(GetParameters.Request(names=[]))
+        if self._deafness.look(deaf=self._presence.deaf):
+            self._rejoin("nobody of all who are there is heard or answers; joining anew")
 
     def _told(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `DevicePresence`
         # A node that does not answer may be busy with just that call; one that has left is not.

@@ -1,0 +1,79 @@
+"""A ROS 2 gateway that hears nobody of all who are there joins anew."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+from pathlib import Path
+
+import pytest
+from conftest import peer_in
+from fake_hub import fake_hub
+from gateway_bench import SITE, Peer, addresses_of, running
+from patience import PATIENCE_S
+
+from talaia.gateway.adapters.presence import Deafness
+from talaia.wire.frames import Event
+
+pytestmark = pytest.mark.robot
+
+
+async def test_a_gateway_that_hears_nobody_joins_anew_and_hears_again(
+    peer: Peer, ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Whether the robot hangs or our own transport does, looks the same.
+    monkeypatch.setattr(Deafness, "FIRST", 8)
+    async with (
+        fake_hub(addresses_of) as hub,
+        running(hub.url, tmp_path / "data", SITE),
+    ):
+        await hub.until(lambda: hub.hellos, "a hello")
+        await peer.until_heard_by(1)
+        await peer.do("count", **{"from": 1, "to": 2, "hz": 100})
+        await hub.until(lambda: 1.0 in hub.values("base/number"), "a value")
+
+        def said(kind: str) -> list[str]:
+            return [x.message for x in hub.messages if isinstance(x, Event) and x.kind == kind]
+
+        os.kill(peer._process.pid, signal.SIGSTOP)
+        try:
+            await hub.until(lambda: said("connection lost"), "the loss")
+            await hub.until(lambda: said("connection back"), "it has joined anew")
+        finally:
+            os.kill(peer._process.pid, signal.SIGCONT)
+        assert "nobody of all who are there is heard or answers" in said("connection lost")[0]
+        await peer.until_heard_by(1)
+        await peer.do("count", **{"from": 7, "to": 8, "hz": 100})
+        await hub.until(lambda: 7.0 in hub.values("base/number"), "a value after it")
+
+
+async def test_a_port_of_shared_memory_that_was_made_anew_beside_us_is_heard_after_joining_anew(
+    ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Deafness, "FIRST", 8)
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", SITE):
+        await hub.until(lambda: hub.hellos, "a hello")
+        # As Fast DDS does it with a port whose reader seems dead: who writes to it makes another.
+        first = 7400 + 250 * ros_domain + 11
+        folder = Path("/dev/shm")  # noqa: S108 - where Fast DDS has them
+        ports = [folder / f"fastdds_port{first + 2 * number}" for number in range(8)]
+        gone = [each for each in ports if each.exists()]
+        for each in gone:
+            each.unlink()
+        assert gone
+        async with peer_in(ros_domain) as peer:
+            sent = 0
+
+            async def heard() -> bool:
+                nonlocal sent
+                sent += 1
+                await peer.do("count", **{"from": sent, "to": sent + 1, "hz": 100})
+                await asyncio.sleep(0.2)
+                return bool(hub.values("base/number"))
+
+            async with asyncio.timeout(PATIENCE_S):
+                while not await heard():
+                    pass
+            lost = [x for x in hub.messages if isinstance(x, Event) and x.kind == "connection lost"]
+            assert lost
