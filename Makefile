@@ -39,6 +39,7 @@ check: setup  ## style, types, import direction, generated files
 	$(VENV)/python tools/check_tree.py
 	$(VENV)/python tools/check_tests.py
 	$(VENV)/python tools/check_names.py
+	$(VENV)/python tools/check_pages.py
 	$(VENV)/python tools/node.py run check
 
 bench: setup  ## measure speed and memory; prints each figure beside its limit

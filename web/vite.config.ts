@@ -69,5 +69,5 @@ export default defineConfig({
     host: "127.0.0.1",
     proxy: { "/api": hub, "/ws": { target: hub.replace("http", "ws"), ws: true } },
   },
-  test: { include: ["tests/**/*.test.ts"], environment: "node" },
+  test: { include: ["tests/**/*.test.ts"], environment: "node", testTimeout: 30_000 },
 });

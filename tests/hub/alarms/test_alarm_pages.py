@@ -128,7 +128,7 @@ async def test_an_alarm_of_each_kind_is_made_in_the_page_and_raised(hub, chromiu
     await make(
         page, "Odd", "Anomaly", Signal="base/speed", **{"At least this score": "0.5"}, **forever
     )
-    await make(page, "Someone", "Something a camera sees", **{"What is seen": "person"})
+    await make(page, "Someone", "Something a camera sees", **{"Detected object": "person"})
 
     def row(alarm: str):
         return page.locator(f"li[data-alarm={alarm}]")
@@ -239,7 +239,7 @@ async def test_logbook_leads_to_the_device_s_chart_and_the_live_chart_has_the_ma
     await expect(page.get_by_text("gateway connected")).to_have_count(0)
     search = page.get_by_label("Search")
     await search.press_sequentially("nothing ")
-    await expect(page.get_by_role("heading", name="Nothing fits")).to_be_visible()
+    await expect(page.get_by_role("heading", name="No matches")).to_be_visible()
     # Whoever rests between two words goes on where they were.
     await search.press_sequentially("like it")
     await page.wait_for_url("**/logbook?text=nothing+like+it&device=power")
@@ -276,7 +276,7 @@ async def test_a_rule_is_changed_in_its_row_and_a_way_in_its_form(hub, chromium)
     said = {
         "Mail address": "op@example.org", "Of": "*", "At least": "critical",
         "Quiet from": "22:30", "Quiet until": "06:05", "By the clock of": "Asia/Tokyo",
-        "Told in quiet hours too": "critical", "Gathered for (s)": "60",
+        "Notify in quiet hours too": "critical", "Gathered for (s)": "60",
     }  # fmt: skip
     for label, value in said.items():
         await expect(row.get_by_label(label, exact=True)).to_have_value(value)

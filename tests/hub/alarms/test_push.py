@@ -207,9 +207,9 @@ async def test_alarm_becomes_a_notification_and_a_click_opens_it(
     asked = await page.evaluate("window.askedOfPush")
     hub_key = b64(base64.b64decode(asked["key"]))
     assert asked["visible"] is True
-    await page.get_by_role("button", name="Tell me of alarms").click()
+    await page.get_by_role("button", name="Notify me of alarms").click()
     await page.get_by_label("Gathered for (s)").fill("0")
-    await page.get_by_role("button", name="Tell me", exact=True).click()
+    await page.get_by_role("button", name="Notify me", exact=True).click()
     await page.get_by_role("button", name="Send a test").click()
     await expect(page.get_by_text("the test was taken")).to_be_visible()
     assert "a test message" in await push_service.message(hub_key)

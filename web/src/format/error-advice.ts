@@ -55,10 +55,10 @@ function asSentence(text: string): string {
 export function signInAdvice(error: unknown): Advice {
   if (!isRefusal(error)) return UNREACHABLE;
   if (error.status === 429) {
-    return { what: "Too many tries.", how: `The hub slows down whoever guesses. Try again ${waitText(error.retryAfter)}.` };
+    return { what: "Too many tries.", how: `The hub delays repeated tries. Try again ${waitText(error.retryAfter)}.` };
   }
   if (isFactor(error)) {
-    return { what: "This code does not fit.", how: `${asSentence(error.message)} Each code works once; wait for the next one.` };
+    return { what: "This code is wrong.", how: `${asSentence(error.message)} Each code works once; wait for the next one.` };
   }
   if (error.status === 401 || error.status === 403) {
     return { what: "Name or password is wrong.", how: "Check both; capital letters count." };

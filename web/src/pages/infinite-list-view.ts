@@ -4,8 +4,8 @@ import { html, nothing, type TemplateResult } from "lit";
 import { repeat } from "lit/directives/repeat.js";
 import type { InfiniteRows, IdentifiedRow } from "../controllers/infinite-rows.js";
 import { adviceFor } from "../format/error-advice.js";
+import { renderAdvice } from "../elements/feedback/load-state.js";
 import "../elements/feedback/loading.js";
-import "../elements/feedback/problem.js";
 
 /** The words about a list, and what it is made of. */
 interface InfiniteListOptions<R> {
@@ -36,7 +36,7 @@ function renderListEnd<R extends IdentifiedRow>(list: InfiniteRows<R>, what: str
   const advice = list.renderFailure === null ? null : adviceFor(list.renderFailure, what);
   return html`${advice === null
       ? nothing
-      : html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${list.retry}></t-problem>`}
+      : renderAdvice(advice, list.retry)}
     ${list.loading || !list.hasStarted ? html`<t-loading what=${`Loading ${what}`}></t-loading>` : nothing}
     <p class="end">${list.hasMore || list.rows.length === 0 ? "" : "This is where it begins."}</p>`;
 }

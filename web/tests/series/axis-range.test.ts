@@ -1,11 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { decimalsOf, niceRange, niceStep, SteadyRange } from "../../src/series/axis-range.js";
-import { tickText, timeStep, timeTicks } from "../../src/series/time-ticks.js";
-import { DAY_US, HOUR_US, MINUTE_US, SECOND_US, ZoneClock } from "../../src/series/zone-clock.js";
 import { forSeeds } from "./seeded.js";
-
-const utc = (text: string): number => Date.parse(`${text}Z`) * 1000;
-const madrid = new ZoneClock("Europe/Madrid");
 
 describe("a value axis", () => {
   it("holds all data, and is never empty", () => {
@@ -61,69 +56,5 @@ describe("a value axis", () => {
 
   it("has round steps", () => {
     expect([0.011, 0.2, 3, 51, 0].map(niceStep)).toEqual([0.02, 0.2, 5, 100, 1]);
-  });
-});
-
-describe("a time axis", () => {
-  it("has ascending marks within the window, no more than asked for, at every zoom", () => {
-    forSeeds(200, (roll) => {
-      const span = 10 ** (4 + roll() * 10);
-      const from = utc("2026-03-01T00:00:00") + roll() * 60 * DAY_US;
-      const step = timeStep(span, 6);
-      const ticks = timeTicks(from, from + span, step, madrid);
-      expect(ticks.length).toBeLessThanOrEqual(8);
-      ticks.forEach((tick, i) => {
-        expect(tick).toBeGreaterThanOrEqual(from);
-        expect(tick).toBeLessThanOrEqual(from + span);
-        if (i > 0) expect(tick).toBeGreaterThan(ticks[i - 1] ?? 0);
-      });
-    });
-  });
-
-  it("keeps its marks while the window moves over them", () => {
-    const from = utc("2026-11-21T10:00:00.3");
-    const first = timeTicks(from, from + 30 * SECOND_US, 5 * SECOND_US, madrid);
-    const later = timeTicks(from + 2e6, from + 32 * SECOND_US, 5 * SECOND_US, madrid);
-    expect(later).toEqual(expect.arrayContaining(first.slice(1)));
-  });
-
-  it("has midnight of the zone as a mark, also across the change to summer time", () => {
-    const ticks = timeTicks(utc("2026-03-28T12:00"), utc("2026-03-31T12:00"), DAY_US, madrid);
-    expect(ticks).toEqual([utc("2026-03-28T23:00"), utc("2026-03-29T22:00"), utc("2026-03-30T22:00")]);
-  });
-
-  it("says what is needed to read it and no more", () => {
-    const at = utc("2026-11-21T10:05:09.25");
-    expect(tickText(at, MINUTE_US, madrid)).toBe("11:05");
-    expect(tickText(at, SECOND_US, madrid)).toBe("11:05:09");
-    expect(tickText(at, 50_000, madrid)).toBe("11:05:09.250");
-    expect(tickText(utc("2026-11-20T23:00"), HOUR_US, madrid)).toBe("21 Nov");
-    expect(tickText(at, DAY_US, madrid)).toBe("21 Nov");
-  });
-});
-
-describe("a zone's clock", () => {
-  it("gives back the moment that it wrote into a field, whatever the zone", () => {
-    for (const zone of ["UTC", "Europe/Madrid", "Asia/Kathmandu", "America/St_Johns", "Pacific/Apia"]) {
-      const clock = new ZoneClock(zone);
-      forSeeds(40, (roll) => {
-        const at = Math.floor(utc("2020-01-01T00:00") / 1e6 + roll() * 3e8) * 1e6;
-        const again = clock.fromInput(clock.toInput(at));
-        // An hour that comes twice in autumn can only mean its first coming.
-        expect(again === at || again === at - HOUR_US).toBe(true);
-      });
-    }
-  });
-
-  it("knows where days begin, also those of 23 and 25 hours", () => {
-    expect(madrid.dayStart(utc("2026-03-29T12:00"))).toBe(utc("2026-03-28T23:00"));
-    expect(madrid.dayAfter(utc("2026-03-29T12:00"), 1)).toBe(utc("2026-03-29T22:00"));
-    expect(madrid.dayAfter(utc("2026-10-25T12:00"), 1)).toBe(utc("2026-10-25T23:00"));
-    expect(madrid.dayAfter(utc("2026-11-21T12:00"), -1)).toBe(utc("2026-11-19T23:00"));
-  });
-
-  it("takes a time that summer time skips for the one an hour later, and nonsense for none", () => {
-    expect(madrid.fromInput("2026-03-29T02:30:00")).toBe(utc("2026-03-29T01:30:00"));
-    expect(madrid.fromInput("")).toBeNaN();
   });
 });

@@ -39,7 +39,7 @@ export interface CommandRequest {
   readonly blockedBy: string;
 }
 
-/** The fields of `CommandNews` that decide. */
+/** The fields of `CommandUpdate` that decide. */
 export interface CommandUpdate {
   readonly id: string;
   readonly phase: Exclude<RequestStage, "sent" | "offline">;

@@ -5,7 +5,7 @@ import type { HaltReason } from "./drive-machine.js";
 const HALTS: Readonly<Record<HaltReason, string>> = {
   released: "",
   "stop key": "Halted with the S key.",
-  cancelled: "Halted: the press was interrupted. Press again to go on.",
+  cancelled: "Halted: the press was interrupted. Press again to continue.",
   blur: "Halted: this window lost the focus. Click into it and press again.",
   hidden: "Halted and control given back: this page was out of sight.",
   "gamepad lost": "Halted: the gamepad is gone.",

@@ -15,7 +15,7 @@ export const VAIN_MS = 1500;
 
 export type LeaseAsk = "take" | "renew" | "free" | "ask" | "accept" | "deny" | "force";
 
-/** The fields of `LeaseNews` that decide. */
+/** The fields of `LeaseUpdate` that decide. */
 export interface LeaseUpdate {
   readonly holder: string;
   readonly yours: boolean;
@@ -43,7 +43,7 @@ export type LeaseState =
   | { readonly kind: "waiting"; readonly holder: string; readonly until: number }
   | { readonly kind: "other"; readonly holder: string; readonly forceable: boolean };
 
-const ENDED = "The gateway ended your control. Take it again to go on.";
+const ENDED = "The gateway ended your control. Take control again to continue.";
 
 export class LeaseMachine {
   private now_: LeaseState = { kind: "unknown" };
@@ -164,7 +164,7 @@ export class LeaseMachine {
     }
     if (state.kind === "waiting" && now - state.until >= VAIN_MS) {
       this.now_ = { kind: "other", holder: state.holder, forceable: false };
-      this.trouble = "The gateway did not say what became of your ask. Try again.";
+      this.trouble = "The gateway did not answer your request. Try again.";
       return { ask: "free", ended: null };
     }
     if (state.kind !== "mine") return { ask: null, ended: null };

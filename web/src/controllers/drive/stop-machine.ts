@@ -10,7 +10,7 @@ export const REPEAT_MS = 200;
 export const ARMED_MS = 10_000;
 export const RESET_ANSWER_MS = 3000;
 
-/** The fields of `StopNews` that decide. */
+/** The fields of `StopUpdate` that decide. */
 export interface StopUpdate {
   readonly latched: boolean;
   readonly confirmed: boolean;

@@ -149,7 +149,7 @@ export class ObjectsChoicePanel extends LitElement {
           @input=${this.onSlide}
       /></label>
       <div class="foot">
-        <t-button ?disabled=${this.plain} @click=${this.useDescribedObjects}>As described</t-button>
+        <t-button ?disabled=${this.plain} @click=${this.useDescribedObjects}>Default settings</t-button>
         <t-button @click=${this.closePanel}>Close</t-button>
       </div>
     </div>`;

@@ -83,7 +83,7 @@ export class ObjectsOverlay extends LitElement {
 
   override render(): TemplateResult {
     return html`<div class="strip">
-        <button type="button" class="key worded" aria-pressed=${this.on ? "true" : "false"} title="Frame what is seen on the picture" @click=${this.onSwitch}>
+        <button type="button" class="key worded" aria-pressed=${this.on ? "true" : "false"} title="Show detected objects on the picture" @click=${this.onSwitch}>
           ${renderIcon("M4 8V4h4M16 4h4v4M20 16v4h-4M8 20H4v-4M9 9h6v6H9z")} Objects
         </button>
         ${this.on ? this.renderDetails() : nothing}

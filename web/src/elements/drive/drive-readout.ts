@@ -76,7 +76,7 @@ export class DriveReadout extends LitElement {
           <tr>
             <td></td>
             <th scope="col">You ask</th>
-            <th scope="col">Robot is told</th>
+            <th scope="col">Sent to the robot</th>
             <th scope="col">Measured</th>
           </tr>
         </thead>

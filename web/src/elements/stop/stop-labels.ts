@@ -23,7 +23,7 @@ export function stopLabel(stop: StopShown, online: boolean): string {
     case "latched":
       return "Latched at the gateway";
     case "confirmed":
-      return "Latched; the robot stands still";
+      return "Latched; the robot is stopped";
   }
 }
 

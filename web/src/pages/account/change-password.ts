@@ -1,7 +1,7 @@
 /** Change one's own password. */
 
 import { consume } from "@lit/context";
-import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
 import { base } from "../../elements/base/base-style.js";
@@ -10,9 +10,9 @@ import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import { apiContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/forms/rule-list.js";
 
 @customElement("t-account-password")
@@ -45,7 +45,7 @@ export class ChangePassword extends LitElement {
           <input id="again" type="password" autocomplete="new-password" required @input=${this.onInput} />
         </t-field>
         <t-rules .rules=${this.rules()}></t-rules>
-        ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+        ${renderAdvice(problem)}
         <div class="actions">
           <t-button type="submit" kind="primary" ?busy=${busy}>Change the password</t-button>
           <span class="said" role="status">${done}</span>

@@ -74,9 +74,9 @@ export class NotificationRuleForm extends LitElement {
         </select>
       </t-field>
       <t-field label="Quiet from" hint="Empty: never quiet"><input name="from" type="time" .value=${quiet?.from ?? ""} /></t-field>
-      <t-field label="Quiet until" hint="What comes meanwhile is told then"><input name="to" type="time" .value=${quiet?.to ?? ""} /></t-field>
+      <t-field label="Quiet until" hint="Alarms in that time are notified when it ends"><input name="to" type="time" .value=${quiet?.to ?? ""} /></t-field>
       ${this.renderClock()}
-      <t-field label="Told in quiet hours too">
+      <t-field label="Notify in quiet hours too">
         <select name="quiet_least">
           ${map(SEVERITIES.slice(1), (word) => html`<option .selected=${word === rule.quiet_least}>${word}</option>`)}
         </select>
@@ -84,7 +84,7 @@ export class NotificationRuleForm extends LitElement {
       <t-field label="Gathered for (s)" hint="A burst comes as one message"><input name="group_s" inputmode="numeric" .value=${String(rule.group_s)} /></t-field>
       <label class="tick"><input name="over" type="checkbox" .checked=${rule.over} /> Also when it is over</label>
       <div class="actions">
-        <t-button type="submit" kind="primary" ?busy=${this.busy}>${this.rule === null ? "Tell me" : "Save"}</t-button>
+        <t-button type="submit" kind="primary" ?busy=${this.busy}>${this.rule === null ? "Notify me" : "Save"}</t-button>
         <t-button @click=${this.onCancel}>Cancel</t-button>
       </div>
       ${this.problem === null ? nothing : html`<t-problem class="wide" what=${this.problem.what} how=${this.problem.how}></t-problem>`}

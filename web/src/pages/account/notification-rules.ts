@@ -18,9 +18,9 @@ import { NotifyApi, type PushList, type RuleAsk, type NoticeRuleShape, type WayC
 import type { HubApi } from "../../wire/hub-api.js";
 import { subscribePush, whyNoPush } from "../../wire/web-push.js";
 import { quietHours } from "./notification-rule.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/values/time.js";
 import "../../elements/feedback/delivery-result.js";
 import "./notification-rule-form.js";
@@ -67,9 +67,9 @@ export class NotificationRules extends LitElement {
     const advice = result.state === "failed" ? adviceFor(result.error, "your rules") : null;
     const { problem } = this.action;
     return html`<h2>Messages about alarms</h2>
-      ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
+      ${renderAdvice(advice)}
       ${value === undefined ? (advice === null ? html`<t-loading what="Loading your rules"></t-loading>` : nothing) : this.renderContent(value)}
-      ${problem === null || this.isFormOpen(value) ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}`;
+      ${problem === null || this.isFormOpen(value) ? nothing : renderAdvice(problem)}`;
   }
 
   /** Whether a form is shown: it says by itself what went wrong. */
@@ -79,10 +79,10 @@ export class NotificationRules extends LitElement {
 
   private renderContent(known: LoadedRules): TemplateResult {
     if (known.ways.length === 0) {
-      return html`<p class="muted">Nobody is told of alarms yet: an admin sets up mail, a webhook, a chat or push messages first, under Admin, Notification.</p>`;
+      return html`<p class="muted">No notification channels yet: an admin first sets up mail, a webhook, a chat or push messages under Admin, Notification.</p>`;
     }
     return html`${known.rules.length === 0
-        ? html`<p class="muted">You are told of no alarms. They are on every page all the same.</p>`
+        ? html`<p class="muted">You get no notifications of alarms. They are still shown on every page.</p>`
         : html`<ul class="rows">
             ${repeat(
               known.rules,
@@ -93,7 +93,7 @@ export class NotificationRules extends LitElement {
       ${this.editing === ""
         ? html`<h3>A new rule</h3>
             ${this.renderForm(null, known)}`
-        : html`<div class="actions"><t-button class="add" @click=${this.editOpener("")}>Tell me of alarms…</t-button></div>`}
+        : html`<div class="actions"><t-button class="add" @click=${this.editOpener("")}>Notify me of alarms…</t-button></div>`}
       ${known.push.key === "" ? nothing : this.renderBrowsers(known.push)}`;
   }
 
@@ -138,7 +138,7 @@ export class NotificationRules extends LitElement {
     const why = whyNoPush();
     return html`<h3>Browsers that take push messages</h3>
       ${push.browsers.length === 0
-        ? html`<p class="muted">None of yours yet. A rule that tells you by push messages goes to all of them.</p>`
+        ? html`<p class="muted">None yet. A rule that uses push messages notifies all of them.</p>`
         : html`<ul class="rows">
             ${repeat(
               push.browsers,

@@ -1,7 +1,7 @@
 /** Set up or remove one's second factor. */
 
 import { consume } from "@lit/context";
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
 import { base } from "../../elements/base/base-style.js";
@@ -11,10 +11,10 @@ import type { Session } from "../../state/session.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { FactorOffer } from "../../wire/admin-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/copy-text.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/values/qr-code.js";
 import "../../elements/feedback/status.js";
 
@@ -60,7 +60,7 @@ export class SecondFactor extends LitElement {
         <h2>Second factor</h2>
         <t-status kind=${this.active ? "ok" : "unknown"} word=${this.active ? "on" : "off"}></t-status>
       </div>
-      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${renderAdvice(problem)}
       ${this.renderContent()}`;
   }
 

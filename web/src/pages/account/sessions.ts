@@ -15,9 +15,9 @@ import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { SessionRow } from "../../wire/admin-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
@@ -44,7 +44,7 @@ export class AccountSessions extends LitElement {
           ? nothing
           : html`<t-button ?busy=${under === "end them"} @click=${this.endOthers}>End all others</t-button>`}
       </div>
-      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${renderAdvice(problem)}
       <p class="visually-hidden" role="status">${done}</p>
       ${this.renderList(rows)}`;
   }
@@ -52,8 +52,7 @@ export class AccountSessions extends LitElement {
   private renderList(rows: readonly SessionRow[] | undefined): unknown {
     const { result } = this.rows;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "the list of your sessions");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+      return renderAdvice(adviceFor(result.error, "the list of your sessions"), this.retry);
     }
     if (rows === undefined) return html`<t-loading what="Loading your sessions"></t-loading>`;
     const zone = this.sites.store?.zone ?? "UTC";

@@ -16,10 +16,10 @@ import { inheritedLevel, LEVELS, ownLevel, levelRank, withLevel, type AccessLeve
 import type { DeviceRow, Permission, Person } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { scopesOf, type TokenScope } from "./token-scopes.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 
 export interface TokenWish {
   readonly name: string;
@@ -137,13 +137,12 @@ export class TokenForm extends LitElement {
   private renderRights(): unknown {
     const { result, value } = this.devices;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "the list of your devices");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+      return renderAdvice(adviceFor(result.error, "the list of your devices"), this.retry);
     }
     if (value === undefined) return html`<t-loading what="Loading your devices"></t-loading>`;
     const scopes = scopesOf(this.person?.permissions ?? [], value);
     if (scopes.length === 0) {
-      return html`<p class="muted">You have no rights to pass on; the token will read what is public.</p>`;
+      return html`<p class="muted">You have no rights to give; the token can read public data only.</p>`;
     }
     return html`<fieldset>
       <legend>What it may do</legend>

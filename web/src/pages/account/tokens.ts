@@ -17,11 +17,11 @@ import type { TokenRow } from "../../wire/admin-types.js";
 import type { Person } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { TokenWish } from "./token-form.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/forms/copy-text.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "./token-form.js";
@@ -55,7 +55,7 @@ export class AccountTokens extends LitElement {
       </div>
       ${problem === null || this.revoking !== null
         ? nothing
-        : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+        : renderAdvice(problem)}
       ${this.made === "" ? nothing : this.renderShown()}
       ${this.making
         ? html`<t-token-form
@@ -81,8 +81,7 @@ export class AccountTokens extends LitElement {
   private renderList(): unknown {
     const { result, value } = this.rows;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "the list of your tokens");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+      return renderAdvice(adviceFor(result.error, "the list of your tokens"), this.retry);
     }
     if (value === undefined) return html`<t-loading what="Loading your tokens"></t-loading>`;
     if (value.length === 0) return this.making ? nothing : html`<p class="muted">You have none.</p>`;

@@ -33,7 +33,7 @@ const ALL = KINDS.map(({ kind }) => kind);
 export const FIELDS: readonly AlarmField[] = [
   { labelControl: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
   { labelControl: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
-  { labelControl: "label", label: "What is seen", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
+  { labelControl: "label", label: "Detected object", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
   { labelControl: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
   { labelControl: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
   { labelControl: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
@@ -48,8 +48,8 @@ export const FIELDS: readonly AlarmField[] = [
   { labelControl: "clear_delay", label: "Over after (s)", hint: "So long it must not be so", kinds: ALL, sort: "number" },
   { labelControl: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
   { labelControl: "unknown_after", label: "Raised if unknown for (s)", hint: "When it cannot be judged. Empty: never", kinds: ALL, sort: "number" },
-  { labelControl: "repeat", label: "Repeat every (s)", hint: "Until acknowledged. Empty: people are told once", kinds: ALL, sort: "number" },
-  { labelControl: "escalate", label: "Who is told, in order", hint: "Accounts and seconds: anna 0, ben 300. Empty: everybody whose rules want it", kinds: ALL, sort: "people" },
+  { labelControl: "repeat", label: "Repeat every (s)", hint: "Until acknowledged. Empty: notify once", kinds: ALL, sort: "number" },
+  { labelControl: "escalate", label: "Who is notified, in order", hint: "Accounts and seconds: anna 0, ben 300. Empty: everybody whose rules want it", kinds: ALL, sort: "people" },
   { labelControl: "remind", label: "Remind every (s)", hint: "While acknowledged and still so. Empty: never", kinds: ALL, sort: "number" },
   { labelControl: "advice", label: "What to do", kinds: ALL, sort: "text" },
 ];

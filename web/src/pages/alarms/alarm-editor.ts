@@ -17,6 +17,7 @@ import { AlarmsApi, type AlarmDefinition, type PreviewShape } from "../../wire/a
 import type { SignalInfo, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, type AlarmField, type AlarmFields, type AlarmKind } from "./alarm-definition.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/forms/field.js";
@@ -114,9 +115,7 @@ export class AlarmEditor extends LitElement {
         >
       </form>
       ${this.renderMessage()}
-      ${this.action.problem === null
-        ? nothing
-        : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
+      ${renderAdvice(this.action.problem)}
       <div class="actions">
         <t-button kind="primary" ?busy=${this.action.runningKey === "keep"} @click=${this.saveAlarm}>Keep</t-button>
         <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>Try it on the last day</t-button>
@@ -132,7 +131,7 @@ export class AlarmEditor extends LitElement {
         @t-confirm=${this.removeAlarm}
         @t-close=${this.closeQuestion}
       >
-        <p>Nobody is told of it any more. What has happened stays in the logbook.</p>
+        <p>It sends no more notifications. Its history stays in the logbook.</p>
       </t-confirm>`;
   }
 

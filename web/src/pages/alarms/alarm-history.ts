@@ -10,8 +10,8 @@ import { adviceFor } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
 import { AlarmsApi, type AlarmPastList } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/values/time.js";
 
 @customElement("t-alarm-past")
@@ -52,11 +52,10 @@ export class AlarmHistoryView extends LitElement {
   override render(): TemplateResult {
     const { result, value } = this.past;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "what has been");
-      return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+      return renderAdvice(adviceFor(result.error, "what has been"));
     }
-    if (value === undefined) return html`<t-loading what="Loading what has been"></t-loading>`;
-    if (value.past.length === 0) return html`<p class="muted">It has never been raised, and nobody has said anything about it.</p>`;
+    if (value === undefined) return html`<t-loading what="Loading the alarm's history"></t-loading>`;
+    if (value.past.length === 0) return html`<p class="muted">It has never been raised, and it has no notes.</p>`;
     return html`<ol>
         ${map(
           value.past,
@@ -66,7 +65,7 @@ export class AlarmHistoryView extends LitElement {
           </li>`,
         )}
       </ol>
-      ${value.more ? html`<p class="muted">The logbook has what was before.</p>` : nothing}`;
+      ${value.more ? html`<p class="muted">Earlier entries are in the logbook.</p>` : nothing}`;
   }
 }
 

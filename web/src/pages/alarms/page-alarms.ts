@@ -18,12 +18,11 @@ import { sitePath } from "../../state/router.js";
 import { AlarmsApi, type AlarmList, type AlarmShape } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { historyAt, alarmStatus } from "./alarm-labels.js";
+import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "./alarm-editor.js";
@@ -167,9 +166,7 @@ export class PageAlarms extends LitElement {
         </div>
       </div>
       ${result.state === "failed" ? this.renderFailure(result.error) : nothing}
-      ${this.action.problem === null
-        ? nothing
-        : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
+      ${renderAdvice(this.action.problem)}
       ${this.editing !== null && this.editing.alarm === ""
         ? html`<section class="sheet"><t-alarm-editor .site=${this.editing.site} @t-done=${this.onAlarmSaved}></t-alarm-editor></section>`
         : nothing}
@@ -185,13 +182,12 @@ export class PageAlarms extends LitElement {
   }
 
   private renderFailure(error: unknown): TemplateResult {
-    const advice = adviceFor(error, "the alarms");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+    return renderAdvice(adviceFor(error, "the alarms"), this.retry);
   }
 
   private renderEmpty(): unknown {
     if (this.defined.value === undefined) {
-      return this.defined.result.state === "failed" ? nothing : html`<t-loading what="Loading the alarms"></t-loading>`;
+      return renderLoadingNote(this.defined.result, "Loading the alarms");
     }
     return html`<t-empty heading="There are no alarms yet" icon="bell">
       <p>The site description can have some under <code>alarms:</code>, and whoever manages a site can make more here.</p>
@@ -292,7 +288,7 @@ export class PageAlarms extends LitElement {
         </t-field>
         ${what === "assign" ? html`<t-button @click=${this.openOwnRules}>Myself</t-button>` : nothing}
         ${what === "shelve"
-          ? html`<t-field label="For" hint="It is shown apart, and nobody is told of it meanwhile.">
+          ? html`<t-field label="For" hint="It is listed separately and sends no notifications meanwhile.">
               <select id="hours">
                 <option value="0.5">half an hour</option>
                 <option value="1" selected>1 hour</option>
@@ -302,9 +298,7 @@ export class PageAlarms extends LitElement {
               </select>
             </t-field>`
           : nothing}
-        ${this.action.problem === null
-          ? nothing
-          : html`<t-problem what=${this.action.problem.what} how=${this.action.problem.how}></t-problem>`}
+        ${renderAdvice(this.action.problem)}
       </form>
       <t-button slot="actions" @click=${this.close}>Cancel</t-button>
       <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.onSubmit}>${action}</t-button>

@@ -13,9 +13,9 @@ import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wir
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../../tiles/archive/frame-preview.js";
 import { formatFileSize, skyPlace } from "./archive-query.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
@@ -99,7 +99,7 @@ export class FrameDetailSheet extends LitElement {
     if (result.state === "failed") {
       const advice = adviceFor(result.error, "this picture");
       return html`<div class="sheet">
-        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>
+        ${renderAdvice(advice, this.retry)}
         <div class="actions"><t-button @click=${this.close}>Back to the list</t-button></div>
       </div>`;
     }

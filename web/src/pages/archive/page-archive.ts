@@ -11,7 +11,6 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { formText } from "../../format/form-values.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
@@ -27,12 +26,11 @@ import {
   writeArchiveFilter,
   type ArchiveFilter,
 } from "./archive-query.js";
+import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
 import "../../elements/base/icon.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "./frame-detail.js";
@@ -141,7 +139,7 @@ export class PageArchive extends LitElement {
       ${frame === ""
         ? nothing
         : html`<t-frame-detail .site=${this.site} .frame=${frame} .zone=${this.zone()} @t-close=${this.closeFrame}></t-frame-detail>`}
-      ${this.renderSearch()} ${this.renderProblem()} ${this.renderPictures()}`;
+      ${this.renderSearch()} ${renderLoadError(this.found.result, "the archive", this.retry)} ${this.renderPictures()}`;
   }
 
   private renderSearch(): TemplateResult {
@@ -178,21 +176,14 @@ export class PageArchive extends LitElement {
     </form>`;
   }
 
-  private renderProblem(): unknown {
-    const { result } = this.found;
-    if (result.state !== "failed") return nothing;
-    const advice = adviceFor(result.error, "the archive");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
-  }
-
   private renderPictures(): unknown {
     const found = this.found.value;
     if (found === undefined) {
-      return this.found.result.state === "failed" ? nothing : html`<t-loading what="Loading the archive"></t-loading>`;
+      return renderLoadingNote(this.found.result, "Loading the archive");
     }
     if (found.frames.length === 0) {
       const all = writeArchiveFilter(this.filter()) === "";
-      return html`<t-empty heading=${all ? "No pictures yet" : "Nothing fits"} icon="camera">
+      return html`<t-empty heading=${all ? "No pictures yet" : "No matches"} icon="camera">
         <p>
           ${all
             ? "A picture comes here by itself after each exposure of a camera that you may see."

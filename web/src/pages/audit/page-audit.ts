@@ -10,7 +10,6 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { withQuery } from "../../state/router.js";
 import type { AuditCheck, AuditPage, AuditRow } from "../../wire/admin-types.js";
@@ -18,9 +17,9 @@ import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { auditStyle } from "./audit-style.js";
 import { NO_FILTER, auditPageQuery, readAuditFilter, writeAuditFilter, type AuditFilter } from "./audit-query.js";
+import { renderAdvice, renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
@@ -78,12 +77,12 @@ export class PageAudit extends LitElement {
         zone=${zone}
         @t-filter=${this.onChoose}
       ></t-audit-filter>
-      ${this.renderProblem()} ${this.renderRows(filter)}`;
+      ${renderLoadError(this.page.result, "the audit log", this.retry)} ${this.renderRows(filter)}`;
   }
 
   private renderChain(): unknown {
     const { problem } = this.action;
-    if (problem !== null) return html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
+    if (problem !== null) return renderAdvice(problem);
     const { check } = this;
     if (check === null) return nothing;
     const rows = check.rows === 1 ? "1 row" : `${String(check.rows)} rows`;
@@ -95,21 +94,14 @@ export class PageAudit extends LitElement {
         ></t-problem>`;
   }
 
-  private renderProblem(): unknown {
-    const { result } = this.page;
-    if (result.state !== "failed") return nothing;
-    const advice = adviceFor(result.error, "the audit log");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
-  }
-
   private renderRows(filter: AuditFilter): unknown {
     const page = this.page.value;
     if (page === undefined) {
-      return this.page.result.state === "failed" ? nothing : html`<t-loading what="Loading the audit log"></t-loading>`;
+      return renderLoadingNote(this.page.result, "Loading the audit log");
     }
     if (page.rows.length === 0) {
-      return html`<t-empty heading="Nothing fits" icon="info">
-        <p>${writeAuditFilter(filter) === "" ? "Nothing has been noted yet." : "No row of the log is like this."}</p>
+      return html`<t-empty heading="No matches" icon="info">
+        <p>${writeAuditFilter(filter) === "" ? "The log is empty." : "No row matches the filter."}</p>
         ${writeAuditFilter(filter) === "" ? nothing : html`<t-button @click=${this.clearFilter}>Show everything</t-button>`}
       </t-empty>`;
     }

@@ -12,9 +12,9 @@ import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
 import { devicePath, sitePath } from "../../state/router.js";
 import type { SiteDetail } from "../../wire/api-types.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../tiles/camera/camera-tile.js";
 
 @customElement("t-page-cameras")
@@ -69,8 +69,7 @@ export class PageCameras extends LitElement {
     const { result } = this.detail;
     const detail = this.detail.value;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "the cameras");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+      return renderAdvice(adviceFor(result.error, "the cameras"), this.retry);
     }
     if (detail === undefined) return html`<t-loading what="Loading the cameras"></t-loading>`;
     const cameras = detail.devices.flatMap((device) => device.streams.map((stream) => ({ device, stream })));

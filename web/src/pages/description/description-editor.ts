@@ -13,6 +13,7 @@ import { DescriptionsApi, type ChangeAnswer, type CheckAnswer, type DescriptionL
 import type { HubApi } from "../../wire/hub-api.js";
 import { changedAt, isObject, movedAt, pathOf, renamedAt, type JsonObject } from "./json-schema.js";
 import type { FormEdit } from "./schema-form.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/feedback/confirm.js";
@@ -110,7 +111,7 @@ export class DescriptionEditor extends LitElement {
 
   override render(): TemplateResult {
     if (this.failed !== null) {
-      return html`<t-problem what=${this.failed.what} how=${this.failed.how} retry="Try again" @t-retry=${this.reload}></t-problem>`;
+      return renderAdvice(this.failed, this.reload);
     }
     if (this.edits === null) return html`<t-loading what="Loading the text"></t-loading>`;
     const { edits } = this;
@@ -177,7 +178,7 @@ export class DescriptionEditor extends LitElement {
     const refused =
       answer === null || answer.phase === "applied"
         ? null
-        : { what: answer.phase === "refused" ? "The gateway refused it." : "Nobody knows whether it was done.", how: answer.message };
+        : { what: answer.phase === "refused" ? "The gateway refused it." : "It is not known whether it was done.", how: answer.message };
     return html`<t-confirm
       ?open=${this.asking}
       heading="Apply this change?"
@@ -191,7 +192,7 @@ export class DescriptionEditor extends LitElement {
       <t-difference .parts=${checked?.parts ?? []} .lines=${checked?.lines ?? []}></t-difference>
       <h3>Preview</h3>
       <t-description-preview .described=${this.described ?? {}} .devices=${this.devices()}></t-description-preview>
-      <p>The gateway goes by it at once. A device that is touched is stopped first, and whoever drives it loses control.</p>
+      <p>The gateway applies it at once. A device that changes is stopped first, and its driver loses control.</p>
       ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}
     </t-confirm>`;
   }

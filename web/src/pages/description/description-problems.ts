@@ -5,7 +5,7 @@ import { base } from "../../elements/base/base-style.js";
 import type { Finding } from "../../wire/descriptions-api.js";
 
 /**
- * What does not fit in a description: where, what, what to do.
+ * Problems in a description: where, what, what to do.
  *
  * @fires t-place detail is the finding that was pressed; only where `places` is set
  */
@@ -59,7 +59,7 @@ export class DescriptionProblems extends LitElement {
   @property({ type: Boolean }) places = false;
 
   override render(): TemplateResult {
-    return html`<ul aria-label="What does not fit">
+    return html`<ul aria-label="Problems">
       ${map(this.findings, (problem) => this.renderRow(problem))}
     </ul>`;
   }

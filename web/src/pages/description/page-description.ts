@@ -14,6 +14,7 @@ import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { DescriptionsApi, type ChangeAnswer, type DescriptionList, type DifferenceAnswer, type Version } from "../../wire/descriptions-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice, renderLoadError } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/feedback/confirm.js";
@@ -29,7 +30,7 @@ import "./description-problems.js";
 
 const ACCEPTS: Readonly<Record<string, string>> = {
   no: "The gateway takes no changes from here. Start it with --accept-changes readings, or change its file there: it follows at once.",
-  readings: "The gateway takes changes of what is read and shown; the rest is changed in its own file.",
+  readings: "The gateway accepts changes to what is read and shown; everything else is changed in its own file.",
   all: "The gateway takes changes, but for how the robot is reached and what runs beside it.",
 };
 const PAGES = [
@@ -122,7 +123,7 @@ export class PageDescription extends LitElement {
       <div class="head">
         <div>
           <h1>Description</h1>
-          <p class="muted">All there is to know of a site. The gateway's own copy counts.</p>
+          <p class="muted">Everything that defines a site. The gateway's own copy is the one in use.</p>
         </div>
         ${sites.length < 2
           ? nothing
@@ -133,14 +134,7 @@ export class PageDescription extends LitElement {
       ${this.siteId === "" && this.sites.store !== undefined
         ? html`<t-empty heading="No site is known yet" icon="info"><p>A site appears here once its gateway has connected.</p></t-empty>`
         : nothing}
-      ${this.renderProblem()} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
-  }
-
-  private renderProblem(): unknown {
-    const { result } = this.known;
-    if (result.state !== "failed") return nothing;
-    const advice = adviceFor(result.error, "the site's description");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+      ${renderLoadError(this.known.result, "the site's description", this.retry)} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
   }
 
   private renderLoading(): unknown {
@@ -150,7 +144,7 @@ export class PageDescription extends LitElement {
 
   private renderContent(known: DescriptionList): TemplateResult {
     const newest = known.versions[0];
-    return html`<section class="sheet" aria-label="What counts now">
+    return html`<section class="sheet" aria-label="Current version">
         <div class="now">
           <t-status kind=${known.online ? "ok" : "offline"} word=${known.online ? "in use" : "gateway offline"}></t-status>
           ${newest === undefined ? nothing : html`<span>version ${newest.number}, since <t-time us=${newest.time_us} zone=${known.zone}></t-time></span>`}
@@ -158,7 +152,7 @@ export class PageDescription extends LitElement {
         ${known.online ? html`<p class="muted">${ACCEPTS[known.accepts] ?? "This gateway does not say whether it takes changes."}</p>` : nothing}
         ${known.problem === ""
           ? nothing
-          : html`<t-problem what="The file at the gateway was changed and cannot be used. The version before goes on." how=${known.problem}></t-problem>
+          : html`<t-problem what="The file at the gateway was changed and is not valid. The previous version stays in use." how=${known.problem}></t-problem>
               <t-findings .findings=${known.findings}></t-findings>`}
       </section>
       <t-choice label="What to do" .options=${PAGES} chosen=${this.page} @t-choose=${this.onTabChange}></t-choice>
@@ -214,8 +208,7 @@ export class PageDescription extends LitElement {
   private renderDifferences(): unknown {
     const { result, value } = this.difference;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "what changed");
-      return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+      return renderAdvice(adviceFor(result.error, "what changed"));
     }
     if (result.state !== "ready" || value === undefined) return html`<t-loading what="Comparing"></t-loading>`;
     return html`<t-difference .parts=${value.parts} .lines=${value.lines}></t-difference>
@@ -233,8 +226,8 @@ export class PageDescription extends LitElement {
       @t-confirm=${this.versionRestorer(known)}
       @t-close=${this.closeQuestion}
     >
-      <p>The gateway goes by it at once, without a restart. What is the same in both goes on without a break.</p>
-      <p>Whoever drives a device that differs loses control, and the device is stopped first.</p>
+      <p>The gateway applies it at once, without a restart. What is the same in both continues without a break.</p>
+      <p>A device that differs is stopped first, and its driver loses control.</p>
       ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}
     </t-confirm>`;
   }
@@ -310,7 +303,7 @@ export class PageDescription extends LitElement {
 /** What a gateway's answer means; null when there is nothing to say. */
 export function refusalAdvice(answer: ChangeAnswer | null): Advice | null {
   if (answer === null || answer.phase === "applied") return null;
-  const what = answer.phase === "refused" ? "The gateway refused it." : "Nobody knows whether it was done.";
+  const what = answer.phase === "refused" ? "The gateway refused it." : "It is not known whether it was done.";
   return { what, how: answer.message };
 }
 

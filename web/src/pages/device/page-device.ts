@@ -21,11 +21,11 @@ import { renderDrawnPart } from "../../tiles/observatory/drawn.js";
 import { partOf, commandsShownBy } from "../../tiles/observatory/roles.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/values/clock.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/base/icon.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/chart/chart-tile.js";
@@ -194,8 +194,7 @@ export class PageDevice extends LitElement {
       if (error instanceof Error && "status" in error && (error.status === 403 || error.status === 404)) {
         return this.renderForbidden(this.site);
       }
-      const advice = adviceFor(error, "this device");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+      return renderAdvice(adviceFor(error, "this device"), this.retry);
     }
     return this.detail.value === undefined ? html`<t-loading what="Loading the device"></t-loading>` : nothing;
   }

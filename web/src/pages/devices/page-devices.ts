@@ -10,18 +10,16 @@ import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { DeviceRow, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
+import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/base/icon.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../tiles/observatory/device-summary.js";
 
@@ -157,29 +155,18 @@ export class PageDevices extends LitElement {
           <input type="search" aria-label="Filter devices" placeholder="Filter" .value=${this.words} @input=${this.onInput} />
         </div>
       </div>
-      ${this.renderProblem()} ${rows === undefined ? this.renderLoading() : this.renderContent(rows)}`;
-  }
-
-  private renderProblem(): unknown {
-    const { result } = this.rows;
-    if (result.state !== "failed") return nothing;
-    const advice = adviceFor(result.error, "the list of devices");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
-  }
-
-  private renderLoading(): unknown {
-    return this.rows.result.state === "failed" ? nothing : html`<t-loading what="Loading the devices"></t-loading>`;
+      ${renderLoadError(this.rows.result, "the list of devices", this.retry)} ${rows === undefined ? renderLoadingNote(this.rows.result, "Loading the devices") : this.renderContent(rows)}`;
   }
 
   private renderContent(rows: readonly DeviceRow[]): unknown {
     if (rows.length === 0) {
-      return html`<t-empty heading="No device is open to you" icon="devices">
+      return html`<t-empty heading="You have no devices" icon="devices">
         <p>A device appears here once its gateway has connected, and it is public or your role may view it.</p>
       </t-empty>`;
     }
     const shown = rows.filter((row) => matchesSearch(row, this.words, this.chosen, this.isUnreachable(row)));
     if (shown.length === 0) {
-      return html`<t-empty heading="No device fits" icon="devices">
+      return html`<t-empty heading="No device matches" icon="devices">
         <p>${String(rows.length)} devices are open to you, and none of them is like this.</p>
         <t-button @click=${this.clearSearch}>Show all</t-button>
       </t-empty>`;

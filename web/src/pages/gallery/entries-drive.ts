@@ -172,7 +172,7 @@ export const entries: readonly GalleryEntry[] = [
       stopped("confirmed"),
       {
         name: "without the lease",
-        show: () => html`<t-stop-state phase="confirmed" who="Grace" .time=${NOON_US} hindrance="Take control first: whoever releases STOP answers for what moves next."></t-stop-state>`,
+        show: () => html`<t-stop-state phase="confirmed" who="Grace" .time=${NOON_US} hindrance="Take control first: the person who releases STOP is responsible for what moves next."></t-stop-state>`,
       },
       { name: "second step", show: () => html`<t-stop-state phase="confirmed" who="Ada" .time=${NOON_US} step="armed" .armed=${6400}></t-stop-state>` },
       { name: "refused", show: () => html`<t-stop-state phase="latched" who="Ada" .time=${NOON_US} trouble="That key is not the newest."></t-stop-state>` },

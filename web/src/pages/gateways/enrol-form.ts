@@ -13,10 +13,10 @@ import { apiContext } from "../../state/contexts.js";
 import type { CodeMade, GatewayRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/copy-text.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/values/qr-code.js";
 import "../../elements/feedback/status.js";
 
@@ -91,7 +91,7 @@ export class EnrolForm extends LitElement {
         <t-field label="Name" hint="What people call this gateway; may stay empty">
           <input id="name" autocomplete="off" maxlength="100" />
         </t-field>
-        ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+        ${renderAdvice(problem)}
         <div class="actions">
           <t-button type="submit" kind="primary" ?busy=${busy}>Make a code</t-button>
           <t-button @click=${this.closeForm}>Cancel</t-button>
@@ -112,7 +112,7 @@ export class EnrolForm extends LitElement {
     }
     if (left === 0) {
       return html`<h2>The code is too old</h2>
-        <p>Nobody used it in time. It is void now; make another.</p>
+        <p>It was not used in time and has expired; make another.</p>
         <div class="actions">
           <t-button kind="primary" @click=${this.resetForm}>Make another</t-button><t-button @click=${this.closeForm}>Close</t-button>
         </div>`;

@@ -13,9 +13,9 @@ import type { GatewayRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
@@ -85,14 +85,14 @@ export class GatewaySection extends LitElement {
       </dl>
       ${problem === null || this.asking
         ? nothing
-        : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+        : renderAdvice(problem)}
       ${revoked ? nothing : this.renderActions(row, done)} ${this.renderQuestion(row)}`;
   }
 
   private renderActions(row: GatewayRow, done: string): TemplateResult {
     return html`<div class="actions">
         <t-button ?disabled=${!row.online} ?busy=${this.action.runningKey === "link"} @click=${this.reconnectGateway}
-          >Connect it anew</t-button
+          >Reconnect it</t-button
         >
         <t-button @click=${this.openQuestion}>Revoke…</t-button>
         <span class="said" role="status">${done}</span>
@@ -128,7 +128,7 @@ export class GatewaySection extends LitElement {
         ?disabled=${!row.online}
         ?busy=${this.action.runningKey === device.device}
         @click=${onReconnect}
-        >Connect anew</t-button
+        >Reconnect</t-button
       >
     </li>`;
   }

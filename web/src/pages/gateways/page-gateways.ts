@@ -17,10 +17,9 @@ import type { CodeRow, GatewayList, GatewayRow } from "../../wire/admin-types.js
 import { AdminApi } from "../../wire/admin-api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../admin-tabs.js";
 import "./enrol-form.js";
 import "./gateway-section.js";
@@ -62,7 +61,7 @@ export class PageGateways extends LitElement {
       <div class="head">
         <div>
           <h1>Gateways</h1>
-          <p class="muted">Each stands beside its robots, dials this hub, and has a key of its own.</p>
+          <p class="muted">Each runs beside its robots, connects to this hub, and has its own key.</p>
         </div>
         ${this.enrolling ? nothing : html`<t-button kind="primary" @click=${this.openForm}>Enrol a gateway</t-button>`}
       </div>
@@ -76,21 +75,16 @@ export class PageGateways extends LitElement {
             @t-changed=${this.retry}
           ></t-enrol>`
         : nothing}
-      ${this.renderProblem()} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
+      ${this.renderProblem()} ${known === undefined ? renderLoadingNote(this.known.result, "Loading the gateways") : this.renderContent(known)}`;
   }
 
   private renderProblem(): unknown {
     const { result } = this.known;
     const { problem } = this.action;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "the list of gateways");
-      return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+      return renderAdvice(adviceFor(result.error, "the list of gateways"));
     }
-    return problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
-  }
-
-  private renderLoading(): unknown {
-    return this.known.result.state === "failed" ? nothing : html`<t-loading what="Loading the gateways"></t-loading>`;
+    return renderAdvice(problem);
   }
 
   private renderContent(known: LoadedGateways): TemplateResult {

@@ -34,9 +34,9 @@ import { historyStyle } from "./history-style.js";
 import { WindowController } from "./window-controller.js";
 import { WindowData } from "./data/window-data.js";
 import { isBusy, isTaken, pageKeyAction } from "./window-keys.js";
+import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "./chart/anomaly-scores.js";
 import "./export-menu.js";
 import "./chart/history-chart.js";
@@ -178,7 +178,7 @@ export class PageHistory extends LitElement {
       </div>
       <p class="visually-hidden" aria-live="polite">${this.said}</p>
       ${this.renderProblem(this.detail.result, "this site", this.retrySite)}
-      ${detail !== undefined ? this.renderContent(detail) : this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`}
+      ${detail !== undefined ? this.renderContent(detail) : renderLoadingNote(this.detail.result, "Loading the site")}
     `;
   }
 
@@ -310,8 +310,7 @@ export class PageHistory extends LitElement {
 
   private renderProblem(load: { readonly state: string; readonly error?: unknown } | undefined, about: string, again: () => void): unknown {
     if (load?.state !== "failed") return nothing;
-    const advice = adviceFor(load.error, about);
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${again}></t-problem>`;
+    return renderAdvice(adviceFor(load.error, about), again);
   }
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────
@@ -322,7 +321,7 @@ export class PageHistory extends LitElement {
     const absent = (this.window.view.channels ?? []).filter((address) => !known.has(address));
     if (absent.length === 0) return empty ? renderNothingChosen(this.rows) : nothing;
     const { state } = this.former.result;
-    if (state === "idle" || state === "loading") return empty ? html`<t-loading what="Looking for signals of before"></t-loading>` : nothing;
+    if (state === "idle" || state === "loading") return empty ? html`<t-loading what="Loading earlier signals"></t-loading>` : nothing;
     const said = html`<p class="hint">Not at this site, or not open to you: ${absent.join(", ")}</p>`;
     return empty ? html`<t-empty heading="No such signal" icon="history">${said}</t-empty>` : said;
   }

@@ -121,7 +121,7 @@ export class SignalPicker extends LitElement {
             <legend>No longer in the description</legend>
             ${this.renderBoxes(former)}
           </fieldset>`}
-      ${this.incomplete ? html`<p class="muted">What is no longer described cannot be listed now.</p>` : nothing}
+      ${this.incomplete ? html`<p class="muted">Signals that are no longer in the description cannot be listed now.</p>` : nothing}
       ${fits.length === 0 && this.rows.length > 0 ? html`<p class="muted">No signal is called like this.</p>` : nothing}
     `;
   }

@@ -8,9 +8,9 @@ import { base } from "../../elements/base/base-style.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
 import type { Sites } from "../../state/sites.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../tiles/site-card.js";
 
 @customElement("t-page-home")
@@ -61,8 +61,7 @@ export class PageHome extends LitElement {
 
   private renderProblem(sites: Sites): unknown {
     if (sites.status !== "failed") return nothing;
-    const advice = adviceFor(sites.renderError, "the list of sites");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+    return renderAdvice(adviceFor(sites.renderError, "the list of sites"), this.retry);
   }
 
   private renderContent(sites: Sites): unknown {

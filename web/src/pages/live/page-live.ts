@@ -23,14 +23,13 @@ import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api-types.js
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { liveStyle } from "./live-style.js";
+import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/banner.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/values/clock.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/loading.js";
 import "../../elements/analysis/outlier-tool.js";
-import "../../elements/feedback/problem.js";
 import "../../tiles/chart/chart-tile.js";
 
 const WINDOWS: readonly ChoiceOption[] = [
@@ -132,7 +131,7 @@ export class PageLive extends LitElement {
         </div>
         ${detail === undefined ? nothing : this.renderTools(detail)}
       </div>
-      ${this.renderProblem()} ${this.renderMessage()} ${detail === undefined ? this.renderLoading() : this.renderContent(detail)}
+      ${this.renderProblem()} ${this.renderMessage()} ${detail === undefined ? renderLoadingNote(this.detail.result, "Loading the site") : this.renderContent(detail)}
     `;
   }
 
@@ -169,8 +168,7 @@ export class PageLive extends LitElement {
   private renderProblem(): unknown {
     const detail = this.detail.result;
     if (detail.state === "failed") {
-      const advice = adviceFor(detail.error, "this site");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+      return renderAdvice(adviceFor(detail.error, "this site"), this.retry);
     }
     if (this.feed?.backfill === "failed") {
       return html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>`;
@@ -183,10 +181,10 @@ export class PageLive extends LitElement {
     const { problem, doneText: done } = this.action;
     const failed = this.watching.state === "failed";
     return html`<p class="said" role="status">${done}</p>
-      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${renderAdvice(problem)}
       ${
         failed
-          ? html`<t-banner>The anomaly detectors could not be asked; charts go on without them. <t-button kind="quiet" @click=${this.resumeFollowing}>Try again</t-button></t-banner>`
+          ? html`<t-banner>The anomaly detectors could not be loaded; the charts continue without them. <t-button kind="quiet" @click=${this.resumeFollowing}>Try again</t-button></t-banner>`
           : nothing
       }`;
   }
@@ -198,10 +196,6 @@ export class PageLive extends LitElement {
     const { book } = this.watching;
     this.detectorsOf = new Map([...addresses].map((address) => [address, book.detectorsOf(address)]));
     this.anomaliesOf = new Map([...addresses].map((address) => [address, book.anomalies(address)]));
-  }
-
-  private renderLoading(): unknown {
-    return this.detail.result.state === "failed" ? nothing : html`<t-loading what="Loading the site"></t-loading>`;
   }
 
   private renderContent(detail: SiteDetail): TemplateResult {
@@ -256,7 +250,7 @@ export class PageLive extends LitElement {
         ><p>This site has no signals that you may see. They are named in its site description.</p></t-empty
       >`;
     }
-    return html`<t-empty heading="No signal fits" icon="live">
+    return html`<t-empty heading="No signal matches" icon="live">
       <p>${this.filter === "" ? "The main signals of this site are none; show all to see the rest." : `Nothing here is called “${this.filter}”.`}</p>
       <t-button @click=${this.clearFilter}>Show everything</t-button>
     </t-empty>`;

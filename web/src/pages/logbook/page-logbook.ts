@@ -156,7 +156,7 @@ export class PageLogbook extends LitElement {
 
   private renderEmpty(filter: LogbookFilter): TemplateResult {
     const all = writeLogbookFilter(filter) === "";
-    return html`<t-empty heading="Nothing fits" icon="logbook">
+    return html`<t-empty heading="No matches" icon="logbook">
       <p>${all ? "Nothing has happened yet." : "Nothing in the logbook is like this."}</p>
       ${all ? nothing : html`<t-button @click=${this.form.clearFilter}>Show everything</t-button>`}
     </t-empty>`;

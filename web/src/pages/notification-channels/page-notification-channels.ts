@@ -18,6 +18,7 @@ import { formText } from "../../format/form-values.js";
 import { apiContext } from "../../state/contexts.js";
 import { NotifyApi, type ExtensionKeyShape, type ExtensionList, type ExtensionShape, type WayAsk, type WayShape } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/feedback/empty.js";
@@ -66,17 +67,17 @@ export class PageNotificationChannels extends LitElement {
       <div class="head">
         <div>
           <h1>Notification</h1>
-          <p class="muted">The servers by which people are told of alarms. Each person then chooses on the account page.</p>
+          <p class="muted">The servers that send notifications of alarms. Each person then chooses among them on the account page.</p>
         </div>
-        ${this.editing === null ? html`<t-button class="add" kind="primary" @click=${this.addChannel}>Add a way</t-button>` : nothing}
+        ${this.editing === null ? html`<t-button class="add" kind="primary" @click=${this.addChannel}>Add a channel</t-button>` : nothing}
       </div>
-      ${advice === null ? nothing : html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`}
+      ${renderAdvice(advice)}
       ${this.editing === null ? this.renderProblem() : nothing}
       ${this.editing === null
         ? nothing
         : // Another form for each: what is typed for one way, a password too, is for no other.
           keyed(this.editing, this.renderForm(value?.find(({ id }) => id === this.editing)))}
-      ${value === undefined ? (advice === null ? html`<t-loading what="Loading the ways"></t-loading>` : nothing) : this.renderList(value)}
+      ${value === undefined ? (advice === null ? html`<t-loading what="Loading the notification channels"></t-loading>` : nothing) : this.renderList(value)}
       ${map(this.installed.value?.broken ?? [], ({ group, name, problem }) => html`<t-problem what=${`The extension ${name} (${group}) is broken`} how=${problem}></t-problem>`)}
       <t-confirm
         ?open=${this.removing !== null}
@@ -87,7 +88,7 @@ export class PageNotificationChannels extends LitElement {
         @t-confirm=${this.removeChannel}
         @t-close=${this.closeQuestion}
       >
-        <p>Nobody is told by it any more; the rules that use it go, too.</p>
+        <p>It sends no more notifications; the rules that use it are removed, too.</p>
       </t-confirm>`;
   }
 
@@ -100,20 +101,20 @@ export class PageNotificationChannels extends LitElement {
 
   private renderList(ways: readonly WayShape[]): TemplateResult {
     if (ways.length === 0) {
-      return html`<t-empty heading="Nobody is told of alarms yet" icon="bell"><p>They are on every page all the same.</p></t-empty>`;
+      return html`<t-empty heading="No notification channels yet" icon="bell"><p>They are on every page all the same.</p></t-empty>`;
     }
-    return html`<section class="sheet" aria-label="Ways">
+    return html`<section class="sheet" aria-label="Notification channels">
       <ul class="rows">
         ${repeat(
           ways,
           ({ id }) => id,
-          (way) => this.renderFilmLink(way),
+          (way) => this.renderChannel(way),
         )}
       </ul>
     </section>`;
   }
 
-  private renderFilmLink(way: WayShape): TemplateResult {
+  private renderChannel(way: WayShape): TemplateResult {
     const kind = KINDS.find((option) => option.kind === way.kind)?.name ?? way.kind;
     return html`<li data-way=${way.id}>
       <div>
@@ -135,7 +136,7 @@ export class PageNotificationChannels extends LitElement {
 
   private renderForm(way: WayShape | undefined): TemplateResult {
     return html`<section class="sheet" aria-labelledby="wish">
-      <h2 id="wish">${way === undefined ? "A new way" : `Change ${way.name}`}</h2>
+      <h2 id="wish">${way === undefined ? "New notification channel" : `Change ${way.name}`}</h2>
       <form class="entry" novalidate autocomplete="off" @submit=${this.onSubmit}>
         <t-field label="Name"><input name="name" maxlength="200" .value=${way?.name ?? ""} /></t-field>
         ${way === undefined

@@ -9,15 +9,13 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import type { PersonRow, RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { NewPerson } from "./person-form.js";
+import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../admin-tabs.js";
 import "./person-form.js";
 import "./person-row.js";
@@ -88,18 +86,7 @@ export class PagePeople extends LitElement {
             @t-cancel=${this.closeForm}
           ></t-person-form>`
         : nothing}
-      ${this.renderProblem()} ${everyone === undefined ? this.renderLoading() : this.renderList(everyone)}`;
-  }
-
-  private renderProblem(): unknown {
-    const { result } = this.everyone;
-    if (result.state !== "failed") return nothing;
-    const advice = adviceFor(result.error, "the list of people");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
-  }
-
-  private renderLoading(): unknown {
-    return this.everyone.result.state === "failed" ? nothing : html`<t-loading what="Loading the people"></t-loading>`;
+      ${renderLoadError(this.everyone.result, "the list of people", this.retry)} ${everyone === undefined ? renderLoadingNote(this.everyone.result, "Loading the people") : this.renderList(everyone)}`;
   }
 
   private renderList({ people, roles }: LoadedPeople): TemplateResult {

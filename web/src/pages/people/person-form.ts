@@ -1,6 +1,6 @@
 /** Who is to be added. */
 
-import { css, html, LitElement, nothing, type TemplateResult } from "lit";
+import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
@@ -8,9 +8,9 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import type { Advice } from "../../format/error-advice.js";
 import type { RoleRow } from "../../wire/admin-types.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/forms/rule-list.js";
 
 export interface NewPerson {
@@ -63,7 +63,7 @@ export class PersonForm extends LitElement {
         <t-field label="Name" error=${this.errors.name}>
           <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.onInput} />
         </t-field>
-        <t-field label="Role" hint="What it may do stands on the page of roles.">
+        <t-field label="Role" hint="Its permissions are listed on the Roles page.">
           <select id="role">
             ${map(
               this.roles,
@@ -71,7 +71,7 @@ export class PersonForm extends LitElement {
             )}
           </select>
         </t-field>
-        <t-field label="First password" hint="Tell it to the person; they can change it." error=${this.errors.password}>
+        <t-field label="First password" hint="Give it to the person; they can change it." error=${this.errors.password}>
           <input id="password" type="password" autocomplete="new-password" @input=${this.onInput} />
         </t-field>
         <t-field label="First password, once more">
@@ -79,9 +79,7 @@ export class PersonForm extends LitElement {
         </t-field>
       </div>
       <t-rules .rules=${this.rules()}></t-rules>
-      ${this.problem === null
-        ? nothing
-        : html`<t-problem what=${this.problem.what} how=${this.problem.how}></t-problem>`}
+      ${renderAdvice(this.problem)}
       <div class="actions">
         <t-button type="submit" kind="primary" ?busy=${this.busy}>Add this person</t-button>
         <t-button @click=${this.onCancel}>Cancel</t-button>

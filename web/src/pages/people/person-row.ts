@@ -12,10 +12,10 @@ import { apiContext } from "../../state/contexts.js";
 import type { PersonRow, RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
@@ -126,7 +126,7 @@ export class PersonSection extends LitElement {
     return html`<div class="more">
       ${problem === null || this.question !== ""
         ? nothing
-        : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+        : renderAdvice(problem)}
       <form novalidate @submit=${this.changeRole}>
         <t-field label="Role" hint="They are signed out, and have it when they sign in again.">
           <select id="role">

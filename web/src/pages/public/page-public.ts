@@ -14,10 +14,10 @@ import { devicePath } from "../../state/router.js";
 import type { Sites } from "../../state/sites.js";
 import type { SiteDetail } from "../../wire/api-types.js";
 import { publicOf, type PublicDevice } from "./public-parts.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/values/clock.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "../../tiles/camera/camera-tile.js";
@@ -88,8 +88,7 @@ export class PagePublic extends LitElement {
     const { result } = this.details;
     const error = sites.status === "failed" ? sites.renderError : result.state === "failed" ? result.error : null;
     if (error === null) return nothing;
-    const advice = adviceFor(error, "the public data");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+    return renderAdvice(adviceFor(error, "the public data"), this.retry);
   }
 
   private renderContent(sites: Sites): unknown {

@@ -22,11 +22,11 @@ import { apiContext, routerContext, sitesContext } from "../../state/contexts.js
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { recordingPath, RecordingsApi, type RecorderRow, type RecordingList, type RecordingRow } from "../../wire/recordings-api.js";
+import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
@@ -130,7 +130,7 @@ export class PageRecordings extends LitElement {
         </div>
         <a href=${sitePath(this.site, "history")}>History</a>
       </div>
-      ${this.renderProblem()} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
+      ${this.renderProblem()} ${known === undefined ? renderLoadingNote(this.known.result, "Loading the recordings") : this.renderContent(known)}`;
   }
 
   private renderProblem(): unknown {
@@ -140,13 +140,9 @@ export class PageRecordings extends LitElement {
       const advice = isForbidden(result.error)
         ? { what: "You may not see this site's recordings.", how: "They hold all of its topics: ask an admin for the right to view the whole site." }
         : adviceFor(result.error, "the recordings");
-      return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+      return renderAdvice(advice);
     }
-    return problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`;
-  }
-
-  private renderLoading(): unknown {
-    return this.known.result.state === "failed" ? nothing : html`<t-loading what="Loading the recordings"></t-loading>`;
+    return renderAdvice(problem);
   }
 
   private renderContent(known: RecordingList): TemplateResult {
@@ -155,7 +151,7 @@ export class PageRecordings extends LitElement {
     return html`${this.renderRecorder(known.recorder, known.zone)}
       ${rows.length === 0
         ? html`<t-empty heading="Nothing was recorded yet" icon="history">
-            <p>What is recorded at the gateway comes here by itself.</p>
+            <p>Recordings made at the gateway are uploaded here automatically.</p>
           </t-empty>`
         : html`<section class="sheet" aria-label="Recordings">
             <div class="facts"><span>${rows.length === 1 ? "1 recording" : `${String(rows.length)} recordings`}</span><span>${formatBytes(total)}</span></div>

@@ -8,7 +8,6 @@ import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
 import type { RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -16,9 +15,8 @@ import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { changesOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import type { CellEdit } from "./role-matrix.js";
+import { renderAdvice, renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../admin-tabs.js";
 import "./role-dialog.js";
 import "./role-matrix.js";
@@ -97,7 +95,7 @@ export class PageRoles extends LitElement {
         </div>
         <t-button ?disabled=${this.drawn === undefined} @click=${this.openNewRole}>Make a role</t-button>
       </div>
-      ${this.renderProblem()} ${this.drawn === undefined ? this.renderLoading() : this.renderMatrix()}
+      ${renderLoadError(this.given.result, "the list of roles", this.retry)} ${this.drawn === undefined ? renderLoadingNote(this.given.result, "Loading the roles") : this.renderMatrix()}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>
       ${changes.length === 0 ? nothing : this.renderBar(changes)}
       <t-role-dialog
@@ -107,19 +105,6 @@ export class PageRoles extends LitElement {
         @t-close=${this.close}
         @t-changed=${this.retry}
       ></t-role-dialog>`;
-  }
-
-  private renderProblem(): unknown {
-    const { result } = this.given;
-    if (result.state === "failed") {
-      const advice = adviceFor(result.error, "the list of roles");
-      return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
-    }
-    return nothing;
-  }
-
-  private renderLoading(): unknown {
-    return this.given.result.state === "failed" ? nothing : html`<t-loading what="Loading the roles"></t-loading>`;
   }
 
   private renderMatrix(): TemplateResult {
@@ -155,7 +140,7 @@ export class PageRoles extends LitElement {
             html`<li><strong>${role}</strong> on ${place}: ${before} → <strong>${after}</strong></li>`,
         )}
       </ul>
-      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${renderAdvice(problem)}
     </section>`;
   }
 

@@ -10,10 +10,10 @@ import { apiContext } from "../../state/contexts.js";
 import type { RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
 
 /**
  * @fires t-changed a role was made, renamed or removed
@@ -75,7 +75,7 @@ export class RoleDialog extends LitElement {
                 ? `${String(role.people)} of the people have this role; give them another before you remove it.`
                 : "Nobody has this role."}
             </p>`}
-        ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+        ${renderAdvice(problem)}
       </form>
       <t-button slot="actions" @click=${this.closeQuestion}>Cancel</t-button>
       ${role === null

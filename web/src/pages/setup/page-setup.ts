@@ -1,7 +1,7 @@
 /** First start: the holder of the one-time link makes the first admin. */
 
 import { consume } from "@lit/context";
-import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
@@ -11,6 +11,7 @@ import { apiContext, routerContext, sessionContext } from "../../state/contexts.
 import type { Router } from "../../state/router.js";
 import type { Session } from "../../state/session.js";
 import { Refused, type HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/problem.js";
@@ -43,9 +44,7 @@ export class PageSetup extends LitElement {
           <h1>Set up Talaia</h1>
           <p class="muted">Choose who the first admin is. This link works once.</p>
         </div>
-        ${this.advice === null
-          ? nothing
-          : html`<t-problem what=${this.advice.what} how=${this.advice.how}></t-problem>`}
+        ${renderAdvice(this.advice)}
         <t-field label="Name" error=${this.errors.name}>
           <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required @input=${this.onInput} />
         </t-field>

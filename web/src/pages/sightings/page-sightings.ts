@@ -131,7 +131,7 @@ export class PageSightings extends LitElement {
     const shown = (us: number | null): string => (us === null ? "" : clock.toInput(us));
     return html`<section class="sheet" aria-label="Filter">
       <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
-        <t-field label="What was seen">
+        <t-field label="Detected object">
           <input name="what" type="search" list="labels" maxlength="200" autocomplete="off" .value=${settled(filter.what)} />
         </t-field>
         <datalist id="labels">${map(this.knownLabels(), (label) => html`<option value=${label}></option>`)}</datalist>
@@ -143,7 +143,7 @@ export class PageSightings extends LitElement {
         </t-field>
         <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="datetime-local" step="1" .value=${settled(shown(filter.fromUs))} /></t-field>
         <t-field class="time" label=${`To (${clock.zone})`}><input name="to" type="datetime-local" step="1" .value=${settled(shown(filter.toUs))} /></t-field>
-        <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is in sight now</label>
+        <label class="tick"><input name="open" type="checkbox" .checked=${filter.open} /> Only what is visible now</label>
         <t-button kind="quiet" ?disabled=${writeSightingFilter(filter) === ""} @click=${this.form.clearFilter}>Clear</t-button>
       </form>
     </section>`;
@@ -153,7 +153,7 @@ export class PageSightings extends LitElement {
     const all = writeSightingFilter(this.filter()) === "";
     const looking = this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
     if (!all) {
-      return html`<t-empty heading="Nothing fits" icon="camera">
+      return html`<t-empty heading="No matches" icon="camera">
         <p>No camera has seen anything like this.</p>
         <t-button @click=${this.form.clearFilter}>Show everything</t-button>
       </t-empty>`;

@@ -13,7 +13,7 @@ export interface SightingFilter {
   /** µs; null for no limit. */
   readonly fromUs: number | null;
   readonly toUs: number | null;
-  /** Only what is in sight now. */
+  /** Only what is visible now. */
   readonly open: boolean;
 }
 

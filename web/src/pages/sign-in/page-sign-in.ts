@@ -10,6 +10,7 @@ import { TickerController } from "../../controllers/ticker.js";
 import { isFactor, signInAdvice, waitOf, waitText, type Advice } from "../../format/error-advice.js";
 import { routerContext, sessionContext } from "../../state/contexts.js";
 import { returnPath, type Router } from "../../state/router.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/problem.js";
@@ -81,7 +82,7 @@ export class PageSignIn extends LitElement {
             </div>`}
         ${notice === "" ? nothing : html`<p class="notice" role="status">You were signed out: ${notice}</p>`}
         ${this.renderProblem()}
-        <div class="who" ?hidden=${this.wantsCode}>${this.renderSignedIn()}</div>
+        <div class="who" ?hidden=${this.wantsCode}>${this.renderCredentials()}</div>
         ${this.wantsCode ? this.renderCodeField() : nothing}
         <t-button type="submit" kind="primary" ?busy=${this.busy} ?disabled=${waits}
           >${this.busy ? "Signing in…" : "Sign in"}</t-button
@@ -98,13 +99,13 @@ export class PageSignIn extends LitElement {
     if (this.waitUntil > 0) {
       if (wait === 0) return html`<p class="notice" role="status">You can try again now.</p>`;
       // The alert is said once; the time that runs stands beside it in silence.
-      return html`<t-problem what=${advice.what} how="The hub slows down whoever guesses."></t-problem>
+      return html`<t-problem what=${advice.what} how="The hub delays repeated tries."></t-problem>
         <p class="wait">Try again ${waitText(wait)}.</p>`;
     }
-    return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
+    return renderAdvice(advice);
   }
 
-  private renderSignedIn(): TemplateResult {
+  private renderCredentials(): TemplateResult {
     return html`
         <t-field label="Name" error=${this.missing === "name" ? "Enter your name." : ""}>
           <input id="name" name="username" autocomplete="username" autocapitalize="none" spellcheck="false" required />

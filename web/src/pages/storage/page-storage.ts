@@ -9,7 +9,6 @@ import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
 import { formatBytes } from "../../format/bytes.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import type { StorageUse } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -17,10 +16,9 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { signalUsage } from "./signal-usage.js";
 import { storageStyle } from "./storage-style.js";
 import { forecastText, warningOf } from "./storage-text.js";
+import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../admin-tabs.js";
 import "./storage-table.js";
@@ -44,19 +42,10 @@ export class PageStorage extends LitElement {
         <h1>Storage</h1>
         ${use === undefined ? nothing : html`<t-button ?busy=${this.use.result.state === "loading"} @click=${this.retry}>Look again</t-button>`}
       </div>
-      ${this.renderProblem()}
+      ${renderLoadError(this.use.result, "what is stored", this.retry)}
       ${use !== undefined
         ? this.renderContent(use)
-        : this.use.result.state === "failed"
-          ? nothing
-          : html`<t-loading what="Adding up what is stored"></t-loading>`}`;
-  }
-
-  private renderProblem(): unknown {
-    const { result } = this.use;
-    if (result.state !== "failed") return nothing;
-    const advice = adviceFor(result.error, "what is stored");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+        : renderLoadingNote(this.use.result, "Calculating storage use")}`;
   }
 
   private renderContent(use: StorageUse): TemplateResult {

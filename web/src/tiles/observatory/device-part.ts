@@ -92,6 +92,6 @@ export abstract class DevicePart extends LitElement {
 
   /** Said in the place of the buttons to whoever may only look. */
   protected renderLookOnly(): unknown {
-    return this.mayUse ? nothing : html`<p class="note">You may look. Whoever may use it finds its commands here.</p>`;
+    return this.mayUse ? nothing : html`<p class="note">You can view this device. Its commands are shown to users with the right to use it.</p>`;
   }
 }

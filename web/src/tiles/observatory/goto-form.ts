@@ -21,12 +21,12 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { partStyle } from "./device-part.js";
 import type { CommandButton, Slew } from "./roles.js";
 import { aimOf, catalogueTarget, ownTargets, refusalOf, typedTarget, type SkyTarget } from "./sky-target.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/forms/field.js";
 import "../../elements/base/icon.js";
 import "../../elements/observatory/night-curve.js";
-import "../../elements/feedback/problem.js";
 import "../command/command-buttons.js";
 
 const WAYS = [
@@ -166,7 +166,7 @@ export class GotoForm extends LitElement {
         <t-choice label="How to say where to" .options=${WAYS} .chosen=${this.way} @t-choose=${this.onMethodChange}></t-choice>
         ${this.way === "name" ? this.renderNameForm() : this.renderCoordinatesForm()}
       </form>
-      ${this.failure === null ? nothing : this.renderFailure()} ${this.renderChoices()}
+      ${this.failure === null ? nothing : renderAdvice(adviceFor(this.failure, "the catalogue of names"))} ${this.renderChoices()}
       ${this.target === null ? nothing : this.renderTarget(this.target)}
     </section>`;
   }
@@ -191,11 +191,6 @@ export class GotoForm extends LitElement {
         <t-button type="submit">Look</t-button>
       </div>
       <t-choice label="Equinox" .options=${EQUINOXES} .chosen=${this.dated ? "date" : "j2000"} @t-choose=${this.onEquinoxChange}></t-choice>`;
-  }
-
-  private renderFailure(): TemplateResult {
-    const advice = adviceFor(this.failure, "the catalogue of names");
-    return html`<t-problem what=${advice.what} how=${advice.how}></t-problem>`;
   }
 
   private renderChoices(): unknown {
@@ -232,7 +227,7 @@ export class GotoForm extends LitElement {
         ${aim === null ? nothing : html`<dt>Now</dt><dd>${formatNumber(aim.alt, 1)}° high, azimuth ${formatAzimuth(aim.az)}</dd>`}
       </dl>
       ${night === null
-        ? html`<p class="note">How it stands tonight needs the site's place, which is not open to you.</p>`
+        ? html`<p class="note">Visibility tonight needs the site's position, which you may not see.</p>`
         : html`<p>${words}</p>
             <t-night-curve
               .night=${night.night}

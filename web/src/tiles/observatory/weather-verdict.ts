@@ -135,7 +135,7 @@ export function verdictOf(
   online: boolean, rules: readonly RuleInfo[], news: (rule: RuleInfo) => InterlockUpdate | undefined, lines: readonly LimitLine[],
 ): WeatherVerdict {
   const none = { why: "", since_us: 0, rule: "" };
-  if (!online) return { ...none, word: "unknown", why: "Nothing comes from the site: how the weather is, nobody knows here." };
+  if (!online) return { ...none, word: "unknown", why: "No data from the site: the weather is unknown." };
   if (rules.length === 0) return { ...none, word: "none" };
   const missing = lines.find(({ stands }) => stands === "unknown");
   const told = rules.map((rule) => ({ rule, said: news(rule) }));

@@ -83,7 +83,7 @@ export class StopPanel extends StopElement {
   private releaseObstacle(): string {
     if (!this.mayUse) return "Only people who may use this device can release STOP.";
     if (this.line?.online !== true) return "The site is offline: STOP stays latched.";
-    return this.epoch === 0 ? "Take control first: whoever releases STOP answers for what moves next." : "";
+    return this.epoch === 0 ? "Take control first: the person who releases STOP is responsible for what moves next." : "";
   }
 
   private readonly askReset = (): void => {

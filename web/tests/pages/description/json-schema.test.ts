@@ -1,7 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { differenceLines, differenceText } from "../../../src/format/unified-diff.js";
 import { changedAt, emptyOf, schemaFields, freeName, movedAt, pathOf, renamedAt, type JsonObject } from "../../../src/pages/description/json-schema.js";
-import { EditHistory } from "../../../src/state/edit-history.js";
 
 const ROOT = {
   $ref: "#/$defs/Site",
@@ -30,7 +28,6 @@ const ROOT = {
   },
 };
 const SITE: JsonObject = { name: "S", devices: { base: { name: "Base", signals: { speed: { name: "Speed" }, mode: { name: "Mode" } } } } };
-
 describe("a form made of a schema", () => {
   it("has a line for each property, what must be said first", () => {
     const fields = schemaFields(ROOT, ROOT);
@@ -83,52 +80,5 @@ describe("a change by path", () => {
   it("reads the path of a finding", () => {
     expect(pathOf("$.devices.base.drive.stop.confirmed_by[0]")).toEqual(["devices", "base", "drive", "stop", "confirmed_by", "0"]);
     expect(pathOf("line 3, column 1")).toEqual([]);
-  });
-});
-
-describe("what was done to a text", () => {
-  it("is taken back and done again", () => {
-    const edits = new EditHistory("a");
-    edits.recordEdit("b");
-    edits.recordEdit("c");
-    edits.undoEdit();
-    expect(edits.text).toBe("b");
-    edits.redoEdit();
-    expect(edits.text).toBe("c");
-    edits.undoEdit();
-    edits.recordEdit("d");
-    expect(edits.canRedo).toBe(false);
-    edits.undoEdit();
-    edits.undoEdit();
-    edits.undoEdit();
-    expect([edits.text, edits.canUndo]).toEqual(["a", false]);
-  });
-
-  it("takes typing back in one step", () => {
-    const edits = new EditHistory("");
-    edits.recordEdit("x");
-    edits.recordEdit("xy", true);
-    edits.recordEdit("xyz", true);
-    edits.undoEdit();
-    expect(edits.text).toBe("");
-  });
-});
-
-describe("a difference in lines", () => {
-  const lines = differenceLines(["@@ -3,2 +3,3 @@", " same", "-old", "+new", "+more"]);
-
-  it("has signs beside colours, and numbers", () => {
-    expect(lines.map((line) => [line.kind, line.sign, line.before, line.after])).toEqual([
-      ["place", "…", 0, 0],
-      ["same", " ", 3, 3],
-      ["removed", "−", 4, 0],
-      ["added", "+", 0, 4],
-      ["added", "+", 0, 5],
-    ]);
-  });
-
-  it("is said in words", () => {
-    expect(differenceText(lines)).toBe("2 lines added, 1 line removed");
-    expect(differenceText([])).toBe("no line differs");
   });
 });

@@ -18,9 +18,9 @@ import type { Detector } from "../../../state/anomaly-detectors.js";
 import type { History } from "../../../wire/api-types.js";
 import type { HistoryQuery, HubApi } from "../../../wire/hub-api.js";
 import { loadedSeries } from "../data/history-loader.js";
+import { renderAdvice } from "../../../elements/feedback/load-state.js";
 import "../../../elements/analysis/detector.js";
 import "../../../elements/feedback/loading.js";
-import "../../../elements/feedback/problem.js";
 
 /** Scores are written at least this often while samples come (µs). */
 const WRITTEN_US = 130e6;
@@ -102,7 +102,7 @@ export class AnomalyScores extends LitElement {
     if (this.detectors.state === "failed") {
       const advice = adviceFor(this.detectors.renderError, "the anomaly detectors");
       return html`<h2>Anomalies</h2>
-        <t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retry}></t-problem>`;
+        ${renderAdvice(advice, this.retry)}`;
     }
     if (!this.detectors.hasList) return html`<t-loading what="Loading the anomaly detectors"></t-loading>`;
     const shown = this.shownDetectors();
@@ -114,7 +114,7 @@ export class AnomalyScores extends LitElement {
     const { problem, doneText: done } = this.action;
     return html`<h2>Anomalies</h2>
       <p role="status" class="said">${done}</p>
-      ${problem === null ? nothing : html`<t-problem what=${problem.what} how=${problem.how}></t-problem>`}
+      ${renderAdvice(problem)}
       ${this.scores.result.state === "failed" ? this.renderNoScores(this.scores.result.error) : nothing}
       ${repeat(
         shown,
@@ -124,8 +124,7 @@ export class AnomalyScores extends LitElement {
   }
 
   private renderNoScores(error: unknown): TemplateResult {
-    const advice = adviceFor(error, "the scores of before");
-    return html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${this.retryScores}></t-problem>`;
+    return renderAdvice(adviceFor(error, "the scores of before"), this.retryScores);
   }
 
   private renderDetector(detector: Detector): TemplateResult {

@@ -206,7 +206,7 @@ export class FilmView extends LitElement {
       case "coming": {
         const { size, have } = showing.film;
         return html`<div class="veil">
-          <h3>This film is on its way</h3>
+          <h3>This film is still being uploaded</h3>
           <p>${formatNumber(size > 0 ? (100 * have) / size : 0, 0)} % of it has come from the gateway.</p>
         </div>`;
       }

@@ -3,16 +3,13 @@ import { comparedDaysText, ghostUs } from "../../../../src/pages/history/history
 import { StatisticsLoader } from "../../../../src/pages/history/data/statistics-loader.js";
 import { ZoneClock } from "../../../../src/series/zone-clock.js";
 import type { StatisticsInfo, StatisticsList } from "../../../../src/wire/api-types.js";
-import { exportPath } from "../../../../src/wire/hub-api.js";
 
 const madrid = new ZoneClock("Europe/Madrid");
 const HOUR = 3600e6;
-
 function noon(day: string): { fromUs: number; toUs: number } {
   const fromUs = madrid.fromInput(`${day}T12:00:00`);
   return { fromUs, toUs: fromUs + HOUR };
 }
-
 describe("another day to compare with", () => {
   it("lies whole days away by the clock on the wall, also across summer time", () => {
     expect(ghostUs(noon("2026-11-21"), 1, madrid)).toBe(24 * HOUR);
@@ -64,14 +61,5 @@ describe("statistics of the window", () => {
       await answer();
     }
     expect(asked).toEqual([1000, 1010]);
-  });
-});
-
-describe("the address of an export", () => {
-  it("names each channel, the window, the form, and a width only for what is drawn", () => {
-    const query = { channels: ["base/pose.x", "odd/ä&c"], fromUs: 1.4, toUs: 9, format: "parquet", width: 0 } as const;
-    const path = exportPath("a b", query);
-    expect(path).toBe("/api/sites/a%20b/export?channel=base%2Fpose.x&channel=odd%2F%C3%A4%26c&from_us=1&to_us=9&format=parquet");
-    expect(exportPath("agv", { ...query, width: 800 })).toContain("&width=800");
   });
 });

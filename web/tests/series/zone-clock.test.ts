@@ -1,0 +1,31 @@
+import { describe, expect, it } from "vitest";
+import { HOUR_US, ZoneClock } from "../../src/series/zone-clock.js";
+import { forSeeds } from "./seeded.js";
+
+const utc = (text: string): number => Date.parse(`${text}Z`) * 1000;
+const madrid = new ZoneClock("Europe/Madrid");
+describe("a zone's clock", () => {
+  it("gives back the moment that it wrote into a field, whatever the zone", () => {
+    for (const zone of ["UTC", "Europe/Madrid", "Asia/Kathmandu", "America/St_Johns", "Pacific/Apia"]) {
+      const clock = new ZoneClock(zone);
+      forSeeds(40, (roll) => {
+        const at = Math.floor(utc("2020-01-01T00:00") / 1e6 + roll() * 3e8) * 1e6;
+        const again = clock.fromInput(clock.toInput(at));
+        // An hour that comes twice in autumn can only mean its first coming.
+        expect(again === at || again === at - HOUR_US).toBe(true);
+      });
+    }
+  });
+
+  it("knows where days begin, also those of 23 and 25 hours", () => {
+    expect(madrid.dayStart(utc("2026-03-29T12:00"))).toBe(utc("2026-03-28T23:00"));
+    expect(madrid.dayAfter(utc("2026-03-29T12:00"), 1)).toBe(utc("2026-03-29T22:00"));
+    expect(madrid.dayAfter(utc("2026-10-25T12:00"), 1)).toBe(utc("2026-10-25T23:00"));
+    expect(madrid.dayAfter(utc("2026-11-21T12:00"), -1)).toBe(utc("2026-11-19T23:00"));
+  });
+
+  it("takes a time that summer time skips for the one an hour later, and nonsense for none", () => {
+    expect(madrid.fromInput("2026-03-29T02:30:00")).toBe(utc("2026-03-29T01:30:00"));
+    expect(madrid.fromInput("")).toBeNaN();
+  });
+});

@@ -1,0 +1,94 @@
+import { describe, expect, test } from "vitest";
+import { Session } from "../../src/state/session.js";
+import { Sites } from "../../src/state/sites.js";
+import type { SiteDetail, SiteRow } from "../../src/wire/api-types.js";
+import { HubApi } from "../../src/wire/hub-api.js";
+
+const json = (value: unknown, status = 200): Response => new Response(JSON.stringify(value), { status });
+const row: SiteRow = {
+  site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, devices: 1, signals: 2,
+  why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0,
+};
+const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 } as const;
+const detail: SiteDetail = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], devices: [] };
+function hub(answer: (path: string) => Response): { api: HubApi; asked: string[] } {
+  const asked: string[] = [];
+  const api = new HubApi((input) => {
+    const path = input instanceof Request ? input.url : input.toString();
+    asked.push(path);
+    return Promise.resolve(answer(path));
+  });
+  return { api, asked };
+}
+test("what a page asks for by itself does not keep the session; staying does", async () => {
+  const said: string[] = [];
+  const api = new HubApi((_input, init) => {
+    said.push(`${init?.method ?? ""} ${new Headers(init?.headers).get("talaia-background") ?? "-"}`);
+    return Promise.resolve(json({ name: "ana", role: "admin", permissions: [], devices: [] }));
+  });
+  const session = new Session(api);
+  await session.refresh();
+  await api.devices();
+  await session.extend();
+  await api.request("POST", "/api/logout", {});
+  expect(said).toEqual(["GET 1", "GET 1", "GET -", "POST -"]);
+});
+test("a page is told when what the person may do has changed, and not when only time has passed", async () => {
+  let person: object = { name: "ana", role: "crew", admin: false, permissions: [{ right: "use", site: "agv", device: "*" }] };
+  const session = new Session(hub(() => json(person)).api);
+  await session.refresh();
+  const rights = session.rightsKey;
+  let told = 0;
+  session.subscribe(() => (told += 1));
+  person = { ...person, idle_ends_us: 7 };
+  await session.refresh();
+  expect([told, session.rightsKey]).toEqual([0, rights]);
+  person = { ...person, permissions: [] };
+  await session.refresh();
+  expect(told).toBe(1);
+  expect(session.rightsKey).not.toBe(rights);
+});
+describe("sites", () => {
+  test("follow the hub's news", async () => {
+    const sites = new Sites(hub(() => json([row])).api);
+    await sites.load();
+    sites.applyUpdate({ ...news, online: false, since_us: 50 });
+    expect(sites.siteRow("agv")).toMatchObject({ online: false, since_us: 50, last_seen_us: 50 });
+  });
+
+  test("are asked for anew when one appears that was not there", async () => {
+    const { api, asked } = hub(() => json([row]));
+    const sites = new Sites(api);
+    await sites.load();
+    sites.applyUpdate({ ...news, site: "dome" });
+    expect(asked).toEqual(["/api/sites", "/api/sites"]);
+  });
+
+  test("keep the old list on screen when a new one can not be had", async () => {
+    let well = true;
+    const sites = new Sites(hub(() => (well ? json([row]) : json({}, 503))).api);
+    await sites.load();
+    well = false;
+    await sites.load();
+    expect([sites.status, sites.list.length]).toEqual(["failed", 1]);
+  });
+
+  test("hold a description until it changes", async () => {
+    const { api, asked } = hub((path) => json(path === "/api/sites" ? [row] : detail));
+    const sites = new Sites(api);
+    await sites.load();
+    await sites.loadDetail("agv");
+    await sites.loadDetail("agv");
+    sites.applyUpdate({ ...news, catalogue: "2" });
+    await sites.loadDetail("agv");
+    expect(asked.filter((path) => path === "/api/sites/agv")).toHaveLength(2);
+  });
+
+  test("do not remember a description that failed to load", async () => {
+    let well = false;
+    const sites = new Sites(hub(() => (well ? json(detail) : json({}, 500))).api);
+    await expect(sites.loadDetail("agv")).rejects.toThrow();
+    well = true;
+    await expect(sites.loadDetail("agv")).resolves.toEqual(detail);
+  });
+});
