@@ -40,7 +40,7 @@ export interface CommandRequest {
 }
 
 /** The fields of `CommandUpdate` that decide. */
-export interface CommandUpdate {
+export interface CommandReport {
   readonly id: string;
   readonly phase: Exclude<RequestStage, "sent" | "offline">;
   readonly message: string;
@@ -100,7 +100,7 @@ export class CommandMachine {
     }
   }
 
-  applyUpdate(word: CommandUpdate): void {
+  applyUpdate(word: CommandReport): void {
     const { phase, message, progress, blocked_by: blockedBy = "" } = word;
     this.updateRequest(word.id, { phase, message, progress, blockedBy });
   }

@@ -16,7 +16,7 @@ export const VAIN_MS = 1500;
 export type LeaseAsk = "take" | "renew" | "free" | "ask" | "accept" | "deny" | "force";
 
 /** The fields of `LeaseUpdate` that decide. */
-export interface LeaseUpdate {
+export interface LeaseReport {
   readonly holder: string;
   readonly yours: boolean;
   readonly epoch: number;
@@ -117,7 +117,7 @@ export class LeaseMachine {
   }
 
   /** What the gateway says. Gives why the lease ended, when this ended it. */
-  applyUpdate(word: LeaseUpdate, now: number): HaltReason | null {
+  applyUpdate(word: LeaseReport, now: number): HaltReason | null {
     const mine = this.now_.kind === "mine";
     if (word.yours && word.epoch > 0 && this.isWanted) {
       if (!mine) {

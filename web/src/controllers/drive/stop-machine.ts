@@ -11,7 +11,7 @@ export const ARMED_MS = 10_000;
 export const RESET_ANSWER_MS = 3000;
 
 /** The fields of `StopUpdate` that decide. */
-export interface StopUpdate {
+export interface StopReport {
   readonly latched: boolean;
   readonly confirmed: boolean;
   readonly who: string;
@@ -32,7 +32,7 @@ export type ResetPhase =
 export class StopMachine {
   private pending: { readonly id: string; readonly since: number } | null = null;
   private repeatAt = 0;
-  private word: StopUpdate | null = null;
+  private word: StopReport | null = null;
   private reset_: ResetPhase = { kind: "none" };
   private answeredIn_: number | null = null;
   /** Why STOP or its reset was not done; empty when there is nothing to say. */
@@ -90,7 +90,7 @@ export class StopMachine {
     this.trouble = why;
   }
 
-  applyUpdate(word: StopUpdate, now: number): void {
+  applyUpdate(word: StopReport, now: number): void {
     if (this.pending?.id === word.id) {
       this.answeredIn_ = now - this.pending.since;
       this.pending = null;

@@ -9,7 +9,7 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { formatMs } from "../../format/duration.js";
 import { base } from "../base/base-style.js";
 import "./detection-boxes.js";
-import type { DetectedObject } from "./detection-boxes.js";
+import type { FramedObject } from "./detection-boxes.js";
 import type { PixelSize } from "./picture-fit.js";
 import "../base/icon.js";
 import type { IconName } from "../base/icons.js";
@@ -180,7 +180,7 @@ export class CameraView extends LitElement {
   @property({ type: Boolean }) drawn = false;
   @property({ type: Boolean }) full = false;
   /** What is framed on the picture. */
-  @property({ attribute: false }) things: readonly DetectedObject[] = [];
+  @property({ attribute: false }) things: readonly FramedObject[] = [];
   /** It was seen on an earlier picture than the one that is shown. */
   @property({ type: Boolean }) earlier = false;
 

@@ -8,7 +8,7 @@ import { styled } from "../base/style-directive.js";
 import { isInView, placeOf, labelPlace, type PicturePart, type PixelSize } from "./picture-fit.js";
 import { WHOLE, type Zoom } from "./zoom.js";
 
-export interface DetectedObject extends PicturePart {
+export interface FramedObject extends PicturePart {
   readonly label: string;
   /** 0 to 1 */
   readonly score: number;
@@ -76,7 +76,7 @@ export class DetectionBoxes extends LitElement {
     }
   `;
 
-  @property({ attribute: false }) things: readonly DetectedObject[] = [];
+  @property({ attribute: false }) things: readonly FramedObject[] = [];
   /** They were seen on an earlier picture than the one that lies below. */
   @property({ type: Boolean }) earlier = false;
   /** Of the picture (px). */
@@ -103,7 +103,7 @@ export class DetectionBoxes extends LitElement {
     return html`<div aria-hidden="true">${map([...this.things].reverse(), (thing) => this.renderBox(thing))}</div>`;
   }
 
-  private renderBox(thing: DetectedObject): unknown {
+  private renderBox(thing: FramedObject): unknown {
     const place = placeOf(thing, this.view, this.picture, this.zoom);
     if (!isInView(place, this.view)) return null;
     const where = {

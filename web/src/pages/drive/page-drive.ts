@@ -25,7 +25,7 @@ import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/
 import { layout } from "./drive-layout.js";
 
 @customElement("t-page-drive")
-export class PageDrive extends LitElement {
+export class PageActuate extends LitElement {
   static override styles = [base, layout];
 
   @property() site = "";
@@ -281,6 +281,6 @@ function signalOf(detail: SiteDetail, address: string): SignalInfo | null {
 
 declare global {
   interface HTMLElementTagNameMap {
-    "t-page-drive": PageDrive;
+    "t-page-drive": PageActuate;
   }
 }

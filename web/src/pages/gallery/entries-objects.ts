@@ -3,7 +3,7 @@
 import { html, type TemplateResult } from "lit";
 import { styled } from "../../elements/base/style-directive.js";
 import "../../elements/camera/detection-boxes.js";
-import type { DetectedObject } from "../../elements/camera/detection-boxes.js";
+import type { FramedObject } from "../../elements/camera/detection-boxes.js";
 import "../../elements/camera/objects-overlay.js";
 import type { DetectorState } from "../../elements/camera/objects-overlay.js";
 import "../../elements/camera/objects-choice.js";
@@ -13,8 +13,8 @@ import type { SightingFacts } from "../../elements/analysis/sighting-card.js";
 import type { GalleryEntry } from "./entry.js";
 
 const NOON_US = 1_780_000_000_000_000;
-const box = (label: string, score: number, left: number, top: number, right: number, bottom: number): DetectedObject => ({ label, score, left, top, right, bottom });
-const THINGS: readonly DetectedObject[] = [
+const box = (label: string, score: number, left: number, top: number, right: number, bottom: number): FramedObject => ({ label, score, left, top, right, bottom });
+const THINGS: readonly FramedObject[] = [
   box("person", 0.92, 0.1, 0.15, 0.35, 0.95),
   box("dog", 0.71, 0.42, 0.6, 0.64, 0.92),
   box("car", 0.55, 0.66, 0.02, 0.97, 0.4),
@@ -27,7 +27,7 @@ const CLASSES: readonly ObjectOption[] = [
   { label: "chair", wanted: false, described: false },
 ];
 
-function renderBoxed(things: readonly DetectedObject[], earlier = false, zoom = { scale: 1, x: 0, y: 0 }, ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
+function renderBoxed(things: readonly FramedObject[], earlier = false, zoom = { scale: 1, x: 0, y: 0 }, ground = "linear-gradient(#fff, #9aa, #000)"): TemplateResult {
   return html`<div ${styled({ position: "relative", "aspect-ratio": "4 / 3", background: ground })}>
     <t-boxes .things=${things} ?earlier=${earlier} .zoom=${zoom}></t-boxes>
   </div>`;

@@ -195,11 +195,11 @@ export class PageNotificationChannels extends LitElement {
     const { notifiers } = this;
     if (notifiers.length === 0) return html`<p class="muted">No notifier is installed beside this hub.</p>`;
     const name = way?.extension ?? (this.notifier || notifiers[0]?.name);
-    const chosen = notifiers.find((one) => one.name === name);
+    const chosen = notifiers.find((notifier) => notifier.name === name);
     return html`${way === undefined
         ? html`<t-field label="Extension">
             <select name="extension" @change=${this.onNotifierChange}>
-              ${map(notifiers, (one) => html`<option value=${one.name} .selected=${one.name === name}>${one.name}: ${one.summary}</option>`)}
+              ${map(notifiers, (notifier) => html`<option value=${notifier.name} .selected=${notifier.name === name}>${notifier.name}: ${notifier.summary}</option>`)}
             </select>
           </t-field>`
         : html`<input type="hidden" name="extension" .value=${way.extension} />

@@ -1,7 +1,7 @@
 import { beforeEach, expect, test } from "vitest";
-import { ANSWER_MS, LeaseMachine, RENEW_MS, type LeaseUpdate } from "../../../src/controllers/drive/lease-machine.js";
+import { ANSWER_MS, LeaseMachine, RENEW_MS, type LeaseReport } from "../../../src/controllers/drive/lease-machine.js";
 
-function word(more: Partial<LeaseUpdate> = {}): LeaseUpdate {
+function word(more: Partial<LeaseReport> = {}): LeaseReport {
   return {
     holder: "", yours: false, epoch: 0, remains_ms: 0, rival: "", asking: false, answer_ms: 0, refused: "",
     forceable: false, ...more,

@@ -1,7 +1,7 @@
 import { beforeEach, expect, test } from "vitest";
-import { ARMED_MS, REPEAT_MS, RESET_ANSWER_MS, StopMachine, type StopUpdate } from "../../../src/controllers/drive/stop-machine.js";
+import { ARMED_MS, REPEAT_MS, RESET_ANSWER_MS, StopMachine, type StopReport } from "../../../src/controllers/drive/stop-machine.js";
 
-function word(more: Partial<StopUpdate> = {}): StopUpdate {
+function word(more: Partial<StopReport> = {}): StopReport {
   return { latched: true, confirmed: false, who: "Ada", time_us: 1, id: "", ...more };
 }
 
