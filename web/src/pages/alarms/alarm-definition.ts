@@ -20,7 +20,7 @@ export const KINDS: readonly { readonly kind: AlarmKind; readonly name: string }
 export type AlarmFields = Readonly<Record<string, string>>;
 
 export interface AlarmField {
-  readonly labelControl: string;
+  readonly name: string;
   readonly label: string;
   readonly hint?: string;
   readonly kinds: readonly AlarmKind[];
@@ -31,27 +31,27 @@ const ALL = KINDS.map(({ kind }) => kind);
 
 /** Every field, in the order of the form, with the kinds that have it. */
 export const FIELDS: readonly AlarmField[] = [
-  { labelControl: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
-  { labelControl: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
-  { labelControl: "label", label: "Detected object", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
-  { labelControl: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
-  { labelControl: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
-  { labelControl: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
-  { labelControl: "enclosure", label: "Enclosure", hint: "Its short name, as in the description. Empty: any", kinds: ["enclosure"], sort: "text" },
-  { labelControl: "above", label: "Raised above", kinds: ["limit"], sort: "number" },
-  { labelControl: "below", label: "Raised below", kinds: ["limit"], sort: "number" },
-  { labelControl: "hysteresis", label: "Lets go so far on the safe side", kinds: ["limit"], sort: "number" },
-  { labelControl: "is_one_of", label: "Raised in these", hint: "With commas between", kinds: ["state"], sort: "words" },
-  { labelControl: "is_not", label: "Raised in all but these", hint: "With commas between", kinds: ["state"], sort: "words" },
-  { labelControl: "score", label: "At least this score", kinds: ["anomaly"], sort: "number" },
-  { labelControl: "delay", label: "Raised after (s)", hint: "So long it must be so", kinds: ALL, sort: "number" },
-  { labelControl: "clear_delay", label: "Over after (s)", hint: "So long it must not be so", kinds: ALL, sort: "number" },
-  { labelControl: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
-  { labelControl: "unknown_after", label: "Raised if unknown for (s)", hint: "When it cannot be judged. Empty: never", kinds: ALL, sort: "number" },
-  { labelControl: "repeat", label: "Repeat every (s)", hint: "Until acknowledged. Empty: people are told once", kinds: ALL, sort: "number" },
-  { labelControl: "escalate", label: "Who is told, in order", hint: "Accounts and seconds: anna 0, ben 300. Empty: everybody whose rules want it", kinds: ALL, sort: "people" },
-  { labelControl: "remind", label: "Remind every (s)", hint: "While acknowledged and still so. Empty: never", kinds: ALL, sort: "number" },
-  { labelControl: "advice", label: "What to do", kinds: ALL, sort: "text" },
+  { name: "signal", label: "Signal", kinds: ["limit", "state", "stale", "anomaly"], sort: "signal" },
+  { name: "stream", label: "Camera", kinds: ["detection"], sort: "stream" },
+  { name: "label", label: "Detected object", hint: "As the detector calls it: person, dog, car", kinds: ["detection"], sort: "text" },
+  { name: "count", label: "At least so many", kinds: ["detection"], sort: "number" },
+  { name: "confidence", label: "At least so sure (0 to 1)", kinds: ["detection"], sort: "number" },
+  { name: "expression", label: "Condition", hint: '{device/signal} < 11.5 and not {device/state} == "on"', kinds: ["expression"], sort: "text" },
+  { name: "enclosure", label: "Enclosure", hint: "Its short name, as in the description. Empty: any", kinds: ["enclosure"], sort: "text" },
+  { name: "above", label: "Raised above", kinds: ["limit"], sort: "number" },
+  { name: "below", label: "Raised below", kinds: ["limit"], sort: "number" },
+  { name: "hysteresis", label: "Lets go so far on the safe side", kinds: ["limit"], sort: "number" },
+  { name: "is_one_of", label: "Raised in these", hint: "With commas between", kinds: ["state"], sort: "words" },
+  { name: "is_not", label: "Raised in all but these", hint: "With commas between", kinds: ["state"], sort: "words" },
+  { name: "score", label: "At least this score", kinds: ["anomaly"], sort: "number" },
+  { name: "delay", label: "Raised after (s)", hint: "So long it must be so", kinds: ALL, sort: "number" },
+  { name: "clear_delay", label: "Over after (s)", hint: "So long it must not be so", kinds: ALL, sort: "number" },
+  { name: "max_age", label: "A value is unknown after (s)", hint: "Empty: as the signal has it", kinds: ["limit", "state", "stale", "expression", "anomaly"], sort: "number" },
+  { name: "unknown_after", label: "Raised if unknown for (s)", hint: "When it cannot be judged. Empty: never", kinds: ALL, sort: "number" },
+  { name: "repeat", label: "Repeat every (s)", hint: "Until acknowledged. Empty: notify once", kinds: ALL, sort: "number" },
+  { name: "escalate", label: "Who is notified, in order", hint: "Accounts and seconds: anna 0, ben 300. Empty: everybody whose rules want it", kinds: ALL, sort: "people" },
+  { name: "remind", label: "Remind every (s)", hint: "While acknowledged and still so. Empty: never", kinds: ALL, sort: "number" },
+  { name: "advice", label: "What to do", kinds: ALL, sort: "text" },
 ];
 
 /** Fields whose number is in the signal's unit. */
@@ -59,7 +59,7 @@ const IN_UNIT = ["above", "below", "hysteresis"];
 
 /** What a field is called, with the unit of its number. */
 export function fieldLabel(field: AlarmField, unit: string): string {
-  return IN_UNIT.includes(field.labelControl) && unit !== "" ? `${field.label} (${unit})` : field.label;
+  return IN_UNIT.includes(field.name) && unit !== "" ? `${field.label} (${unit})` : field.label;
 }
 
 /** Whether an alarm of a kind can watch a signal of a type. */
@@ -94,7 +94,7 @@ export function definitionOf(fields: AlarmFields): { readonly definition: AlarmD
     severity: fields["severity"] ?? "warning",
     record: fields["record"] === "on",
   };
-  for (const { labelControl: name, kinds, sort } of FIELDS) {
+  for (const { name: name, kinds, sort } of FIELDS) {
     const text = (fields[name] ?? "").trim();
     if (!kinds.includes(kind)) continue;
     if (sort === "people") {

@@ -103,12 +103,12 @@ export class AlarmEditor extends LitElement {
         ${map(
           FIELDS.filter(({ kinds }) => kinds.includes(kind)),
           (field) => html`<t-field
-            class=${field.labelControl === "expression" || field.labelControl === "advice" ? "wide" : ""}
+            class=${field.name === "expression" || field.name === "advice" ? "wide" : ""}
             label=${fieldLabel(field, signal?.unit ?? "")}
             .hint=${this.hintOf(field, signal?.states ?? [])}
-            .error=${this.errorOf(field.labelControl)}
-            >${this.renderControl(field.labelControl, field.sort, fields, kind)}</t-field
-          >${field.labelControl === "expression" ? this.renderInserter() : nothing}`,
+            .error=${this.errorOf(field.name)}
+            >${this.renderControl(field.name, field.sort, fields, kind)}</t-field
+          >${field.name === "expression" ? this.renderInserter() : nothing}`,
         )}
         <label class="tick wide"
           ><input type="checkbox" name="record" ?checked=${fields["record"] === "on"} /> Record the raw topics around it</label

@@ -39,7 +39,7 @@ test("an alarm leads to its chart at the moment when it was raised", () => {
 });
 
 test("a number is asked for in the signal's unit, and of the signals only those that fit", () => {
-  const above = FIELDS.find(({ labelControl: name }) => name === "above");
+  const above = FIELDS.find(({ name: name }) => name === "above");
   if (above === undefined) throw new Error("there is no such field");
   expect([fieldLabel(above, "V"), fieldLabel(above, "")]).toEqual(["Raised above (V)", "Raised above"]);
   expect([kindFitsType("limit", "number"), kindFitsType("limit", "state"), kindFitsType("state", "text"), kindFitsType("state", "number"), kindFitsType("stale", "state")]).toEqual([true, false, true, false, true]);
