@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -37,7 +38,8 @@ def target(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def beside(target: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Have the example packages beside talaia, here and in processes that are started here."""
     monkeypatch.syspath_prepend(str(target))
-    monkeypatch.setenv("PYTHONPATH", str(target))
+    before = os.environ.get("PYTHONPATH")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(target), *([before] if before else [])]))
     installed.cache_clear()
     yield target
     installed.cache_clear()

@@ -5,10 +5,10 @@ from __future__ import annotations
 from talaia.extensions.adapter_host import (
     AdapterHost,
     CommandRefused,
-    CommandRequest,
     ConnectionLost,
     ExecutionFailed,
     ExtensionAdapter,
+    ExtensionCommand,
     WantedSignal,
 )
 from talaia.extensions.declared import AdapterExtension, ExtensionKeys
@@ -17,10 +17,10 @@ __all__ = [
     "AdapterExtension",
     "AdapterHost",
     "CommandRefused",
-    "CommandRequest",
     "ConnectionLost",
     "ExecutionFailed",
     "ExtensionAdapter",
+    "ExtensionCommand",
     "ExtensionKeys",
     "WantedSignal",
 ]

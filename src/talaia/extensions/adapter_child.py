@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 import ctypes
 import logging
+import math
 import signal
 import socket
 import sys
@@ -22,9 +23,9 @@ import msgspec
 
 from talaia.extensions.adapter_host import (
     CommandRefused,
-    CommandRequest,
     ConnectionLost,
     ExecutionFailed,
+    ExtensionCommand,
     WantedSignal,
 )
 from talaia.extensions.adapter_words import (
@@ -90,6 +91,9 @@ class _Host:
         if not isinstance(value, bool | int | str):
             # NumPy's numbers, too.
             value = float(value)
+        if isinstance(value, float) and not math.isfinite(value):
+            # JSON has no such number.
+            value = str(value)
         self.send(ValueWords(address, value, None if time_us is None else int(time_us)))
 
     def device_reachable(self, device: str, *, reachable: bool, why: str = "") -> None:
@@ -150,7 +154,7 @@ class _Session:
         try:
             # Without commands there are no keys that fit.
             keys = msgspec.convert(act.keys, self._declared.command or ExtensionKeys)
-            said = await self._adapter.execute(CommandRequest(act.device, act.command, keys))
+            said = await self._adapter.execute(ExtensionCommand(act.device, act.command, keys))
             done = DoneWords(act.number, "succeeded", str(said or "")[:_MAX_SAID])
         except (CommandRefused, msgspec.ValidationError) as error:
             done = DoneWords(act.number, "refused", str(error)[:_MAX_SAID])

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 __all__ = [
     "AdapterHost",
     "CommandRefused",
-    "CommandRequest",
     "ConnectionLost",
     "ExecutionFailed",
     "ExtensionAdapter",
+    "ExtensionCommand",
     "WantedSignal",
 ]
 
@@ -60,7 +60,7 @@ class WantedSignal(NamedTuple):
     keys: ExtensionKeys
 
 
-class CommandRequest(NamedTuple):
+class ExtensionCommand(NamedTuple):
     """A command to be done now.
 
     Attributes:
@@ -127,7 +127,7 @@ class ExtensionAdapter(Protocol):
         """
         ...
 
-    async def execute(self, request: CommandRequest) -> str:
+    async def execute(self, request: ExtensionCommand) -> str:
         """Do a command; give what the robot said, or nothing.
 
         Runs beside `run`, and beside other commands. When it is cancelled, or raises anything

@@ -14,6 +14,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from talaia.cli.errors import BadFile, CliError
 from talaia.cli.importing.delivery import deliver, described
+from talaia.cli.importing.extension_source import ExtensionSource, importer_of
 from talaia.cli.importing.messages import Messages
 from talaia.cli.importing.staging import Staging
 from talaia.cli.importing.table import Table
@@ -36,6 +37,7 @@ __all__ = ["main"]
 _DAY_US = 86_400_000_000
 _TELL_S = 5.0
 _MOST_SAID = 40
+_EXTENSION = "extension "
 
 
 class _Read(NamedTuple):
@@ -86,7 +88,8 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia import",
         description="Bring recordings (rosbag 1, rosbag 2, MCAP) and tables (CSV) into a site's"
-        " history. The hub may run. What is in the history already changes nothing. A server's"
+        " history, and files that an installed extension reads. The hub may run. What is in"
+        " the history already changes nothing. A server's"
         " database is named by TALAIA_DATABASE_URL, as for the hub.",
     )
     parser.add_argument("file", type=Path, nargs="+", help="a file, or a rosbag 2 folder")
@@ -101,7 +104,8 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument(
         "--column", action="append", default=[], metavar="HEADING=ADDRESS",
-        help="CSV: this column is that channel, as base/speed or base/pose.x; may repeat",
+        help="CSV and extensions: this column is that channel, as base/speed or base/pose.x;"
+        " may repeat",
     )  # fmt: skip
     parser.add_argument("--time", default="", metavar="HEADING", help="CSV: the column of times")
     parser.add_argument(
@@ -173,6 +177,8 @@ def _kind(path: Path) -> str:
         return "rosbag 2"
     if not start:
         raise BadFile(str(path), "", "it is empty")
+    if name := importer_of(path):
+        return f"{_EXTENSION}{name}"
     if b"\0" in start or path.suffix.lower() in (".bag", ".mcap", ".db3"):
         raise BadFile(
             str(path), "byte 0", "it begins like none of rosbag 1, rosbag 2, MCAP and CSV"
@@ -186,6 +192,8 @@ def _open(
     kind = _kind(path)
     if kind == "CSV":
         return Table(path, site, named, time_column, times)
+    if kind.startswith(_EXTENSION):
+        return ExtensionSource(path, kind.removeprefix(_EXTENSION), site, named)
     return Messages(path, kind, site)
 
 

@@ -1,0 +1,112 @@
+"""A file that an importer of an extension reads, as a `Source`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from talaia.cli.errors import BadFile
+from talaia.cli.importing.source import Findings, Piece
+from talaia.extensions.declared import ImporterExtension, ImportProblem, ImportRequest
+from talaia.extensions.installed import installed
+from talaia.gateway.adapters.topic_readers import SampleBuffer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from talaia.extensions.declared import ImportedSample
+    from talaia.model.site import Site
+
+__all__ = ["ExtensionSource", "importer_of"]
+
+_AT_ONCE = 4096
+_BEGIN = 4096
+
+
+def importer_of(path: Path) -> str:
+    """Name the installed importer that takes a file for its own; empty where none does."""
+    if not path.is_file():
+        return ""
+    with path.open("rb") as file:
+        begin = file.read(_BEGIN)
+    for name, importer in sorted(installed().importers().items()):
+        try:
+            if importer.recognizes(path, begin):
+                return name
+        except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            said = f"it fails at {path.name}: {type(error).__name__}: {error}"
+            installed().note_failure(ImporterExtension, name, said)
+    return ""
+
+
+class ExtensionSource:
+    """A `Source`."""
+
+    def __init__(self, path: Path, name: str, site: Site, named: Mapping[str, str]) -> None:
+        """Read ``path`` with the importer of this name.
+
+        Args:
+            path: the file.
+            name: of an installed importer.
+            site: whose channels they are.
+            named: what the person wrote as ``--column NAME=ADDRESS``.
+
+        """
+        self._importer = installed().importers()[name]
+        self._name, self._path, self._named = name, path, named
+        self.kind = self._importer.title
+        self.findings = Findings()
+        self._channels = {each.address: number for number, each in enumerate(site.channels())}
+        self._texts = frozenset(each.address for each in site.channels() if each.text)
+        self._states = {
+            each.address: site.devices[each.device].signals[each.signal].states
+            for each in site.channels()
+        }
+
+    def pieces(self) -> Iterator[Piece]:
+        """See `Source.pieces`."""
+        request = ImportRequest(
+            path=self._path,
+            channels=tuple(self._channels),
+            names=self._named,
+            note=self.findings.notes.append,
+            skip=self.findings.unread.__setitem__,
+        )
+        buffer, waiting = SampleBuffer(), 0
+        try:
+            for sample in self._importer.read(request):
+                self._add(sample, buffer)
+                waiting += 1
+                if waiting == _AT_ONCE:
+                    waiting = 0
+                    columns = buffer.take()
+                    if columns is not None:
+                        yield Piece(0.0, columns)
+        except BadFile:
+            raise
+        except ImportProblem as error:
+            raise BadFile(str(self._path), error.place, error.problem, error.remedy) from error
+        except Exception as error:
+            said = f"the importer {self._name!r} failed: {type(error).__name__}: {error}"
+            raise BadFile(str(self._path), "", said) from error
+        columns = buffer.take()
+        if columns is not None:
+            yield Piece(1.0, columns)
+
+    def _add(self, sample: ImportedSample, buffer: SampleBuffer) -> None:
+        address, time_us, value = sample
+        channel = self._channels.get(address)
+        if channel is None:
+            raise BadFile(str(self._path), "", f"the description has no channel {address!r}")
+        if address in self._texts:
+            buffer.add_text(channel, int(time_us), str(value))
+            return
+        states = self._states[address]
+        number = float(states.index(value)) if value in states else float(value)
+        if math.isinf(number):
+            raise BadFile(str(self._path), "", f"{address}: {value!r} is no number")
+        buffer.add(channel, int(time_us), number)
+
+    def close(self) -> None:
+        """See `Source.close`."""
