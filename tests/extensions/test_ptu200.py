@@ -18,7 +18,11 @@ talaia: 1
 site: dome
 name: Dome
 connections:
-  weather: {{kind: extension, extension: ptu200, keys: {{port: {port}, poll: 0.05, timeout: 5}}}}
+  weather:
+    kind: extension
+    extension: ptu200
+    # A pty has no parity.
+    keys: {{port: {port}, poll: 0.05, timeout: 5, frame: 8N1}}
 devices:
   station:
     name: Station

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 QUANTITIES = ("pressure", "temperature", "humidity")
 MAX_LINE = 1024
 _NUMBER = re.compile(rb"[+-]?\d+(?:\.\d+)?|\*[*.]*")
+_FRAMES = {"7E1": termios.CS7 | termios.PARENB, "8N1": termios.CS8}
 _BAUDS = {
     1200: termios.B1200, 2400: termios.B2400, 4800: termios.B4800, 9600: termios.B9600,
     19200: termios.B19200,
@@ -31,7 +32,8 @@ class Ptu200Connection(ExtensionKeys, frozen=True, kw_only=True):
 
     Attributes:
         port: the device file: /dev/ttyUSB0, or /dev/serial/by-id/….
-        baud: bits a second; 7 data bits, even parity, 1 stop bit.
+        baud: bits a second.
+        frame: data bits, parity and stop bits; 7E1 as it leaves the factory.
         poll: it is asked so often (s).
         timeout: without an answer for so long it is not reached (s).
 
@@ -39,6 +41,7 @@ class Ptu200Connection(ExtensionKeys, frozen=True, kw_only=True):
 
     port: str
     baud: Literal[1200, 2400, 4800, 9600, 19200] = 9600
+    frame: Literal["7E1", "8N1"] = "7E1"
     poll: float = 5.0
     timeout: float = 3.0
 
@@ -95,7 +98,7 @@ class Ptu200:
             raise ConnectionLost(f"{self._keys.port}: {error.strerror}") from error
         try:
             speed = _BAUDS[self._keys.baud]
-            mode = termios.CS7 | termios.PARENB | termios.CREAD | termios.CLOCAL
+            mode = _FRAMES[self._keys.frame] | termios.CREAD | termios.CLOCAL
             none: list[bytes | int] = [b"\0"] * 32
             termios.tcsetattr(line, termios.TCSANOW, [0, 0, mode, 0, speed, speed, none])
         except termios.error as error:
