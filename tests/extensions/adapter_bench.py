@@ -10,7 +10,7 @@ from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
 from talaia.gateway.adapters.catalog import adapter_of
-from talaia.gateway.adapters.connection_scope import shares_of
+from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import AdapterContext
 from talaia.model.checks.site_checks import raise_first
@@ -38,7 +38,7 @@ class Bench:
     def __init__(self, text: str, folder: Path) -> None:
         """Make the adapter of the one connection of a description."""
         self.site = raise_first(load_site(text))
-        (self.share,) = shares_of(self.site)
+        (self.share,) = scopes_of(self.site)
         self.values: dict[str, float | str] = {}
         self.lost: list[str] = []
         self.events: list[tuple[str, str]] = []

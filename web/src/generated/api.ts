@@ -731,7 +731,7 @@ export interface ChangeAnswer {
   readonly findings: readonly FindingShape[];
 }
 
-/** Problems in it, and what it says as JSON; null where it cannot be read. */
+/** What does not fit in it, and what it says as JSON; null where it cannot be read. */
 export interface CheckAnswer {
   readonly findings: readonly FindingShape[];
   readonly site: Readonly<Record<string, unknown>> | null;
@@ -801,7 +801,7 @@ export interface EditAsk {
   readonly site: Readonly<Record<string, unknown>>;
 }
 
-/** Problems: where, what, what to do; line and column from 1, 0 if not known. */
+/** What does not fit: where, what, what to do; line and column from 1, 0 if not known. */
 export interface FindingShape {
   readonly where: string;
   readonly problem: string;
