@@ -5,7 +5,6 @@ What each of them holds is written down here by hand, since the code under test 
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import sqlite3
 import time
@@ -128,10 +127,15 @@ class World:
         self.gateways = {}
         self.token = ""
         self._made = 0
+        self._kept_clients: dict[str, httpx.AsyncClient] = {}
+        # Read past the hub: the matrix does it twice for each request.
+        self._reader = sqlite3.connect(f"file:{hub.settings.data}/talaia.db?mode=ro", uri=True)
+        self._read: tuple[int, dict[str, list]] = (-1, {})
         # One for all clients: making each its own takes longer than asking.
         self._transport = httpx.AsyncHTTPTransport()
 
     async def close(self) -> None:
+        self._reader.close()
         await self._transport.aclose()
 
     async def begin(self) -> None:
@@ -196,6 +200,16 @@ class World:
             assert (await client.post("/api/logout")).status_code == 204
             client.cookies.set("talaia", token)
         return client
+
+    async def kept_client(self, actor: str) -> httpx.AsyncClient:
+        """Give the client that somebody has had since `forget_clients`: a session takes time."""
+        if actor not in self._kept_clients:
+            self._kept_clients[actor] = await self.client(actor)
+        return self._kept_clients[actor]
+
+    def forget_clients(self) -> None:
+        """Let everyone begin a new session: the old one may have ended."""
+        self._kept_clients.clear()
 
     async def admin(self) -> httpx.AsyncClient:
         """Give a client of the admin's to prepare things with, whatever became of the last one."""
@@ -263,13 +277,14 @@ class World:
         """Read all that is kept, but what merely says when something was used."""
         # When and from where gateways came is written a second later; now, then.
         await self.hub.hub.gateways.registry.attendance.write()
-        # Read past the hub: the matrix does it twice for each request.
-        found = sqlite3.connect(f"file:{self.hub.settings.data}/talaia.db?mode=ro", uri=True)
-        with contextlib.closing(found) as database:
-            return {
-                name: sorted(map(repr, database.execute(question)))
+        (version,) = self._reader.execute("PRAGMA data_version").fetchone()
+        if version != self._read[0]:
+            # Read after the version: what is written in between is read again next time.
+            self._read = version, {
+                name: sorted(map(repr, self._reader.execute(question)))
                 for name, question in _QUESTIONS.items()
             }
+        return self._read[1]
 
 
 # What a gateway was when it came is written a little after it came.
