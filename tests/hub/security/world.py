@@ -280,10 +280,13 @@ class World:
         (version,) = self._reader.execute("PRAGMA data_version").fetchone()
         if version != self._read[0]:
             # Read after the version: what is written in between is read again next time.
-            self._read = version, {
-                name: sorted(map(repr, self._reader.execute(question)))
-                for name, question in _QUESTIONS.items()
-            }
+            self._read = (
+                version,
+                {
+                    name: sorted(map(repr, self._reader.execute(question)))
+                    for name, question in _QUESTIONS.items()
+                },
+            )
         return self._read[1]
 
 

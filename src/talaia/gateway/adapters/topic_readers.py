@@ -1,7 +1,7 @@
 """From decoded ROS messages to samples: one plan for each topic, compiled once.
 
 What comes out goes straight into columns; there is no object for each sample. The same for every
-way to reach ROS.
+way to reach ROS. Long, because plans, and what they read into, know each other's rows.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 The adapter's thread only puts messages into the ring or the queue, under a lock that is held for
 a moment; files are made, compressed and finished elsewhere, so that driving never waits for them.
+Long, because what begins, holds back and ends a recording is one state.
 """
 
 from __future__ import annotations
