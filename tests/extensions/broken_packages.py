@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 DETECTOR = """
-from talaia.extend.detector import Detector, DetectorExtension
-class D(Detector, kw_only=True):
+from talaia.extend.detector import AnomalyDetector, DetectorExtension
+class D(AnomalyDetector, kw_only=True):
     def see(self, time_us, value):
         {see}
 extension = DetectorExtension(api=1, summary="test", make=D)

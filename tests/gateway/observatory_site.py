@@ -43,7 +43,7 @@ def as_ros1(site: Site) -> Site:
             key: replace(each, cut_by=tuple(one for one in each.cut_by if one.command in commands))
             for key, each in device.outlets.items()
         }
-        devices[name] = replace(device, commands=commands, context=outlets, pointing=None)
+        devices[name] = replace(device, commands=commands, outlets=outlets, pointing=None)
     gone = {
         f"{name}/{key}"
         for name, device in site.devices.items()

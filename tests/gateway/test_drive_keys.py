@@ -73,8 +73,8 @@ def test_a_lower_cap_takes_back_what_was_sent() -> None:
     counter = KeyCounter(rule(speed_step=0.1, turn_step=0.1))
     for _ in range(5):
         counter.next_key((0.5, 0.0))
-    assert [counter.next_key((0.5, 0.0), scope=0.5) for _ in range(4)] == ["x", "x", "x", ""]
-    assert counter.next_key((0.5, 0.0), scope=0.0) == "s"
+    assert [counter.next_key((0.5, 0.0), share=0.5) for _ in range(4)] == ["x", "x", "x", ""]
+    assert counter.next_key((0.5, 0.0), share=0.0) == "s"
 
 
 def test_a_robot_that_says_it_is_as_fast_as_it_may_gets_no_more() -> None:

@@ -155,7 +155,7 @@ async def test_a_dome_that_no_enclosure_watches_keeps_its_power_and_the_reason_s
 
 
 def powered(**outlets: Outlet) -> Site:
-    power = replace(EXAMPLE.devices["power"], context=outlets)
+    power = replace(EXAMPLE.devices["power"], outlets=outlets)
     return replace(EXAMPLE, devices={**EXAMPLE.devices, "power": power})
 
 
@@ -192,7 +192,7 @@ def test_outlets_that_do_not_fit_are_told_with_their_place(
 async def test_a_command_with_off_behind_the_outlets_name_cuts_its_power(tmp_path: Path) -> None:
     power = EXAMPLE.devices["power"]
     off = replace(power.commands["outlet1"], arguments={}, fixed={"data": False})
-    power = replace(power, commands={"plug_off": off}, context={"plug": Outlet(feeds=("dome",))})
+    power = replace(power, commands={"plug_off": off}, outlets={"plug": Outlet(feeds=("dome",))})
     site = replace(EXAMPLE, devices={**EXAMPLE.devices, "power": power})
     assert check(site) == []
     assert load_site(dump_site(site)) == site

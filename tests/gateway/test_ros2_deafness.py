@@ -8,8 +8,8 @@ import signal
 from pathlib import Path
 
 import pytest
-from conftest import peer_in
 from fake_hub import fake_hub
+from gateway.conftest import peer_in
 from gateway_bench import SITE, Peer, addresses_of, running
 from patience import PATIENCE_S
 

@@ -20,6 +20,7 @@ from talaia.hub.policy import (
 )
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
+from talaia.wire.message import Message
 
 SITE = load_site(
     """
@@ -107,7 +108,7 @@ def test_every_message_has_a_line_and_no_line_is_left_over(table, unions) -> Non
 
 
 def test_what_has_no_line_is_denied_to_everyone() -> None:
-    class Strange(frames.Message, frozen=True, tag="strange"):
+    class Strange(Message, frozen=True, tag="strange"):
         pass
 
     assert need_of_message(FROM_BROWSER, Strange()) is AccessNeed.NEVER

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 from PIL import Image, ImageDraw
 
-from talaia.wire.frames import Thing
+from talaia.wire.frames import DetectedObject
 
 CAMERA = "sensors/front"
 CLASSES = ["person", "bicycle", "car", "cat", "dog"]
@@ -16,7 +16,7 @@ STEP_US = 311_000_000
 _SEEN = (("person", 2, 0.91), ("dog", 1, 0.74), ("person", 1, 0.66), ("bicycle", 1, 0.58))
 
 
-def things(now: float) -> list[Thing]:
+def things(now: float) -> list[DetectedObject]:
     """Say where they are on the picture of a moment."""
     walk = 0.5 + 0.4 * math.sin(now / 3)
     trot = (now / 5) % 1.4 - 0.2
@@ -26,9 +26,9 @@ def things(now: float) -> list[Thing]:
     return [*found, _thing("chair", 0.42, 0.82, 0.6, 0.97, 0.9)]
 
 
-def _thing(label: str, score: float, *sides: float) -> Thing:
+def _thing(label: str, score: float, *sides: float) -> DetectedObject:
     left, top, right, bottom = (min(1.0, max(0.0, side)) for side in sides)
-    return Thing(label=label, score=score, left=left, top=top, right=right, bottom=bottom)
+    return DetectedObject(label=label, score=score, left=left, top=top, right=right, bottom=bottom)
 
 
 _COLOURS = {"person": (40, 70, 130), "dog": (120, 80, 40), "chair": (90, 110, 90)}

@@ -86,22 +86,22 @@ class Browser:
     def take(self, message: wire.FromBrowser) -> None:
         """Act on one message."""
         match message:
-            case wire.Ping(n=n, at_ms=at_ms):
-                self.say(wire.Pong(n=n, at_ms=at_ms, hub_us=time.monotonic_ns() // 1000))
+            case wire.PagePing(n=n, at_ms=at_ms):
+                self.say(wire.PagePong(n=n, at_ms=at_ms, hub_us=time.monotonic_ns() // 1000))
             case wire.Subscribe():
                 self.subscribe(message)
             case wire.Unsubscribe(sub=sub):
                 self.subs.pop(sub, None)
-            case wire.Lease(op=op):
+            case wire.PageLease(op=op):
                 self.lease(op)
-            case wire.Drive():
+            case wire.PageDrive():
                 self.drive(message)
-            case wire.Stop(id=stop_id):
+            case wire.PageStop(id=stop_id):
                 self.world.latched, self.world.stopper = True, self.name
                 self.news_to_all(stop_id)
-            case wire.Reset(token=token):
+            case wire.PageReset(token=token):
                 self.reset(token)
-            case wire.Command():
+            case wire.PageCommand():
                 task = asyncio.create_task(self.command(message))
                 self.tasks.add(task)
                 task.add_done_callback(self.tasks.discard)
@@ -138,7 +138,7 @@ class Browser:
             self.world.holder, self.world.holder_key, self.world.asked = "", 0, (0.0, 0.0)
             self.leases_to_all()
 
-    def drive(self, frame: wire.Drive) -> None:
+    def drive(self, frame: wire.PageDrive) -> None:
         """Take a driving frame, or count it as refused."""
         world = self.world
         if world.holder_key != id(self) or frame.epoch != world.epoch or frame.held_ms > 250:
@@ -151,22 +151,22 @@ class Browser:
         """Two steps: a token, then the release."""
         key = {"site": self.world.site.site, "device": "base"}
         if self.world.holder_key != id(self):
-            self.say(wire.ResetKey(**key, refused="Take control first."))
+            self.say(wire.ResetTokenUpdate(**key, refused="Take control first."))
         elif not token:
             self.reset_token = secrets.token_hex(8)
-            self.say(wire.ResetKey(**key, token=self.reset_token))
+            self.say(wire.ResetTokenUpdate(**key, token=self.reset_token))
         elif token == self.reset_token:
             self.world.latched = False
             self.news_to_all("")
         else:
-            self.say(wire.ResetKey(**key, refused="That token is not the newest."))
+            self.say(wire.ResetTokenUpdate(**key, refused="That token is not the newest."))
 
-    async def command(self, ask: wire.Command) -> None:
+    async def command(self, ask: wire.PageCommand) -> None:
         """Accept, run with progress, succeed."""
 
         def tell(phase: CommandPhase, progress: float = 0.0, message: str = "") -> None:
             self.everyone(
-                wire.CommandNews(
+                wire.CommandUpdate(
                     site=ask.site, device=ask.device, command=ask.command, id=ask.id, who=self.name,
                     phase=phase, progress=progress, message=message,
                 )
@@ -192,10 +192,10 @@ class Browser:
         if world.holder_key == id(self) and now > world.until:
             self.free()
         if world.holder and world.online:
-            self.say(wire.TickNews(site=world.site.site, tick=time.monotonic_ns() // 1000))
+            self.say(wire.TickUpdate(site=world.site.site, tick=time.monotonic_ns() // 1000))
         if self.ticks % 4 == 0 and world.online:
             self.say(
-                wire.DriveNews(
+                wire.DriveUpdate(
                     site=world.site.site, device="base", linear=world.linear,
                     angular=world.angular, cap=1.0, loop_ms=4.2, accepted=world.accepted,
                     refused=world.refused, why="stopped" if world.latched else "",
@@ -226,16 +226,16 @@ class Browser:
         """Say whether the site is there."""
         world = self.world
         self.say(
-            wire.SiteNews(
+            wire.SiteUpdate(
                 site=world.site.site, online=world.online, since_us=int(world.since * 1e6),
                 catalogue="1", loop_ms=4.2 if world.online else 0.0,
                 why="" if world.online else "the gateway closed the link",
             )
         )  # fmt: skip
 
-    def _lease_message(self, refused: str = "") -> wire.LeaseNews:
+    def _lease_message(self, refused: str = "") -> wire.LeaseUpdate:
         world, mine = self.world, self.world.holder_key == id(self)
-        return wire.LeaseNews(
+        return wire.LeaseUpdate(
             site=world.site.site, device="base", holder=world.holder, yours=mine,
             epoch=world.epoch if mine else 0, refused=refused,
             remains_ms=max(0, int((world.until - time.time()) * 1000)) if world.holder else 0,
@@ -254,7 +254,7 @@ class Browser:
         """Say how STOP stands."""
         world = self.world
         self.say(
-            wire.StopNews(
+            wire.StopUpdate(
                 site=world.site.site, device="base", latched=world.latched,
                 confirmed=world.latched and abs(world.linear) < 0.02, who=world.stopper,
                 time_us=int(time.time() * 1e6), id=stop_id,
@@ -279,15 +279,15 @@ async def media(socket: WebSocket, world: World) -> None:
         with contextlib.suppress(WebSocketDisconnect):
             while True:
                 said = MEDIA_FROM_BROWSER.decode(await socket.receive_bytes())
-                if isinstance(said, wire.Shown):
+                if isinstance(said, wire.PictureShown):
                     credit.release()
-                elif isinstance(said, wire.BoxesAsk):
+                elif isinstance(said, wire.BoxesRequest):
                     boxed = said.on
 
     async def look(seq: int, now: float) -> None:
         await asyncio.sleep(0.07)
         if boxed:
-            found = wire.ShotBoxes(seq=seq, time_us=int(now * 1e6), things=things(now))
+            found = wire.CameraPictureBoxes(seq=seq, time_us=int(now * 1e6), things=things(now))
             await socket.send_bytes(MEDIA_TO_BROWSER.encode(found))
 
     reader = asyncio.create_task(read())
@@ -298,7 +298,7 @@ async def media(socket: WebSocket, world: World) -> None:
             await credit.acquire()
             seq += 1
             now = time.time()
-            shot = wire.Shot(
+            shot = wire.CameraPicture(
                 seq=seq, time_us=int(now * 1e6), hub_us=time.monotonic_ns() // 1000,
                 width=640, height=480, format="jpeg", data=world.picture(seq, now),
             )  # fmt: skip

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from talaia.extend.detector import Detector, DetectorExtension, ExtensionKeys
+from talaia.extend.detector import AnomalyDetector, DetectorExtension, ExtensionKeys
 
 
 class CusumKeys(ExtensionKeys, frozen=True, kw_only=True):
@@ -30,7 +30,7 @@ class CusumKeys(ExtensionKeys, frozen=True, kw_only=True):
             raise ValueError("expected slack from 0, limit above 0 and warm_up from 2")
 
 
-class Cusum(Detector, kw_only=True):
+class Cusum(AnomalyDetector, kw_only=True):
     """Sums what is above the mean, and what is below it, each for itself.
 
     The fields are all that is kept when the hub is started anew.

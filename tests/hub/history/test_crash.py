@@ -22,12 +22,12 @@ WRITER = """
 import asyncio, sys
 import numpy as np
 from talaia.clock import SystemClock
-from talaia.hub.history.limits import Limits
+from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
 from talaia.wire.columns import Columns
 
 async def main(url):
-    limits = Limits(block=64, largest=64, recent=32, journal=300, delete=4, linger_s=0.0)
+    limits = HistoryLimits(block=64, largest=64, recent=32, journal=300, delete=4, linger_s=0.0)
     store = HistoryStore(url, SystemClock(), limits)
     await store.create_tables()
     await store.open()

@@ -403,6 +403,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     # The person has none, which only those are told who may take it away.
     ("DELETE", "/api/people/{person}/factor"): _of_person(done=(409,)),
     ("GET", "/api/roles"): Recipe(plain()),
+    ("GET", "/api/extensions"): Recipe(plain()),
     ("POST", "/api/roles"): Recipe(plain(json=NEW_ROLE)),
     ("PUT", "/api/roles/{role}"): _of_role(json={"name": "other", "permissions": []}),
     ("DELETE", "/api/roles/{role}"): _of_role(done=(204,)),

@@ -51,7 +51,7 @@ async def code_of(running) -> dict:
 
 def enrolled(url: str, code: str, **more) -> asyncio.Future:
     """Enrol in a thread: the hub runs in this very loop."""
-    return asyncio.to_thread(enrol, url, code, "rover", **more)
+    return asyncio.to_thread(enrol, url, text=code, name="rover", **more)
 
 
 async def test_code_from_the_page_makes_a_gateway_that_links_without_more_words(

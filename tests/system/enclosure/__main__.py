@@ -90,7 +90,7 @@ async def lane(options: argparse.Namespace) -> None:
                 run = Run(None, random.Random(0), options.lane, disk_of(row, seed))  # type: ignore[arg-type] # noqa: S311
                 try:
                     if world is None:
-                        world, lived = await begin(book=options.lane, device=row.roof), 0
+                        world, lived = await begin(protocol=options.lane, roof=row.roof), 0
                     async with asyncio.timeout(TRIAL_S):
                         run = await run_trial(world, row, seed, options.lane)
                     lived += 1

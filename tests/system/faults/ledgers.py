@@ -12,6 +12,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 MS = 1_000_000
+# Commands and what they caused are matched within this.
+MATCHING_NS = 50 * MS
 TTL_MS = 250.0
 STOP_MS = 500.0
 # From the gateway's publication to the robot's log, on a machine whose cores others use too.
