@@ -288,7 +288,7 @@ async def test_while_the_database_is_away_sightings_wait_with_their_pictures(
     hub, gateway, monkeypatch, caplog
 ):
     page, store = await hub.page("operator"), hub.hub.sightings.store
-    put, tried, ends = store.put, asyncio.Event(), asyncio.Event()
+    put, tried, ends = store.save_sightings, asyncio.Event(), asyncio.Event()
 
     async def fails(told, note):
         if not ends.is_set():
@@ -313,7 +313,7 @@ async def test_while_the_database_is_away_sightings_wait_with_their_pictures(
 
 async def test_what_the_database_does_not_take_holds_up_nothing(hub, gateway, monkeypatch, caplog):
     page, store = await hub.page("operator"), hub.hub.sightings.store
-    put, asked = store.put, asyncio.Event()
+    put, asked = store.save_sightings, asyncio.Event()
 
     async def refuses(told, note):
         if told[0].began_us == BEGAN:
