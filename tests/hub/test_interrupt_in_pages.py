@@ -27,7 +27,7 @@ async def test_the_page_says_who_acts_and_asks_before_it_interrupts(
     await gateway.hello(description=dump_site(site))
     page = await sign_in(chromium, hub, "admin")
     await page.goto(f"{hub.origin}/sites/agv/devices/dome")
-    await expect(page.get_by_text("Nothing closes or parks by itself here")).to_be_visible()
+    await expect(page.get_by_text("This does not close or park by itself")).to_be_visible()
     # Everybody who sees the dome sees who acts on it, in the words of the refusal.
     hers = frames.CommandState(
         id="hers", device="dome", command="close", phase=CommandPhase.RUNNING, who="Ada",
