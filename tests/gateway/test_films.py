@@ -364,7 +364,10 @@ class Events:
 
 shelf = RecordingStore(Path({folder!r}), 10**9, 0, FILM)
 shelf.open(recover_film)
-films = FilmRecorder(Recording(), (), shelf, SystemClock(), Events(), lambda: None, lambda: None)
+films = FilmRecorder(
+    plan=Recording(), cameras=(), shelf=shelf, clock=SystemClock(), events=Events(),
+    finished=lambda: None, changed=lambda: None,
+)
 films.start()
 films.begin("ada", "", 600.0, "cam/front")
 hall = Hall()
