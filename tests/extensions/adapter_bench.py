@@ -48,13 +48,13 @@ class Bench:
         context = AdapterContext(SystemClock(), self, None, self, folder)  # type: ignore[arg-type]
         self.adapter: Adapter = adapter_of(self.share, context, self)
 
-    def put(self, columns: Columns) -> None:
+    def put_samples(self, columns: Columns) -> None:
         address = {number: each for each, number in self.share.channel.items()}
         for at, channel in enumerate(columns.channel.tolist()):
             self.values[address[channel]] = columns.texts.get(at, columns.value[at])
         self.news.set()
 
-    def tell(self, kind: str, message: str, **_more: object) -> None:
+    def report_event(self, kind: str, message: str, **_more: object) -> None:
         self.events.append((kind, message))
         self.news.set()
 
