@@ -42,7 +42,8 @@ def test_every_row_has_a_label_and_the_models_own_words_help(shape: type) -> Non
 
 
 def test_a_signal_of_ros_is_not_asked_for_what_indi_needs() -> None:
-    agv, indi, *_ = (read_site(each) for each in EXAMPLES)
+    sites = {each.parent.name: read_site(each) for each in EXAMPLES}
+    agv, indi = sites["agv"], sites["indi"]
     keys = {row.key for row in rows_at(agv, ("devices", "base", "signals", "speed"))}
     assert {"name", "unit", "source.topic", "source.field", "primary"} <= keys
     assert not {"source.property", "source.run", "states", "yaw_from"} & keys

@@ -37,8 +37,10 @@ async def test_flood_of_history_questions_is_held_back_and_others_are_not(
     hub, gateway, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # For the limit time stands still: a busy machine may answer no faster than it refills.
-    take, begun = RateLimiter.request_turn, time.monotonic_ns()
-    monkeypatch.setattr(RateLimiter, "request_turn", lambda self, key, _now_ns: take(self, key, begun))
+    request_turn, begun = RateLimiter.request_turn, time.monotonic_ns()
+    monkeypatch.setattr(
+        RateLimiter, "request_turn", lambda self, key, _now_ns: request_turn(self, key, begun)
+    )
     wild, other = await hub.client("operator"), await hub.client("admin")
     query = {"channel": "base/speed", "from_us": 0, "to_us": 1}
     answers = []
