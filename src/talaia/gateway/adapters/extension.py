@@ -109,14 +109,23 @@ class ExtensionAdapterProcess:
         ours, theirs = socket.socketpair()
         try:
             with theirs:
-                child = await asyncio.create_subprocess_exec(
-                    sys.executable,
-                    "-m",
-                    "talaia.extensions.adapter_child",
-                    str(theirs.fileno()),
-                    stdin=asyncio.subprocess.DEVNULL,
-                    pass_fds=(theirs.fileno(),),
+                starting = asyncio.ensure_future(
+                    asyncio.create_subprocess_exec(
+                        sys.executable,
+                        "-m",
+                        "talaia.extensions.adapter_child",
+                        str(theirs.fileno()),
+                        stdin=asyncio.subprocess.DEVNULL,
+                        pass_fds=(theirs.fileno(),),
+                    )
                 )
+                try:
+                    child = await asyncio.shield(starting)
+                except asyncio.CancelledError:
+                    # Cancelled while it starts, it would run on, unknown to anybody.
+                    ours.close()
+                    await _ended(await starting)
+                    raise
         except OSError as error:
             ours.close()
             raise AdapterLost(f"its process cannot be started: {error}") from error
@@ -126,8 +135,10 @@ class ExtensionAdapterProcess:
             self._send(self._job())
             raise AdapterLost(await self._hear(reader))
         finally:
-            self._end()
-            await _ended(child)
+            try:
+                self._end()
+            finally:
+                await _ended(child)
 
     def _job(self) -> AdapterJob:
         signals = tuple(
@@ -333,7 +344,17 @@ def _number(signal: Signal, value: float | str) -> float | None:
 
 
 async def _ended(child: asyncio.subprocess.Process) -> None:
-    """Wait for the end of a process whose socket is closed, and end it when it does not."""
+    """Wait for the end of a process whose socket is closed, also when cancelled meanwhile."""
+    ending = asyncio.ensure_future(_end_process(child))
+    try:
+        await asyncio.shield(ending)
+    except asyncio.CancelledError:
+        await ending
+        raise
+
+
+async def _end_process(child: asyncio.subprocess.Process) -> None:
+    """Wait for a process, and kill it when it does not end by itself."""
     waiting = asyncio.ensure_future(child.wait())
     done, _ = await asyncio.wait([waiting], timeout=_END_S)
     if not done:
