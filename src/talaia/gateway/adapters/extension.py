@@ -37,6 +37,7 @@ from talaia.extensions.adapter_words import (
 )
 from talaia.extensions.declared import AdapterExtension
 from talaia.extensions.installed import installed
+from talaia.gateway.adapters.outlast import outlast_cancellation
 from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import AdapterLost, SettingsError
 from talaia.gateway.ports import ChannelReading, CommandOutcome
@@ -119,18 +120,17 @@ class ExtensionAdapterProcess:
                         pass_fds=(theirs.fileno(),),
                     )
                 )
-                try:
-                    child = await asyncio.shield(starting)
-                except asyncio.CancelledError:
-                    # Cancelled while it starts, it would run on, unknown to anybody.
-                    ours.close()
-                    await _ended(await starting)
-                    raise
+                # Cut off while it starts, it would run on, and nobody would know of it.
+                cancelled = await outlast_cancellation(starting)
+                child = starting.result()
         except OSError as error:
             ours.close()
             raise AdapterLost(f"its process cannot be started: {error}") from error
         ours.setblocking(False)  # noqa: FBT003 - as it is there
         try:
+            if cancelled is not None:
+                ours.close()
+                raise cancelled
             reader, self._writer = await asyncio.open_connection(sock=ours, limit=MAX_LINE)
             self._send(self._job())
             raise AdapterLost(await self._hear(reader))
@@ -345,12 +345,9 @@ def _number(signal: Signal, value: float | str) -> float | None:
 
 async def _ended(child: asyncio.subprocess.Process) -> None:
     """Wait for the end of a process whose socket is closed, also when cancelled meanwhile."""
-    ending = asyncio.ensure_future(_end_process(child))
-    try:
-        await asyncio.shield(ending)
-    except asyncio.CancelledError:
-        await ending
-        raise
+    cancelled = await outlast_cancellation(asyncio.ensure_future(_end_process(child)))
+    if cancelled is not None:
+        raise cancelled
 
 
 async def _end_process(child: asyncio.subprocess.Process) -> None:

@@ -17,8 +17,9 @@ import os
 import re
 import shlex
 import signal as signals
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.gateway.adapters.outlast import outlast_cancellation
 from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading, CommandOutcome
@@ -129,7 +130,7 @@ async def run_words(words: Sequence[str], within: float) -> ProcessResult:
         )
     )
     # Cut off while it starts, it would run on, and nobody would know of it.
-    cancelled = await _done(starting)
+    cancelled = await outlast_cancellation(starting)
     process = starting.result()
     try:
         if cancelled is not None:
@@ -143,21 +144,10 @@ async def run_words(words: Sequence[str], within: float) -> ProcessResult:
         # Also on cancellation, and when it left children behind that hold its output.
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signals.SIGKILL)
-        cancelled = await _done(asyncio.ensure_future(process.wait()))
+        cancelled = await outlast_cancellation(asyncio.ensure_future(process.wait()))
         if cancelled is not None:
             raise cancelled
     return ProcessResult(code, text, problem.strip()[-MAX_SAID:])
-
-
-async def _done(task: asyncio.Future[Any]) -> asyncio.CancelledError | None:
-    """Wait until a task is done, however often this one is cancelled meanwhile; say if it was."""
-    cancelled: asyncio.CancelledError | None = None
-    while not task.done():
-        try:
-            await asyncio.wait([task])
-        except asyncio.CancelledError as error:
-            cancelled = error
-    return cancelled
 
 
 async def _all_of(stream: asyncio.StreamReader | None) -> str:
