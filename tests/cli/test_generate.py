@@ -17,7 +17,7 @@ from tests.system.conftest import missing
 
 from talaia.cli.main import main
 from talaia.deploy.containers import DatabaseKind
-from talaia.deploy.project import Choice, File, project
+from talaia.deploy.project import DeployOptions, File, project
 from talaia.deploy.systemd import argument, gateway_unit
 from talaia.model.yaml_text.load import load_site, read_site
 
@@ -35,7 +35,7 @@ HOSTILE = [
 
 def files_of(database: DatabaseKind, *hosts: str, program: str = "/opt/t") -> dict[str, File]:
     site = read_site(EXAMPLE)
-    choice = Choice(database, 8443, hosts, "0.1.0", program)
+    choice = DeployOptions(database, 8443, hosts, "0.1.0", program)
     words = iter(f"secret{index}" for index in range(9))
     return project(site, EXAMPLE.read_text(), choice, lambda: next(words))
 
@@ -115,7 +115,7 @@ def test_systemd_reads_back_one_word_for_each_argument(text: str) -> None:
 
 def test_a_site_whose_name_is_hostile_has_a_page_that_shows_it_and_does_nothing_else() -> None:
     site = msgspec.structs.replace(read_site(EXAMPLE), name="<script>x</script>\n# [a](b)")
-    choice = Choice(DatabaseKind.SQLITE, 8443, (), "0.1.0", "/opt/t")
+    choice = DeployOptions(DatabaseKind.SQLITE, 8443, (), "0.1.0", "/opt/t")
     page = project(site, "", choice, lambda: "")["README.md"].text
     assert "<script>" not in page
     assert "\n# [a](b)" not in page

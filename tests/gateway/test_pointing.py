@@ -27,7 +27,7 @@ def test_a_target_below_the_limit_is_refused_with_its_altitude() -> None:
 
 
 def test_the_sun_is_refused_by_day_and_where_it_was_is_free_by_night() -> None:
-    here = astronomy.Place(PLACE.latitude, PLACE.longitude)
+    here = astronomy.Observer(PLACE.latitude, PLACE.longitude)
     sun = astronomy.altaz(
         *astronomy.sun(astronomy.julian_day(NOON)), here, astronomy.julian_day(NOON)
     )
@@ -66,7 +66,7 @@ def test_what_is_let_through_is_above_the_limit_and_away_from_the_sun(
         rule=RULE, names=SKY, args={"ra": ra, "dec": dec}, place=PLACE, wall_ns=now * SECOND
     ):
         return
-    here, jd = astronomy.Place(PLACE.latitude, PLACE.longitude), astronomy.julian_day(now)
+    here, jd = astronomy.Observer(PLACE.latitude, PLACE.longitude), astronomy.julian_day(now)
     at, sun = astronomy.altaz(ra, dec, here, jd), astronomy.altaz(*astronomy.sun(jd), here, jd)
     assert at.alt >= 15
     assert sun.alt <= -6 or astronomy.separation(at, sun) >= 30

@@ -23,7 +23,7 @@ from talaia.gateway.uplink.lanes import SendLanes
 from talaia.model.derived_signals import with_counts
 from talaia.model.yaml_text.load import load_site
 from talaia.objects.eyes import Told
-from talaia.objects.sightings import Sighting
+from talaia.objects.sightings import ObjectSighting
 from talaia.wire.frames import LINK_FROM_GATEWAY, InterlockState, SightingReport
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ JPEG = b"\xff\xd8" + bytes(1000)
 
 
 def told(began_us: int, ended_us: int | None = None, thumbnail: bytes = JPEG) -> Told:
-    return Told(Sighting("person", 2, 0.75, began_us, ended_us), thumbnail)
+    return Told(ObjectSighting("person", 2, 0.75, began_us, ended_us), thumbnail)
 
 
 class Bench:

@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 from talaia.hub.api.server.request_guard import host_name, same_origin
 from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
 from talaia.hub.live.gateways.clock_offset import ClockOffset
-from talaia.hub.live.gateways.send_lanes import SendLanes
+from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
 from talaia.hub.live.last_values import Latest
 from talaia.wire import frames
 from talaia.wire.columns import Columns
@@ -33,7 +33,7 @@ def drive(session: str, seq: int) -> frames.DriveFrame:
 
 
 def test_stop_overtakes_everything_and_driving_overtakes_the_rest() -> None:
-    lanes = SendLanes()
+    lanes = PrioritySendQueue()
     ack = frames.Ack(boot="b", below=1)
     command = frames.CommandRequest(id="1", device="base", command="go", ttl_ms=1.0, who="ada")
     stop = frames.StopRequest(device="base", id="1", who="ada")
@@ -50,7 +50,7 @@ def test_stop_overtakes_everything_and_driving_overtakes_the_rest() -> None:
 
 
 def test_newer_driving_frame_takes_the_place_of_an_older_one_of_its_driver() -> None:
-    lanes = SendLanes()
+    lanes = PrioritySendQueue()
     for message in (drive("a", 1), drive("b", 1), drive("a", 2)):
         lanes.enqueue_message(message)
     assert [lanes.next_message(), lanes.next_message()] == [drive("b", 1), drive("a", 2)]
@@ -58,7 +58,7 @@ def test_newer_driving_frame_takes_the_place_of_an_older_one_of_its_driver() -> 
 
 
 def test_letting_go_is_not_passed_over_for_the_press_that_follows() -> None:
-    lanes = SendLanes()
+    lanes = PrioritySendQueue()
     for seq, linear in ((1, 0.3), (2, 0.0), (3, 0.0), (4, 0.3), (5, 0.3)):
         lanes.enqueue_message(msgspec.structs.replace(drive("a", seq), linear=linear, angular=0.0))
     waiting = [lanes.next_message(), lanes.next_message()]
@@ -67,7 +67,7 @@ def test_letting_go_is_not_passed_over_for_the_press_that_follows() -> None:
 
 
 def test_gateway_that_takes_nothing_is_found_out() -> None:
-    lanes = SendLanes()
+    lanes = PrioritySendQueue()
     asked = [
         lanes.enqueue_message(frames.StopRequest(device="base", id=str(at), who="ada"))
         for at in range(5000)

@@ -7,9 +7,9 @@ import msgspec
 from talaia.model.checks.site_checks import check
 from talaia.model.renames import formers, renames, touched
 from talaia.model.schema import site_schema
-from talaia.model.yaml_text.diff import Difference, Kind, difference, unified
+from talaia.model.yaml_text.diff import ChangeKind, Difference, difference, unified
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.source_lines import Places
+from talaia.model.yaml_text.source_lines import SourcePositions
 
 TEXT = """talaia: 1
 site: agv
@@ -59,20 +59,21 @@ def test_difference_names_each_part_once() -> None:
     after = RENAMED.replace("name: Base", "name: Wheels").replace("  arm:\n    name: Arm\n", "")
     found = difference(load_site(TEXT), load_site(after))
     assert (
-        Difference(Kind.RENAMED, "$.devices.base.signals.place", "base/pose", "base/place") in found
+        Difference(ChangeKind.RENAMED, "$.devices.base.signals.place", "base/pose", "base/place")
+        in found
     )
-    assert Difference(Kind.CHANGED, "$.devices.base.name", "Base", "Wheels") in found
-    assert Difference(Kind.REMOVED, "$.devices.arm", "Arm") in found
+    assert Difference(ChangeKind.CHANGED, "$.devices.base.name", "Base", "Wheels") in found
+    assert Difference(ChangeKind.REMOVED, "$.devices.arm", "Arm") in found
     assert difference(load_site(TEXT), load_site(TEXT)) == []
     assert "-    name: Base" in unified(TEXT, after)
 
 
 def test_path_leads_to_its_line_and_what_is_missing_to_what_it_would_stand_in() -> None:
-    places = Places(TEXT)
+    places = SourcePositions(TEXT)
     assert places.of("$.devices.base.signals.pose.type") == (12, 9)
     assert places.of("$.devices.base.drive.topic") == (6, 3)
     assert places.of("line 4, column 2") == (4, 2)
-    assert Places("a: [").of("$.a") == (0, 0)
+    assert SourcePositions("a: [").of("$.a") == (0, 0)
 
 
 def test_schema_says_of_each_attribute_what_the_model_does() -> None:

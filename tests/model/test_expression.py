@@ -8,9 +8,9 @@ from contextlib import suppress
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.model.alarms.expression import MAX_LENGTH, ExpressionError, Kind, parse
+from talaia.model.alarms.expression import MAX_LENGTH, ExpressionError, ValueKind, parse
 
-KINDS = {"a/b": Kind.NUMBER, "a/c": Kind.NUMBER, "a/s": Kind.TEXT}
+KINDS = {"a/b": ValueKind.NUMBER, "a/c": ValueKind.NUMBER, "a/s": ValueKind.TEXT}
 
 
 @pytest.mark.parametrize(

@@ -94,6 +94,6 @@ def test_precession_carries_meeus_example_of_theta_persei() -> None:
 def test_to_the_sky_and_back_is_the_same_place(
     alt: float, az: float, unix: float, latitude: float
 ) -> None:
-    place, jd = astronomy.Place(latitude, 12.0), astronomy.julian_day(unix)
+    place, jd = astronomy.Observer(latitude, 12.0), astronomy.julian_day(unix)
     back = astronomy.altaz(*astronomy.radec(alt, az, place, jd), place, jd)
     assert astronomy.separation(back, astronomy.Horizontal(alt, az)) < 1e-6

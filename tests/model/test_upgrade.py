@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from talaia.model.errors import DescriptionError
 from talaia.model.site import LinkLoss
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.upgrade import STEPS, Step, Tree, upgraded
+from talaia.model.yaml_text.upgrade import STEPS, Tree, UpgradeStep, upgraded
 from talaia.model.yaml_text.version import FORMAT
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
@@ -47,7 +47,7 @@ def halved(tree: Tree) -> Iterator[str]:
         yield "$.rate: is now half of it"
 
 
-LATER = (*STEPS, Step(2, renamed), Step(3, halved))
+LATER = (*STEPS, UpgradeStep(2, renamed), UpgradeStep(3, halved))
 
 
 def test_an_older_word_is_written_as_today_and_one_line_has_changed() -> None:

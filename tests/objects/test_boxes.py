@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.objects.boxes import centred, corners, distances, fitted, suppressed
-from talaia.objects.detector import Detector, Kind, Setting
+from talaia.objects.detector import Detector, OutputFormat, Setting
 from talaia.objects.errors import DetectorError
 
 pytestmark = pytest.mark.pure
@@ -102,7 +102,7 @@ def test_things_of_two_classes_may_be_in_one_place() -> None:
 def test_yolo_tells_boxes_by_centre_and_size() -> None:
     told = np.zeros((1, 6, 3), np.float32)
     told[0, :, 1] = (32, 32, 16, 32, 0.1, 0.8)
-    detector = Detector(Setting(Kind.YOLO, 64), ["cat", "dog"], lambda _: [told])
+    detector = Detector(Setting(OutputFormat.YOLO, 64), ["cat", "dog"], lambda _: [told])
     (box,) = detector.seen(np.zeros((64, 64, 3), np.uint8), 0.5)
     assert box == pytest.approx((1, 0.8, 0.375, 0.25, 0.625, 0.75))
 
@@ -116,14 +116,14 @@ def test_colours_come_in_the_order_and_size_that_the_setting_says() -> None:
 
     picture = np.zeros((8, 8, 3), np.uint8)
     picture[..., 0] = 100
-    setting = Setting(Kind.YOLO, 8, (1.0, 2.0, 50.0), (2.0, 2.0, 2.0), blue_first=True)
+    setting = Setting(OutputFormat.YOLO, 8, (1.0, 2.0, 50.0), (2.0, 2.0, 2.0), blue_first=True)
     Detector(setting, ["cat"], run).seen(picture, 0.5)
     assert given_to[0].shape == (1, 3, 8, 8)
     assert given_to[0][0, :, 0, 0].tolist() == [-0.5, -1.0, 25.0]
 
 
-@pytest.mark.parametrize("kind", Kind)
-def test_file_that_gives_other_numbers_is_named_with_what_it_gives(kind: Kind) -> None:
+@pytest.mark.parametrize("kind", OutputFormat)
+def test_file_that_gives_other_numbers_is_named_with_what_it_gives(kind: OutputFormat) -> None:
     detector = Detector(Setting(kind, 64), ["cat"], lambda _: [np.zeros((1, 7, 3), np.float32)])
     with pytest.raises(DetectorError, match="this file gives 1 × 7 × 3: choose another kind"):
         detector.seen(np.zeros((8, 8, 3), np.uint8), 0.5)

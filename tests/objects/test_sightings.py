@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.objects.sightings import GONE_US, Sighting, Sightings
+from talaia.objects.sightings import GONE_US, ObjectSighting, Sightings
 from talaia.objects.things import Thing
 
 pytestmark = pytest.mark.pure
@@ -22,10 +22,12 @@ def watching() -> Sightings:
 def test_something_is_in_sight_when_it_was_seen_three_times_and_gone_after_a_while() -> None:
     watch = watching()
     news = [watch.take([box("person")], at * STEP) for at in range(3)]
-    assert news == [[], [], [Sighting("person", 1, 0.8, 0, None)]]
+    assert news == [[], [], [ObjectSighting("person", 1, 0.8, 0, None)]]
     assert watch.take([box("person", 0.82)], 3 * STEP) == []
     assert watch.pass_time(3 * STEP + GONE_US) == []
-    assert watch.pass_time(3 * STEP + GONE_US + 1) == [Sighting("person", 1, 0.82, 0, 3 * STEP)]
+    assert watch.pass_time(3 * STEP + GONE_US + 1) == [
+        ObjectSighting("person", 1, 0.82, 0, 3 * STEP)
+    ]
 
 
 def test_more_of_them_or_surer_ones_are_told_before_the_end() -> None:
@@ -33,19 +35,19 @@ def test_more_of_them_or_surer_ones_are_told_before_the_end() -> None:
     for at in range(3):
         watch.take([box("person")], at * STEP)
     assert watch.take([box("person"), box("person")], 3 * STEP) == [
-        Sighting("person", 2, 0.8, 0, None)
+        ObjectSighting("person", 2, 0.8, 0, None)
     ]
-    assert watch.take([box("person", 0.9)], 4 * STEP) == [Sighting("person", 2, 0.9, 0, None)]
+    assert watch.take([box("person", 0.9)], 4 * STEP) == [ObjectSighting("person", 2, 0.9, 0, None)]
     assert watch.take([box("person", 0.9)], 5 * STEP) == []
 
 
 def test_where_pictures_are_rare_a_sighting_takes_as_many_of_them() -> None:
     watch = Sightings(["person"], 0.5, rate=1.0)
     news = [watch.take([box("person")], at * 1_000_000) for at in range(4)]
-    assert news[2:] == [[Sighting("person", 1, 0.8, 0, None)], []]
+    assert news[2:] == [[ObjectSighting("person", 1, 0.8, 0, None)], []]
     gone = [watch.take([], at * 1_000_000) for at in range(4, 12)]
     assert gone[:6] == [[]] * 6
-    assert gone[6] == [Sighting("person", 1, 0.8, 0, 3_000_000)]
+    assert gone[6] == [ObjectSighting("person", 1, 0.8, 0, 3_000_000)]
 
 
 def test_error_of_the_detector_on_single_pictures_is_no_sighting() -> None:
@@ -65,7 +67,7 @@ def test_what_is_still_in_sight_ends_when_nobody_looks_any_more() -> None:
     watch = watching()
     for at in range(3):
         watch.take([box("dog")], at * STEP)
-    assert watch.end() == [Sighting("dog", 1, 0.8, 0, 2 * STEP)]
+    assert watch.end() == [ObjectSighting("dog", 1, 0.8, 0, 2 * STEP)]
     assert watch.end() == []
 
 
@@ -82,7 +84,7 @@ pictures = st.lists(
 def test_sightings_of_a_class_follow_each_other_and_each_ends_once(told) -> None:
     watch = watching()
     at = 0
-    news: list[Sighting] = []
+    news: list[ObjectSighting] = []
     for later, labels in told:
         at += later
         news += watch.take([box(each) for each in labels], at)

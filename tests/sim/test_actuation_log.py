@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND, HandClock
 from talaia.sim.vehicle.actuation_log import ActuationLog
-from talaia.sim.vehicle.base import Change, Source
+from talaia.sim.vehicle.base import Change, MotionSource
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 def test_a_change_is_in_the_file_at_once_with_both_clocks(tmp_path: Path) -> None:
     clock = HandClock(wall_ns=5 * SECOND, monotonic_ns=7)
     log = ActuationLog(tmp_path / "log.jsonl", clock)
-    log.write(Change(Source.TWIST, 0.2, -0.5))
+    log.write(Change(MotionSource.TWIST, 0.2, -0.5))
     log.write(None)
     clock.advance(3)
-    log.write(Change(Source.TIME_OUT, 0.0, 0.0))
+    log.write(Change(MotionSource.TIME_OUT, 0.0, 0.0))
     lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     log.close()
     assert lines == [
@@ -30,5 +30,5 @@ def test_a_change_is_in_the_file_at_once_with_both_clocks(tmp_path: Path) -> Non
 
 def test_without_a_file_nothing_is_written() -> None:
     log = ActuationLog(None, HandClock())
-    log.write(Change(Source.STOP, 0.0, 0.0))
+    log.write(Change(MotionSource.STOP, 0.0, 0.0))
     log.close()

@@ -8,17 +8,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import MS
-from talaia.sim.vehicle.base import MAX_SPEED, MAX_TURN, Base, Change, Ramp, Source
+from talaia.sim.vehicle.base import MAX_SPEED, MAX_TURN, Base, Change, MotionSource, Ramp
 
 pytestmark = pytest.mark.pure
 
 
 def test_a_command_is_wanted_until_it_is_too_old() -> None:
     base = Base()
-    assert base.command(0, 0.2, 0.5) == Change(Source.TWIST, 0.2, 0.5)
+    assert base.command(0, 0.2, 0.5) == Change(MotionSource.TWIST, 0.2, 0.5)
     assert base.pass_time(400 * MS) is None
     assert base.speed == 0.2
-    assert base.pass_time(450 * MS) == Change(Source.TIME_OUT, 0.0, 0.0)
+    assert base.pass_time(450 * MS) == Change(MotionSource.TIME_OUT, 0.0, 0.0)
     assert (base.speed, base.turn) == (0.0, 0.0)
 
 
@@ -68,7 +68,7 @@ def test_keys_drive_as_the_cloudconnect_contract_says() -> None:
 def test_a_key_times_out_too() -> None:
     base = Base()
     base.key(0, "w")
-    assert base.pass_time(500 * MS) == Change(Source.TIME_OUT, 0.0, 0.0)
+    assert base.pass_time(500 * MS) == Change(MotionSource.TIME_OUT, 0.0, 0.0)
 
 
 def test_other_keys_change_nothing() -> None:
@@ -81,7 +81,7 @@ def test_other_keys_change_nothing() -> None:
 def test_stop_refuses_all_motion_until_it_is_released() -> None:
     base = Base(wandering=True)
     base.roam(0.1, 0.0)
-    assert base.stop(engaged=True) == Change(Source.STOP, 0.0, 0.0)
+    assert base.stop(engaged=True) == Change(MotionSource.STOP, 0.0, 0.0)
     assert not base.wandering
     assert base.command(1, 0.2, 0.0) is None
     assert base.key(2, "w") is None
@@ -102,7 +102,7 @@ def test_a_release_does_not_bring_wandering_back() -> None:
 
 def test_a_command_from_outside_ends_wandering_for_good() -> None:
     base = Base(wandering=True)
-    assert base.roam(0.1, 0.2) == Change(Source.WANDER, 0.1, 0.2)
+    assert base.roam(0.1, 0.2) == Change(MotionSource.WANDER, 0.1, 0.2)
     base.command(0, 0.0, 0.0)
     assert not base.wandering
     base.pass_time(10_000 * MS)
@@ -113,7 +113,7 @@ def test_turning_wandering_off_stops_the_vehicle() -> None:
     base = Base()
     assert base.wander(on=True) == (True, None)
     base.roam(0.1, 0.2)
-    assert base.wander(on=False) == (True, Change(Source.WANDER, 0.0, 0.0))
+    assert base.wander(on=False) == (True, Change(MotionSource.WANDER, 0.0, 0.0))
 
 
 @given(speed=st.floats(), turn=st.floats())

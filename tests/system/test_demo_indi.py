@@ -77,7 +77,7 @@ async def test_the_demo_starts_turns_a_dome_and_ends_with_everything_it_started(
         place = read_site(demo.data / "site.yaml").place
         assert place is not None
         jd = astronomy.julian_day(time.time())
-        here = astronomy.Place(place.latitude, place.longitude, place.elevation)
+        here = astronomy.Observer(place.latitude, place.longitude, place.elevation)
         assert astronomy.altaz(*astronomy.sun(jd), here, jd).alt < -8
         longitude = simulator(demo, "Telescope Simulator.GEOGRAPHIC_COORD.LONG")
         assert longitude == pytest.approx(place.longitude % 360.0, abs=0.01)

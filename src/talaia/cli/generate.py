@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from talaia import __version__
 from talaia.cli.errors import CliError
 from talaia.deploy.containers import DatabaseKind
-from talaia.deploy.project import Choice, File, project
+from talaia.deploy.project import DeployOptions, File, project
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import read_site
 
@@ -35,7 +35,7 @@ def main(argv: Sequence[str]) -> int:
         raise CliError(f"--port: expected 1 to 65535, found {options.port}")
     if options.wheel is not None and not options.wheel.is_file():
         raise CliError(f"--wheel {options.wheel}: there is no such file")
-    choice = Choice(
+    choice = DeployOptions(
         database=DatabaseKind(options.database),
         port=options.port,
         hosts=tuple(options.allow_host),

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["Choice", "File", "project"]
+__all__ = ["DeployOptions", "File", "project"]
 
 
 # rospy and what robots are told something by; to be read, a type needs no package.
@@ -36,7 +36,7 @@ class File(NamedTuple):
     mode: int = 0o644
 
 
-class Choice(NamedTuple):
+class DeployOptions(NamedTuple):
     """What a person chose.
 
     Attributes:
@@ -58,14 +58,14 @@ class Choice(NamedTuple):
 
 
 def project(
-    site: Site, description: str, choice: Choice, random: Callable[[], str]
+    site: Site, description: str, choice: DeployOptions, random: Callable[[], str]
 ) -> dict[str, File]:
     """Make a deployment of a site.
 
     Args:
         site: the description.
         description: its text, which is copied as it stands.
-        choice: see `Choice`.
+        choice: see `DeployOptions`.
         random: gives another secret word at each call, of letters and digits only.
 
     """

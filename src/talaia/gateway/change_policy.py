@@ -14,7 +14,7 @@ import msgspec
 
 from talaia.model.checks.identifiers import Finding
 from talaia.model.connection import ExtensionConnection, ProcessConnection
-from talaia.model.derived_signals import eye_of
+from talaia.model.derived_signals import detection_setup_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -140,4 +140,4 @@ def _meant(site: Site, address: str) -> tuple[object, ...] | None:
     # Its range stays: what is outside of it is unknown, and unknown is unsafe.
     plain = {"name": "", "decimals": -1, "keep": 0.0}
     looks = msgspec.structs.replace(signal, **plain, primary=True, was="")
-    return looks, eye_of(site, device, signal.source.stream)
+    return looks, detection_setup_of(site, device, signal.source.stream)

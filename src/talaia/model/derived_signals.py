@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from talaia.model.site import Device, Site, Stream
 
 __all__ = [
-    "Eye",
+    "DetectionSetup",
     "classes_of",
     "counts_of",
     "detect_of",
     "detecting",
-    "eye_of",
+    "detection_setup_of",
     "is_seen",
     "with_counts",
 ]
@@ -79,7 +79,7 @@ def counts_of(site: Site) -> dict[str, tuple[str, Detect]]:
     return counts
 
 
-class Eye(NamedTuple):
+class DetectionSetup(NamedTuple):
     """All that decides what is seen on a camera."""
 
     source: Source
@@ -88,13 +88,15 @@ class Eye(NamedTuple):
     model: ObjectModel | None
 
 
-def eye_of(site: Site, device: str, stream: str) -> Eye | None:
+def detection_setup_of(site: Site, device: str, stream: str) -> DetectionSetup | None:
     """Give what sees on a camera of a device; none where there is none, or nothing is seen."""
     described = site.devices[device].streams.get(stream)
     detect = None if described is None else detect_of(site, described)
     if described is None or detect is None:
         return None
-    return Eye(described.source, described.max_rate, detect, site.object_models.get(detect.model))
+    return DetectionSetup(
+        described.source, described.max_rate, detect, site.object_models.get(detect.model)
+    )
 
 
 def with_counts(site: Site) -> Site:

@@ -18,7 +18,7 @@ class DetectAt(StrEnum):
 
 
 class ModelKind(StrEnum):
-    """How a detector's file tells its boxes; see `talaia.objects.detector.Kind`."""
+    """How a detector's file tells its boxes; see `talaia.objects.detector.OutputFormat`."""
 
     NANODET = "nanodet"
     YOLO = "yolo"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float32]
 
-__all__ = ["Box", "Frame", "centred", "corners", "distances", "fitted", "suppressed"]
+__all__ = ["Box", "Letterbox", "centred", "corners", "distances", "fitted", "suppressed"]
 
 # Boxes of one class that share more of their area than this are one thing.
 SAME = 0.5
@@ -33,7 +33,7 @@ class Box(NamedTuple):
     bottom: float
 
 
-class Frame(NamedTuple):
+class Letterbox(NamedTuple):
     """Where a picture lies in the square that the detector is shown.
 
     Attributes:
@@ -50,7 +50,7 @@ class Frame(NamedTuple):
     height: int
 
 
-def fitted(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Frame]:
+def fitted(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Letterbox]:
     """Fit a picture into a square as wide as ``side``, grey around it, its shape kept.
 
     Args:
@@ -74,7 +74,7 @@ def fitted(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Fr
     first = lines[:, columns[0]]
     shown = first + (lines[:, columns[1]] - first) * columns[2][None, :, None]
     square[top : top + new_height, left : left + new_width] = np.rint(shown)
-    return square, Frame(scale, left, top, width, height)
+    return square, Letterbox(scale, left, top, width, height)
 
 
 def _weights(old: int, new: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
@@ -157,7 +157,7 @@ def _shared(box: Floats, others: Floats) -> Floats:
     return np.asarray(both / np.maximum(area + areas - both, 1e-9), np.float32)
 
 
-def corners(found: list[tuple[int, float, Floats]], frame: Frame) -> list[Box]:
+def corners(found: list[tuple[int, float, Floats]], frame: Letterbox) -> list[Box]:
     """Give boxes as parts of the picture; those that lie beside it are left out."""
     boxes = []
     for label, score, box in found:

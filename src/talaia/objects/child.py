@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from talaia.objects.detector import Detector, Kind, Setting
+from talaia.objects.detector import Detector, OutputFormat, Setting
 from talaia.objects.errors import DetectorError
 from talaia.objects.things import LABEL_LETTERS
 
@@ -127,7 +127,11 @@ def _loaded(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
         return found
 
     setting = Setting(
-        Kind(job["kind"]), job["side"], tuple(job["mean"]), tuple(job["spread"]), job["blue_first"]
+        OutputFormat(job["kind"]),
+        job["side"],
+        tuple(job["mean"]),
+        tuple(job["spread"]),
+        job["blue_first"],
     )
     classes = [each[:LABEL_LETTERS] for each in job["classes"]]
     return Detector(setting, classes, run), classes

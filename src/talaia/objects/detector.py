@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["NANODET", "Detector", "Kind", "Setting"]
+__all__ = ["NANODET", "Detector", "OutputFormat", "Setting"]
 
 
-class Kind(StrEnum):
+class OutputFormat(StrEnum):
     """How a detector tells its boxes.
 
     Attributes:
@@ -39,7 +39,7 @@ class Setting(NamedTuple):
     """What a detector wants to be shown.
 
     Attributes:
-        kind: see `Kind`.
+        kind: see `OutputFormat`.
         side: of the square (px).
         mean: taken from each colour, 0 to 255, in the order in which they are given.
         spread: each colour is divided by it then.
@@ -47,7 +47,7 @@ class Setting(NamedTuple):
 
     """
 
-    kind: Kind
+    kind: OutputFormat
     side: int
     mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
     spread: tuple[float, float, float] = (255.0, 255.0, 255.0)
@@ -56,7 +56,7 @@ class Setting(NamedTuple):
 
 # The normalisation of NanoDet's own configuration: https://github.com/RangiLyu/nanodet.
 NANODET = Setting(
-    Kind.NANODET, 416, (103.53, 116.28, 123.675), (57.375, 57.12, 58.395), blue_first=True
+    OutputFormat.NANODET, 416, (103.53, 116.28, 123.675), (57.375, 57.12, 58.395), blue_first=True
 )
 STEPS = (8, 16, 32)
 
@@ -97,7 +97,7 @@ class Detector:
     def _read(
         self, outputs: Sequence[NDArray[np.float32]]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        if self._setting.kind is Kind.YOLO:
+        if self._setting.kind is OutputFormat.YOLO:
             return self._read_yolo(outputs)
         side, count = self._setting.side, len(self._classes)
         by_cells: dict[int, dict[bool, NDArray[np.float32]]] = {}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from talaia.objects.sightings import Sighting, Sightings
+from talaia.objects.sightings import ObjectSighting, Sightings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -36,7 +36,7 @@ QUALITIES = (80, 60, 40, 20)
 class Told(NamedTuple):
     """News of a sighting, and a JPEG of its surest moment; empty where it was told before."""
 
-    sighting: Sighting
+    sighting: ObjectSighting
     thumbnail: bytes
 
 
@@ -89,7 +89,7 @@ class Eyes:
         """Give all that is in sight as ended, for nobody looks any more."""
         return self._told(self._sightings.end())
 
-    def _told(self, news: Sequence[Sighting]) -> list[Told]:
+    def _told(self, news: Sequence[ObjectSighting]) -> list[Told]:
         told = []
         for each in news:
             moment = self._moments.pop(each.label, None)

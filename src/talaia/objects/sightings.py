@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from talaia.objects.things import Thing
 
-__all__ = ["Sighting", "Sightings"]
+__all__ = ["ObjectSighting", "Sightings"]
 
 # A detector errs on single pictures: something is there when it is seen this often within a
 # moment, and gone when it is not seen for a while. Where pictures are rare both are longer: so
@@ -27,7 +27,7 @@ LONGEST_BETWEEN_US = 10_000_000
 SURER = 0.05
 
 
-class Sighting(NamedTuple):
+class ObjectSighting(NamedTuple):
     """Something of one class, as long as it was in sight.
 
     Attributes:
@@ -50,11 +50,11 @@ class _Watch:
 
     def __init__(self) -> None:
         self.hits: list[int] = []
-        self.told: Sighting | None = None
+        self.told: ObjectSighting | None = None
         self.last_us = 0
         self.best, self.most = 0.0, 0
 
-    def over(self, told: Sighting) -> Sighting:
+    def over(self, told: ObjectSighting) -> ObjectSighting:
         """End what was open, when it was last seen."""
         self.told, self.hits = None, []
         return told._replace(most=self.most, score=self.best, ended_us=self.last_us)
@@ -76,7 +76,7 @@ class Sightings:
         self._at_us: int | None = None
         self.fresh: frozenset[str] = frozenset()
 
-    def take(self, things: Sequence[Thing], at_us: int) -> list[Sighting]:
+    def take(self, things: Sequence[Thing], at_us: int) -> list[ObjectSighting]:
         """Take what is on a picture, in order of time.
 
         Returns:
@@ -100,7 +100,7 @@ class Sightings:
         self.fresh = frozenset(fresh)
         return news
 
-    def pass_time(self, at_us: int) -> list[Sighting]:
+    def pass_time(self, at_us: int) -> list[ObjectSighting]:
         """Give the sightings that are over because nothing was seen for a while."""
         gone_us = max(GONE_US, GONE_PICTURES * self._between_us)
         return [
@@ -109,7 +109,7 @@ class Sightings:
             if watch.told is not None and at_us - watch.last_us > gone_us
         ]
 
-    def end(self) -> list[Sighting]:
+    def end(self) -> list[ObjectSighting]:
         """Give all that are still open as ended, for nobody looks any more."""
         return [
             watch.over(watch.told) for watch in self._watches.values() if watch.told is not None
@@ -123,7 +123,7 @@ class Sightings:
 
     def _seen(
         self, label: str, watch: _Watch, count: int, score: float, at_us: int
-    ) -> Sighting | None:
+    ) -> ObjectSighting | None:
         told = watch.told
         if told is None:
             within_us = max(WITHIN_US, WITHIN_PICTURES * self._between_us)
@@ -135,7 +135,7 @@ class Sightings:
         if told is None:
             if len(watch.hits) < HITS:
                 return None
-            watch.told = Sighting(label, watch.most, watch.best, watch.hits[0], None)
+            watch.told = ObjectSighting(label, watch.most, watch.best, watch.hits[0], None)
             return watch.told
         if watch.most > told.most or watch.best >= told.score + SURER:
             watch.told = told._replace(most=watch.most, score=watch.best)

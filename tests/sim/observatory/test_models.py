@@ -11,8 +11,8 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.model.units import astronomy
 from talaia.sim.observatory import cctv
-from talaia.sim.observatory.camera import Camera, Scene
-from talaia.sim.observatory.enclosure import Capabilities, Enclosure
+from talaia.sim.observatory.camera import CcdCamera, Scene
+from talaia.sim.observatory.enclosure import EnclosureMechanics, SimulatedEnclosure
 from talaia.sim.observatory.power import Power
 from talaia.sim.observatory.servers import MONTSEC, GlobalServer
 from talaia.sim.observatory.stars import stars_near
@@ -24,13 +24,13 @@ NIGHT = 1_795_302_000.0  # 2026-11-21 23:00 UTC
 NOON = NIGHT - 11 * 3600
 
 
-def pass_time(model: Enclosure, seconds: float) -> None:
+def pass_time(model: SimulatedEnclosure, seconds: float) -> None:
     for _ in range(round(seconds * 20)):
         model.step(0.05)
 
 
 def test_a_shutter_takes_its_time_and_says_so_only_at_its_switch() -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     ticket = dome.open()
     pass_time(dome, 11.5)
     assert (dome.word, dome.opened, ticket.ended) == ("moving", False, False)
@@ -40,7 +40,7 @@ def test_a_shutter_takes_its_time_and_says_so_only_at_its_switch() -> None:
 
 
 def test_parked_is_not_closed() -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     dome.open()
     pass_time(dome, 13)
     dome.turn(90)
@@ -52,7 +52,7 @@ def test_parked_is_not_closed() -> None:
 
 
 def test_a_flap_closes_before_the_shutter_and_counts_as_open_until_then() -> None:
-    dome = Enclosure(Capabilities(has_flap=True))
+    dome = SimulatedEnclosure(EnclosureMechanics(has_flap=True))
     dome.open()
     pass_time(dome, 18)
     assert dome.flap == 1
@@ -64,7 +64,7 @@ def test_a_flap_closes_before_the_shutter_and_counts_as_open_until_then() -> Non
 
 
 def test_a_stuck_shutter_ends_its_request_with_words_and_moves_not() -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     dome.open()
     pass_time(dome, 13)
     dome.stuck = True
@@ -75,7 +75,7 @@ def test_a_stuck_shutter_ends_its_request_with_words_and_moves_not() -> None:
 
 
 def test_a_lost_encoder_is_no_azimuth_and_turning_is_refused() -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     ticket = dome.turn(180)
     pass_time(dome, 1)
     dome.lost = True
@@ -87,7 +87,7 @@ def test_a_lost_encoder_is_no_azimuth_and_turning_is_refused() -> None:
 
 
 def test_a_lying_switch_says_closed_while_the_shutter_is_open() -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     dome.open()
     pass_time(dome, 13)
     dome.lying = "closed"
@@ -97,7 +97,7 @@ def test_a_lying_switch_says_closed_while_the_shutter_is_open() -> None:
 
 
 def test_local_control_stops_what_moves_and_refuses_what_comes() -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     dome.open()
     pass_time(dome, 3)
     dome.local = True
@@ -115,7 +115,7 @@ def test_local_control_stops_what_moves_and_refuses_what_comes() -> None:
 def test_whatever_is_asked_the_switches_agree_with_the_shutter(
     asked: list[tuple[str, float]],
 ) -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     for what, seconds in asked:
         ticket = dome.turn(123.0) if what == "turn" else getattr(dome, what)()
         pass_time(dome, seconds)
@@ -233,7 +233,7 @@ def test_the_dew_point_is_that_of_the_tables() -> None:
     assert dew_point(10, 100) == pytest.approx(10, abs=0.01)
 
 
-def expose(camera: Camera, seconds: float, unix: float = NIGHT, **more: str) -> Ticket:
+def expose(camera: CcdCamera, seconds: float, unix: float = NIGHT, **more: str) -> Ticket:
     ticket = camera.expose(seconds, **more)
     while not ticket.ended:
         unix += 0.5
@@ -245,7 +245,7 @@ def test_an_exposure_counts_down_and_gives_a_fits_file_that_astropy_accepts() ->
     fits = pytest.importorskip("astropy.io.fits")
     from astropy.wcs import WCS
 
-    camera = Camera(Scene(MONTSEC, 5.6, -5.39, dome_open=True, weather={"temperature": 4.0}))
+    camera = CcdCamera(Scene(MONTSEC, 5.6, -5.39, dome_open=True, weather={"temperature": 4.0}))
     ticket = camera.expose(10, "light", "M 42 'Orion'")
     camera.step(4, NIGHT)
     assert camera.remaining == 6
@@ -277,7 +277,7 @@ def test_two_pictures_of_one_field_show_the_same_stars_and_a_closed_dome_shows_n
     numpy = pytest.importorskip("numpy")
     pictures = []
     for opened in (True, True, False):
-        camera = Camera(Scene(MONTSEC, 2.0, 50.0, dome_open=opened))
+        camera = CcdCamera(Scene(MONTSEC, 2.0, 50.0, dome_open=opened))
         camera.celsius = -20
         camera.cool(-20)
         expose(camera, 30)
@@ -291,14 +291,14 @@ def test_two_pictures_of_one_field_show_the_same_stars_and_a_closed_dome_shows_n
 
 @pytest.mark.parametrize("seconds", [-1, float("nan"), 3601, 0])
 def test_an_exposure_that_makes_no_sense_is_refused(seconds: float) -> None:
-    camera = Camera(Scene(MONTSEC))
+    camera = CcdCamera(Scene(MONTSEC))
     ticket = camera.expose(seconds)
     assert (ticket.good, camera.state) == (False, "idle")
     assert "expected 0.04 to 3600 s" in ticket.message
 
 
 def test_an_aborted_exposure_leaves_no_picture() -> None:
-    camera = Camera(Scene(MONTSEC))
+    camera = CcdCamera(Scene(MONTSEC))
     ticket = camera.expose(60)
     camera.step(5, NIGHT)
     camera.abort()
@@ -307,7 +307,7 @@ def test_an_aborted_exposure_leaves_no_picture() -> None:
 
 
 def test_the_cooler_reaches_its_set_point_but_no_more_than_it_can() -> None:
-    camera = Camera(Scene(MONTSEC, weather={"temperature": 10.0}))
+    camera = CcdCamera(Scene(MONTSEC, weather={"temperature": 10.0}))
     camera.cool(-40)
     for _ in range(900):
         camera.step(1, NIGHT)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.model.checks.site_checks import check
-from talaia.model.units.astronomy import Place, altaz, julian_day, sun
+from talaia.model.units.astronomy import Observer, altaz, julian_day, sun
 from talaia.model.yaml_text.load import read_site
 from talaia.sim.observatory.night import at_night, longitude_of_night
 
@@ -24,7 +24,7 @@ def test_wherever_it_is_the_sun_is_down_and_its_clock_says_midnight(now: float) 
     site = at_night(SITE, now)
     assert site.place is not None
     assert site.place.longitude == longitude_of_night(now)
-    place = Place(site.place.latitude, site.place.longitude)
+    place = Observer(site.place.latitude, site.place.longitude)
     jd = julian_day(now)
     # At this latitude it stays light longest at midsummer.
     assert altaz(*sun(jd), place, jd).alt < -20

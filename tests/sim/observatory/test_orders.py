@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.sim.observatory.enclosure import Enclosure
+from talaia.sim.observatory.enclosure import SimulatedEnclosure
 from talaia.sim.observatory.orders import Orders, act_on
 from talaia.sim.observatory.power import Power
 from talaia.sim.observatory.servers import DomeServer, PowerServer, Stamped, WeatherServer
@@ -37,7 +37,7 @@ def test_lines_come_whole_however_they_were_cut(tmp_path: Path) -> None:
 
 
 def test_an_order_acts_on_the_server_and_a_fault_is_none() -> None:
-    dome, power = DomeServer(Enclosure()), PowerServer(Power())
+    dome, power = DomeServer(SimulatedEnclosure()), PowerServer(Power())
     opening = act_on(dome, "do open")
     assert opening is not None
     assert not opening.ended
@@ -51,7 +51,7 @@ def test_an_order_acts_on_the_server_and_a_fault_is_none() -> None:
 
 
 def test_truth_is_the_position_whatever_the_switches_say() -> None:
-    dome = Enclosure()
+    dome = SimulatedEnclosure()
     assert dome.truth == "closed"
     dome.open()
     dome.step(6.0)

@@ -27,7 +27,7 @@ from talaia.model.yaml_text.load import dump_site, load_site, read_site
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from talaia.cli.importing.source import Findings, Source
+    from talaia.cli.importing.source import Findings, ImportSource
     from talaia.cli.importing.staging import Tally
     from talaia.hub.live.files.import_inbox import ImportResult
     from talaia.model.site import Site
@@ -188,7 +188,7 @@ def _kind(path: Path) -> str:
 
 def _open(
     path: Path, site: Site, named: dict[str, str], time_column: str, times: TimeReader
-) -> Source:
+) -> ImportSource:
     kind = _kind(path)
     if kind == "CSV":
         return Table(path, site, named, time_column, times)
@@ -218,7 +218,7 @@ def _writer(folder: Path, head: Head) -> Iterator[ParcelWriter]:
         raise CliError(f"{folder} cannot be written: {error}; nothing was imported") from error
 
 
-def _read(path: Path, source: Source, site: Site, writer: ParcelWriter | None) -> list[Tally]:
+def _read(path: Path, source: ImportSource, site: Site, writer: ParcelWriter | None) -> list[Tally]:
     staging = Staging([each.address for each in site.channels()], writer)
     told = time.monotonic()
     for piece in source.pieces():

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from talaia.wire.columns import Columns
 
-__all__ = ["Findings", "Piece", "Source"]
+__all__ = ["Findings", "ImportSource", "Piece"]
 
 
 @dataclass
@@ -36,7 +36,7 @@ class Piece(NamedTuple):
     columns: Columns
 
 
-class Source(Protocol):
+class ImportSource(Protocol):
     """A file that is open. Its samples are read once."""
 
     kind: str

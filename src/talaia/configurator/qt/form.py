@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 
 from talaia.configurator.errors import BadValue
 from talaia.configurator.qt.palette import SPACE
-from talaia.configurator.qt.widgets import Choice, Switch, label, mark_wrong
+from talaia.configurator.qt.widgets import ComboBox, Switch, label, mark_wrong
 from talaia.configurator.rows import Row, RowKind, read, shown, value_of
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class _Field:
             switch.clicked.connect(lambda on=False: self._typed("true" if on else "false"))
             return switch
         if row.kind is RowKind.CHOICE:
-            choice = Choice()
+            choice = ComboBox()
             choice.addItems(list(row.choices))
             choice.textActivated.connect(self._typed)
             return choice

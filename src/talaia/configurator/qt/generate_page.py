@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.process import Process
-from talaia.configurator.qt.widgets import Card, Choice, Page, button, label, row, telling
+from talaia.configurator.qt.widgets import Card, ComboBox, Page, button, label, row, telling
 from talaia.configurator.running import (
     MAX_LINES,
     Run,
@@ -115,7 +115,7 @@ class GeneratePage(Page):
         ))  # fmt: skip
         self.folder = QLineEdit(placeholderText="a new folder")
         self.folder.setAccessibleName("Folder of the deployment")
-        self.database = Choice()
+        self.database = ComboBox()
         for word, name in _DATABASES.items():
             self.database.addItem(name, word)
         self.database.setAccessibleName("Database of the deployment")

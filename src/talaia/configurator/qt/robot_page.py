@@ -12,7 +12,7 @@ from talaia.configurator.places import at, put
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import (
     Card,
-    Choice,
+    ComboBox,
     Page,
     Switch,
     button,
@@ -166,7 +166,7 @@ class RobotPage(Page):
             "Services", "What else the robot offers. The topics are those of CloudConnect; "
             "write your robot's own.",
         )  # fmt: skip
-        message = Choice()
+        message = ComboBox()
         for kind, text in _MESSAGES.items():
             message.addItem(text, str(kind))
         self.actuate = _Service(

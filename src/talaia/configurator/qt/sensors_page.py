@@ -24,7 +24,7 @@ from talaia.configurator.presets import OTHERS, SENSORS, SensorKind
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.signals_table import REMOVE, SignalsTable
-from talaia.configurator.qt.widgets import Card, Choice, Inner, Number, Page, button, label, row
+from talaia.configurator.qt.widgets import Card, ComboBox, Inner, Number, Page, button, label, row
 from talaia.configurator.rows import Row, rows_at
 from talaia.model.units.unit import UNITS
 
@@ -58,14 +58,14 @@ class SensorsPage(Page):
 
     def _adding(self) -> QWidget:
         card = Card()
-        self.kind = Choice()
+        self.kind = ComboBox()
         for each in (*SENSORS, OTHERS):
             self.kind.addItem(each.name, each)
         self.kind.setMaxVisibleItems(30)
         self.name = QLineEdit()
         self.name.setPlaceholderText("only for Others")
         self.number = Number(1, 9999, 1)
-        self.unit = Choice()
+        self.unit = ComboBox()
         self.unit.addItem("none", "")
         for unit in UNITS.values():
             if unit.symbol:

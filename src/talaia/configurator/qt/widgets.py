@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Card",
-    "Choice",
+    "ComboBox",
     "Inner",
     "Number",
     "Page",
@@ -92,7 +92,7 @@ class Switch(QCheckBox):
         painter.end()
 
 
-class Choice(QComboBox):
+class ComboBox(QComboBox):
     """A list to choose from, no wider than it must be."""
 
     def __init__(self, parent: QWidget | None = None) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
-from talaia.model.derived_signals import counts_of, detecting, eye_of, is_seen
+from talaia.model.derived_signals import counts_of, detecting, detection_setup_of, is_seen
 from talaia.model.detection import DetectAt
 from talaia.objects.errors import DetectorError
 from talaia.objects.eyes import Eyes, least_of
@@ -371,7 +371,7 @@ def _eye(site: Site, name: str) -> object:
     device = site.devices.get(device_id)
     if device is None or stream_id not in device.streams:
         return None
-    eye = eye_of(site, device_id, stream_id)
+    eye = detection_setup_of(site, device_id, stream_id)
     return None if eye is None or eye.detect.at is not DetectAt.GATEWAY else eye
 
 

@@ -38,7 +38,7 @@ def judge_dew_point(
 def judge_sun(condition: Condition, place: Place, wall_ns: int) -> InterlockVerdict:
     """Say whether the Sun is too high, or too low, at a place."""
     jd = astronomy.julian_day(wall_ns / SECOND)
-    here = astronomy.Place(place.latitude, place.longitude, place.elevation)
+    here = astronomy.Observer(place.latitude, place.longitude, place.elevation)
     altitude = astronomy.altaz(*astronomy.sun(jd), here, jd).alt
     return _judge_limits(condition, "The Sun's altitude", altitude, "°")
 

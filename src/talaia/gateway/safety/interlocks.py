@@ -45,7 +45,7 @@ from talaia.gateway.safety.sensor_agreement import (
     closed_by,
 )
 from talaia.gateway.safety.value_validity import ValueValidity, within_sighting, word_of
-from talaia.model.derived_signals import eye_of
+from talaia.model.derived_signals import detection_setup_of
 from talaia.model.interlocks.interlock import Condition
 from talaia.model.interlocks.opening import opening_of
 from talaia.model.interlocks.override_rules import condition_id
@@ -706,7 +706,7 @@ def _meant(site: Site, address: str) -> tuple[object, ...] | None:
     signal = None if described is None else described.signals.get(name)
     if signal is None:
         return None
-    return msgspec.structs.replace(signal, name="", was=""), eye_of(
+    return msgspec.structs.replace(signal, name="", was=""), detection_setup_of(
         site, device, signal.source.stream
     )
 

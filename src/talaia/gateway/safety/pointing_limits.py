@@ -39,7 +39,7 @@ def misdirected(
 
     """
     jd = astronomy.julian_day(wall_ns / SECOND)
-    here = astronomy.Place(place.latitude, place.longitude, place.elevation)
+    here = astronomy.Observer(place.latitude, place.longitude, place.elevation)
     numbers: list[float] = []
     for name in (names.ra, names.dec) if names.ra else (names.alt, names.az):
         value = args.get(name)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.descriptions import DescriptionPages
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.gateways.change_requests import ChangeRequests
+from talaia.hub.live.gateways.change_requests import ChangeRequestClient
 from talaia.hub.live.gateways.description_intake import DescriptionIntake
 from talaia.hub.store.sites.descriptions import Descriptions
 
@@ -47,7 +47,7 @@ class DescriptionsFeature(Feature):
     ) -> None:
         """Show a description to ``followers`` in their order."""
         versions = Descriptions(core.database, core.clock)
-        changes = ChangeRequests(registry)
+        changes = ChangeRequestClient(registry)
         self.describing = DescriptionIntake(
             sites=core.sites,
             followers=followers,

@@ -31,7 +31,7 @@ __all__ = [
     "MAX_LENGTH",
     "Expression",
     "ExpressionError",
-    "Kind",
+    "ValueKind",
     "parse",
 ]
 
@@ -43,7 +43,7 @@ _MAX_ARGUMENTS = 20
 Value = float | str | bool | None
 
 
-class Kind(StrEnum):
+class ValueKind(StrEnum):
     """What a part of an expression gives."""
 
     NUMBER = "number"
@@ -68,7 +68,7 @@ class ExpressionError(TalaiaError):
 class _Node:
     """One part: what it does, to which parts, and what it gives."""
 
-    kind: Kind
+    kind: ValueKind
     judge: Callable[[Mapping[str, Value], tuple[Value, ...]], Value]
     parts: tuple[_Node, ...] = ()
 
@@ -102,7 +102,7 @@ class Expression:
         return found if isinstance(found, bool) else None
 
 
-def parse(text: str, kinds: Mapping[str, Kind]) -> Expression:
+def parse(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
     """Read a condition over the channels in ``kinds``.
 
     Raises:
@@ -150,7 +150,7 @@ def _tokens(text: str) -> list[_Token]:
 class _Reader:
     """Recursive descent, one method for each level of binding."""
 
-    def __init__(self, text: str, kinds: Mapping[str, Kind]) -> None:
+    def __init__(self, text: str, kinds: Mapping[str, ValueKind]) -> None:
         self._words = _tokens(text)
         self._kinds = kinds
         self._next = 0
@@ -163,7 +163,7 @@ class _Reader:
         tree = self._any()
         if self._word.sort != "end":
             raise ExpressionError(self._word.at, f"{self._said(self._word)} is not expected here")
-        _want(tree, Kind.TRUTH, start)
+        _want(tree, ValueKind.TRUTH, start)
         return tree
 
     @property
@@ -210,8 +210,8 @@ class _Reader:
         if len(parts) == 1:
             return parts[0]
         for part in parts:
-            _want(part, Kind.TRUTH, start)
-        return _Node(Kind.TRUTH, lambda _, values: judge(values), tuple(parts))
+            _want(part, ValueKind.TRUTH, start)
+        return _Node(ValueKind.TRUTH, lambda _, values: judge(values), tuple(parts))
 
     def _not(self) -> _Node:
         turns = 0
@@ -220,10 +220,10 @@ class _Reader:
         start, part = self._word, self._compared()
         if not turns:
             return part
-        _want(part, Kind.TRUTH, start)
+        _want(part, ValueKind.TRUTH, start)
         if turns % 2 == 0:
             return part
-        return _Node(Kind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,))
+        return _Node(ValueKind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,))
 
     def _compared(self) -> _Node:
         left = self._sum()
@@ -231,15 +231,15 @@ class _Reader:
         if sign is None:
             return left
         right = self._sum()
-        if left.kind is not right.kind or left.kind is Kind.TRUTH:
+        if left.kind is not right.kind or left.kind is ValueKind.TRUTH:
             raise ExpressionError(sign.at, f"a {left.kind} cannot be compared with a {right.kind}")
-        if left.kind is Kind.TEXT and sign.text not in {"==", "!="}:
+        if left.kind is ValueKind.TEXT and sign.text not in {"==", "!="}:
             raise ExpressionError(sign.at, "texts can only be == or !=")
         again = self._word
         if self._take(*_COMPARE):
             raise ExpressionError(again.at, "write two comparisons with `and` between them")
         compare = _COMPARE[sign.text]
-        return _Node(Kind.TRUTH, lambda _, v: _known(compare, v), (left, right))
+        return _Node(ValueKind.TRUTH, lambda _, v: _known(compare, v), (left, right))
 
     def _sum(self) -> _Node:
         return self._chain(self._product, "+", "-")
@@ -251,8 +251,8 @@ class _Reader:
         start, left = self._word, inner()
         while (sign := self._take(*signs)) is not None:
             at, right = self._word, inner()
-            _want(left, Kind.NUMBER, start)
-            _want(right, Kind.NUMBER, at)
+            _want(left, ValueKind.NUMBER, start)
+            _want(right, ValueKind.NUMBER, at)
             left = _working(_WORK[sign.text], left, right)
             # A long chain leans to the left: its tree is as deep as the chain is long.
             self._links += 1
@@ -267,8 +267,8 @@ class _Reader:
         start, part = self._word, self._atom()
         if not minus:
             return part
-        _want(part, Kind.NUMBER, start)
-        return _Node(Kind.NUMBER, lambda _, v: _known(_negative, v), (part,))
+        _want(part, ValueKind.NUMBER, start)
+        return _Node(ValueKind.NUMBER, lambda _, v: _known(_negative, v), (part,))
 
     def _atom(self) -> _Node:
         word = self._word
@@ -276,9 +276,9 @@ class _Reader:
         match word.sort:
             case "number":
                 number = float(word.text)
-                return _Node(Kind.NUMBER, lambda _, __: _finite(number))
+                return _Node(ValueKind.NUMBER, lambda _, __: _finite(number))
             case "text":
-                return _Node(Kind.TEXT, lambda _, __: word.text)
+                return _Node(ValueKind.TEXT, lambda _, __: word.text)
             case "signal":
                 return self._signal(word)
             case "word" if word.text in _CALLS:
@@ -305,7 +305,7 @@ class _Reader:
         parts = []
         while True:
             start, part = self._word, self._any()
-            _want(part, Kind.NUMBER, start)
+            _want(part, ValueKind.NUMBER, start)
             parts.append(part)
             if self._take(",") is None:
                 break
@@ -315,14 +315,14 @@ class _Reader:
             wants = "one number" if high == 1 else f"{low} to {high} numbers"
             raise ExpressionError(word.at, f"{word.text} takes {wants}")
         work = _CALLS[word.text]
-        return _Node(Kind.NUMBER, lambda _, v: _known(work, v), tuple(parts))
+        return _Node(ValueKind.NUMBER, lambda _, v: _known(work, v), tuple(parts))
 
 
 def _working(work: _Work, left: _Node, right: _Node) -> _Node:
-    return _Node(Kind.NUMBER, lambda _, values: _known(work, values), (left, right))
+    return _Node(ValueKind.NUMBER, lambda _, values: _known(work, values), (left, right))
 
 
-def _want(node: _Node, kind: Kind, word: _Token) -> None:
+def _want(node: _Node, kind: ValueKind, word: _Token) -> None:
     if node.kind is not kind:
         raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}")
 

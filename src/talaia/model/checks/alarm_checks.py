@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
-from talaia.model.alarms.expression import ExpressionError, Kind, parse
+from talaia.model.alarms.expression import ExpressionError, ValueKind, parse
 from talaia.model.checks.identifiers import Finding, above, at_least, id_fits, name_fits
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
@@ -54,9 +54,9 @@ class Addresses:
             for channel in site.channels()
         }
         self.kinds = {
-            address: Kind.NUMBER
+            address: ValueKind.NUMBER
             if signal.type in {SignalType.NUMBER, SignalType.POSITION}
-            else Kind.TEXT
+            else ValueKind.TEXT
             for address, signal in self.signals.items()
         }
         self.enclosures = list(site.enclosures)

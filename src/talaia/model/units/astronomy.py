@@ -14,7 +14,7 @@ from typing import NamedTuple
 __all__ = [
     "J2000",
     "Horizontal",
-    "Place",
+    "Observer",
     "altaz",
     "julian_day",
     "precess",
@@ -27,7 +27,7 @@ __all__ = [
 J2000 = 2451545.0
 
 
-class Place(NamedTuple):
+class Observer(NamedTuple):
     """A place on Earth: degrees north, degrees east, metres."""
 
     latitude: float
@@ -54,7 +54,7 @@ def sidereal_hours(jd: float, longitude: float) -> float:
     return (degrees + longitude) % 360.0 / 15.0
 
 
-def altaz(ra: float, dec: float, place: Place, jd: float) -> Horizontal:
+def altaz(ra: float, dec: float, place: Observer, jd: float) -> Horizontal:
     """Turn right ascension (h) and declination (°) of date to the horizon; Meeus 13.5, 13.6."""
     hour = math.radians((sidereal_hours(jd, place.longitude) - ra) * 15.0)
     d, lat = math.radians(dec), math.radians(place.latitude)
@@ -66,7 +66,7 @@ def altaz(ra: float, dec: float, place: Place, jd: float) -> Horizontal:
     return Horizontal(alt, math.degrees(math.atan2(y, x)) % 360.0)
 
 
-def radec(alt: float, az: float, place: Place, jd: float) -> tuple[float, float]:
+def radec(alt: float, az: float, place: Observer, jd: float) -> tuple[float, float]:
     """Turn altitude and azimuth to right ascension (h) and declination (°) of date."""
     a, z, lat = math.radians(alt), math.radians(az), math.radians(place.latitude)
     sine = math.sin(lat) * math.sin(a) + math.cos(lat) * math.cos(a) * math.cos(z)

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["Difference", "Kind", "difference", "unified"]
+__all__ = ["ChangeKind", "Difference", "difference", "unified"]
 
 _LONGEST = 200
 
 
-class Kind(StrEnum):
+class ChangeKind(StrEnum):
     """What became of a part."""
 
     ADDED = "added"
@@ -32,7 +32,7 @@ class Kind(StrEnum):
 class Difference(NamedTuple):
     """One part that is not the same, by its path, as it was and as it is."""
 
-    kind: Kind
+    kind: ChangeKind
     path: str
     before: str = ""
     after: str = ""
@@ -42,7 +42,7 @@ def difference(before: Site, after: Site) -> list[Difference]:
     """List what differs, in the order of the descriptions; a whole part that came counts once."""
     moved = {old.partition(".")[0]: new.partition(".")[0] for old, new in
              renames(before, after).items()}  # fmt: skip
-    found = [Difference(Kind.RENAMED, _path(new), old, new) for old, new in moved.items()]
+    found = [Difference(ChangeKind.RENAMED, _path(new), old, new) for old, new in moved.items()]
     was, now = msgspec.to_builtins(before), msgspec.to_builtins(after)
     # What was renamed is held against what it has become.
     for old, new in moved.items():
@@ -68,14 +68,14 @@ def _parts(path: str, was: object, now: object) -> Iterator[Difference]:
     if was == now:
         return
     if not isinstance(was, dict) or not isinstance(now, dict):
-        yield Difference(Kind.CHANGED, path, _short(was), _short(now))
+        yield Difference(ChangeKind.CHANGED, path, _short(was), _short(now))
         return
     for key in [*was, *(each for each in now if each not in was)]:
         at = f"{path}.{key}"
         if key not in now:
-            yield Difference(Kind.REMOVED, at, _short(was[key]))
+            yield Difference(ChangeKind.REMOVED, at, _short(was[key]))
         elif key not in was:
-            yield Difference(Kind.ADDED, at, "", _short(now[key]))
+            yield Difference(ChangeKind.ADDED, at, "", _short(now[key]))
         else:
             yield from _parts(at, was[key], now[key])
 

@@ -7,20 +7,20 @@ from typing import NamedTuple
 
 import yaml
 
-__all__ = ["Place", "Places"]
+__all__ = ["SourcePosition", "SourcePositions"]
 
 _LINE = re.compile(r"line (\d+)(?:, column (\d+))?")
 _STEP = re.compile(r"\.([^.\[]+)|\[(\d+)\]")
 
 
-class Place(NamedTuple):
+class SourcePosition(NamedTuple):
     """A line and a column of a text, from 1; 0 where it is not known."""
 
     line: int = 0
     column: int = 0
 
 
-class Places:
+class SourcePositions:
     """Knows where each part of a YAML text stands."""
 
     def __init__(self, text: str) -> None:
@@ -31,14 +31,14 @@ class Places:
         except (yaml.YAMLError, ValueError, RecursionError):
             self._root = None
 
-    def of(self, where: str) -> Place:
+    def of(self, where: str) -> SourcePosition:
         """Give the place of a path; of what is not there, that of what it would stand in."""
         said = _LINE.search(where)
         if said is not None and "$" not in where:
-            return Place(int(said[1]), int(said[2] or 1))
+            return SourcePosition(int(said[1]), int(said[2] or 1))
         node, mark = self._root, None
         if node is None or "$" not in where:
-            return Place()
+            return SourcePosition()
         for key, index in _STEP.findall(where[where.index("$") + 1 :]):
             found = _step(node, key, index)
             if found is None:
@@ -46,8 +46,8 @@ class Places:
             at, node = found
             mark = at.start_mark
         if mark is None:
-            return Place(1, 1)
-        return Place(mark.line + 1, mark.column + 1)
+            return SourcePosition(1, 1)
+        return SourcePosition(mark.line + 1, mark.column + 1)
 
 
 def _step(node: yaml.Node, key: str, index: str) -> tuple[yaml.Node, yaml.Node] | None:

@@ -17,12 +17,12 @@ from talaia.model.yaml_text.document import document_of
 from talaia.model.yaml_text.roundtrip import tree_of, written_tree
 from talaia.model.yaml_text.version import FORMAT, OLDEST, version_of
 
-__all__ = ["STEPS", "Step", "Tree", "Upgraded", "upgraded"]
+__all__ = ["STEPS", "Tree", "UpgradeStep", "Upgraded", "upgraded"]
 
 Tree: TypeAlias = MutableMapping[str, object]
 
 
-class Step(NamedTuple):
+class UpgradeStep(NamedTuple):
     """One change of the format.
 
     Attributes:
@@ -52,10 +52,10 @@ def _link_loss_holds(tree: Tree) -> Iterator[str]:
             yield f"$.devices.{name}.drive.link_loss: nothing is now written hold"
 
 
-STEPS: tuple[Step, ...] = (Step(1, _link_loss_holds),)
+STEPS: tuple[UpgradeStep, ...] = (UpgradeStep(1, _link_loss_holds),)
 
 
-def upgraded(text: str, steps: tuple[Step, ...] = STEPS, newest: int = FORMAT) -> Upgraded:
+def upgraded(text: str, steps: tuple[UpgradeStep, ...] = STEPS, newest: int = FORMAT) -> Upgraded:
     """Bring a text to the newest version.
 
     Args:
@@ -98,7 +98,7 @@ def _document(text: str) -> dict[str, object]:
     return document
 
 
-def _applied(tree: Tree, steps: list[Step], version: int, newest: int) -> list[str]:
+def _applied(tree: Tree, steps: list[UpgradeStep], version: int, newest: int) -> list[str]:
     changes = [said for step in steps for said in step.change(tree)]
     if version != newest:
         tree["talaia"] = newest

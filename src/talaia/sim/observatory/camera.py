@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-from talaia.model.units.astronomy import J2000, Place, altaz, julian_day, precess, sun
+from talaia.model.units.astronomy import J2000, Observer, altaz, julian_day, precess, sun
 from talaia.sim.observatory.fits import Card, fits_file
 from talaia.sim.observatory.stars import Chip, Shot, draw
 from talaia.sim.observatory.ticket import Ticket
@@ -19,7 +19,7 @@ from talaia.sim.observatory.ticket import Ticket
 if TYPE_CHECKING:
     from array import array
 
-__all__ = ["FRAMES", "STATES", "Camera", "Picture", "Scene"]
+__all__ = ["FRAMES", "STATES", "CcdCamera", "Picture", "Scene"]
 
 STATES = ("idle", "exposing", "reading")
 FRAMES = ("light", "dark", "bias", "flat")
@@ -38,7 +38,7 @@ class Scene:
 
     """
 
-    place: Place
+    place: Observer
     ra: float = 0.0
     dec: float = 0.0
     dome_open: bool = False
@@ -70,7 +70,7 @@ class _Begun:
     scene: Scene
 
 
-class Camera:
+class CcdCamera:
     """The camera and its controller.
 
     Attributes:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.sim.observatory.enclosure import Capabilities, Enclosure
+from talaia.sim.observatory.enclosure import EnclosureMechanics, SimulatedEnclosure
 
 if TYPE_CHECKING:
     from talaia.sim.observatory.ticket import Ticket
@@ -63,8 +63,8 @@ class Shell:
         return self._stalled_s >= STALL_S or self.arrived(wanted)
 
 
-class Clamshell(Enclosure):
-    """The hardware and its controller; see `Enclosure`.
+class Clamshell(SimulatedEnclosure):
+    """The hardware and its controller; see `SimulatedEnclosure`.
 
     ``position`` is that of the shell that is open furthest, so that it is 0 only when all are
     closed.
@@ -77,7 +77,7 @@ class Clamshell(Enclosure):
     def __init__(self) -> None:
         """Start closed."""
         self.shells = {name: Shell(name) for name in SHELLS}
-        super().__init__(Capabilities(can_rotate=False, segments=SHELLS))
+        super().__init__(EnclosureMechanics(can_rotate=False, segments=SHELLS))
 
     @property
     def closed(self) -> bool:

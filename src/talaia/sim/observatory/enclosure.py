@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 from talaia.sim.observatory.ticket import Ticket
 
-__all__ = ["STATES", "Capabilities", "Enclosure"]
+__all__ = ["STATES", "EnclosureMechanics", "SimulatedEnclosure"]
 
 # The order is that of the number which is published beside the word.
 STATES = ("closed", "opened", "opening", "closing", "stopped", "error")
 
 
-class Capabilities(NamedTuple):
+class EnclosureMechanics(NamedTuple):
     """What an enclosure can do: a slit dome turns, a clamshell does not.
 
     Attributes:
@@ -35,7 +35,7 @@ class Capabilities(NamedTuple):
     segments: tuple[str, ...] = ()
 
 
-class Enclosure:
+class SimulatedEnclosure:
     """The hardware and its controller.
 
     Attributes:
@@ -52,9 +52,9 @@ class Enclosure:
 
     PARK_AZIMUTH = 0.0
 
-    def __init__(self, capabilities: Capabilities | None = None) -> None:
+    def __init__(self, capabilities: EnclosureMechanics | None = None) -> None:
         """Start closed and at its park position."""
-        self.can = capabilities or Capabilities()
+        self.can = capabilities or EnclosureMechanics()
         self.position = 0.0
         self.flap = 0.0
         self.azimuth = self.PARK_AZIMUTH

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.sim.observatory.ledger import Ledger
-    from talaia.sim.observatory.servers import Ask, Frame, Server, Value
+    from talaia.sim.observatory.servers import Ask, ImageFrame, Server, Value
 
 __all__ = ["Shells", "kind_of", "message_of", "values_of"]
 
@@ -367,7 +367,7 @@ class _Shell:
         if frame.file:
             self._keep(frame)
 
-    def _keep(self, frame: Frame) -> None:
+    def _keep(self, frame: ImageFrame) -> None:
         message = UInt8MultiArray()
         message.data.frombytes(frame.file)
         self._files.publish(message)

@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from talaia.model.units.astronomy import Place, altaz, julian_day, sun
+from talaia.model.units.astronomy import Observer, altaz, julian_day, sun
 from talaia.sim.observatory import camera, cctv, enclosure, telescope
-from talaia.sim.observatory.camera import Camera, Scene
+from talaia.sim.observatory.camera import CcdCamera, Scene
 from talaia.sim.observatory.clamshell import Clamshell
-from talaia.sim.observatory.enclosure import Enclosure
+from talaia.sim.observatory.enclosure import SimulatedEnclosure
 from talaia.sim.observatory.heartbeat import ControllerWatchdog
 from talaia.sim.observatory.power import OUTLETS, Power
 from talaia.sim.observatory.telescope import Telescope
@@ -24,9 +24,19 @@ from talaia.sim.observatory.weather import FORCES, Weather
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["DEVICES", "ENCLOSURES", "MONTSEC", "Ask", "Frame", "Server", "Stamped", "Value", "make"]
+__all__ = [
+    "DEVICES",
+    "ENCLOSURES",
+    "MONTSEC",
+    "Ask",
+    "ImageFrame",
+    "Server",
+    "Stamped",
+    "Value",
+    "make",
+]
 
-MONTSEC = Place(42.0517, 0.7297, 1568.0)
+MONTSEC = Observer(42.0517, 0.7297, 1568.0)
 # Kinds of roof: a dome with a slit, which turns, and a clamshell, which does not.
 ENCLOSURES = ("dome", "clamshell")
 DEVICES = ("dome", "telescope", "weather", "camera", "pdu", "cctv", "observatory")
@@ -51,7 +61,7 @@ class Ask(NamedTuple):
     act: Callable[..., Ticket]
 
 
-class Frame(NamedTuple):
+class ImageFrame(NamedTuple):
     """A picture for a topic.
 
     Attributes:
@@ -136,7 +146,7 @@ class Server:
         """Give what is published now, by the topic's name below the server's."""
         return {}
 
-    def frame(self, *, watched: bool) -> Frame | None:
+    def frame(self, *, watched: bool) -> ImageFrame | None:
         """Give a picture that nobody was given yet; ``watched`` tells whether anybody looks."""
         del watched
         return None
@@ -161,7 +171,7 @@ class DomeServer(Server):
     name = "dome"
     outlet = OUTLETS.index("Dome") + 1
 
-    def __init__(self, model: Enclosure) -> None:
+    def __init__(self, model: SimulatedEnclosure) -> None:
         """Offer what a dome does."""
         super().__init__()
         self.model = model
@@ -400,7 +410,7 @@ class CameraServer(Server):
     pictures = True
     outlet = OUTLETS.index("Camera") + 1
 
-    def __init__(self, model: Camera) -> None:
+    def __init__(self, model: CcdCamera) -> None:
         """Offer what a camera does."""
         super().__init__()
         self.model = model
@@ -445,7 +455,7 @@ class CameraServer(Server):
             "file": self._last,
         }
 
-    def frame(self, *, watched: bool) -> Frame | None:
+    def frame(self, *, watched: bool) -> ImageFrame | None:
         """Give a new picture once, watched or not: it is a file as well."""
         del watched
         newest = self.model.newest
@@ -455,7 +465,7 @@ class CameraServer(Server):
         width, height = len(newest.rows[0]), len(newest.rows)
         # Pictures of ROS have their top row first.
         data = b"".join(row.tobytes() for row in reversed(newest.rows))
-        return Frame(width, height, "mono16", width * 2, data, newest.name, newest.fits)
+        return ImageFrame(width, height, "mono16", width * 2, data, newest.name, newest.fits)
 
     def step(self, seconds: float, unix_s: float) -> None:
         """Let time pass."""
@@ -497,7 +507,7 @@ class CctvServer(Server):
     outlet = OUTLETS.index("CCTV") + 1
     EVERY_S = 1.0
 
-    def __init__(self, place: Place, *, slit: bool = True) -> None:
+    def __init__(self, place: Observer, *, slit: bool = True) -> None:
         """See a closed roof at night; one without a slit is a clamshell."""
         super().__init__()
         self._place = place
@@ -545,7 +555,7 @@ class CctvServer(Server):
         height = altaz(*sun(jd), self._place, jd).alt
         self._light = min(1.0, max(0.0, (height + 12.0) / 18.0))
 
-    def frame(self, *, watched: bool) -> Frame | None:
+    def frame(self, *, watched: bool) -> ImageFrame | None:
         """Give a picture once a second while somebody looks."""
         if not watched or self._since < self.EVERY_S:
             return None
@@ -561,7 +571,7 @@ class CctvServer(Server):
             lamp=self._lamp,
             shells=shells,
         )
-        return Frame(cctv.WIDTH, cctv.HEIGHT, "rgb8", cctv.WIDTH * 3, cctv.draw(view))
+        return ImageFrame(cctv.WIDTH, cctv.HEIGHT, "rgb8", cctv.WIDTH * 3, cctv.draw(view))
 
 
 class GlobalServer(Server):
@@ -638,7 +648,7 @@ def make(
     seed: int,
     unix_s: float,
     call: Callable[[str, str], Ticket],
-    place: Place = MONTSEC,
+    place: Observer = MONTSEC,
     roof: str = "dome",
 ) -> Server:
     """Make the server of a device.
@@ -655,13 +665,13 @@ def make(
     turns = roof == "dome"
     match name:
         case "dome":
-            return DomeServer(Enclosure()) if turns else ClamshellServer(Clamshell())
+            return DomeServer(SimulatedEnclosure()) if turns else ClamshellServer(Clamshell())
         case "telescope":
             return TelescopeServer(Telescope(place, unix_s))
         case "weather":
             return WeatherServer(Weather(seed, unix_s))
         case "camera":
-            return CameraServer(Camera(Scene(place)))
+            return CameraServer(CcdCamera(Scene(place)))
         case "pdu":
             return PowerServer(Power())
         case "cctv":

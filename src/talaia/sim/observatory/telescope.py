@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from talaia.model.units.astronomy import (
     Horizontal,
-    Place,
+    Observer,
     altaz,
     julian_day,
     radec,
@@ -52,7 +52,7 @@ class Telescope:
 
     PARK = Horizontal(10.0, 10.0)
 
-    def __init__(self, place: Place, unix_s: float, limits: Limits | None = None) -> None:
+    def __init__(self, place: Observer, unix_s: float, limits: Limits | None = None) -> None:
         """Start parked."""
         self.place = place
         self.limits = limits or Limits()

@@ -12,7 +12,7 @@ from enum import StrEnum
 
 from talaia.clock import MS
 
-__all__ = ["MAX_SPEED", "MAX_TURN", "STANDSTILL_NS", "Base", "Change", "Ramp", "Source"]
+__all__ = ["MAX_SPEED", "MAX_TURN", "STANDSTILL_NS", "Base", "Change", "MotionSource", "Ramp"]
 
 MAX_SPEED = 0.22
 """m/s, as a TurtleBot3."""
@@ -33,7 +33,7 @@ KEYS = {
 """What the keys of the CloudConnect contract ask for, each until its own time-out."""
 
 
-class Source(StrEnum):
+class MotionSource(StrEnum):
     """What moved the vehicle, or stopped it."""
 
     TWIST = "cmd_vel"
@@ -47,7 +47,7 @@ class Source(StrEnum):
 class Change:
     """A new wanted velocity: ``speed`` in m/s, ``turn`` in rad/s."""
 
-    source: Source
+    source: MotionSource
     speed: float
     turn: float
 
@@ -60,7 +60,7 @@ class Base:
 
     def __init__(self, *, wandering: bool = False) -> None:
         """Start standing still."""
-        self._wanted = Change(Source.TIME_OUT, 0.0, 0.0)
+        self._wanted = Change(MotionSource.TIME_OUT, 0.0, 0.0)
         self._commanded_ns: int | None = None
         self._stopped = False
         self._wandering = wandering
@@ -94,20 +94,20 @@ class Base:
             speed = turn = 0.0
         speed = min(max(speed, -MAX_SPEED), MAX_SPEED)
         turn = min(max(turn, -MAX_TURN), MAX_TURN)
-        return self._outside(now_ns, Change(Source.TWIST, speed, turn))
+        return self._outside(now_ns, Change(MotionSource.TWIST, speed, turn))
 
     def key(self, now_ns: int, key: str) -> Change | None:
         """Take a key of the CloudConnect contract. Other keys change nothing."""
         asked = KEYS.get(key)
         if asked is None:
             return None
-        return self._outside(now_ns, Change(Source.KEY, *asked))
+        return self._outside(now_ns, Change(MotionSource.KEY, *asked))
 
     def roam(self, speed: float, turn: float) -> Change | None:
         """Take where wandering would go; without effect unless it is on."""
         if not self._wandering:
             return None
-        return self._want(Change(Source.WANDER, speed, turn))
+        return self._want(Change(MotionSource.WANDER, speed, turn))
 
     def wander(self, *, on: bool) -> tuple[bool, Change | None]:
         """Turn wandering on or off; says whether that was accepted. STOP refuses it."""
@@ -117,7 +117,7 @@ class Base:
             self._wandering = True
             return True, None
         was, self._wandering = self._wandering, False
-        return True, self._want(Change(Source.WANDER, 0.0, 0.0)) if was else None
+        return True, self._want(Change(MotionSource.WANDER, 0.0, 0.0)) if was else None
 
     def stop(self, *, engaged: bool) -> Change | None:
         """Latch STOP, or release it. A release never moves anything."""
@@ -126,7 +126,7 @@ class Base:
             return None
         self._wandering = False
         self._commanded_ns = None
-        return self._want(Change(Source.STOP, 0.0, 0.0))
+        return self._want(Change(MotionSource.STOP, 0.0, 0.0))
 
     def pass_time(self, now_ns: int) -> Change | None:
         """Notice that the last command is too old."""
@@ -135,7 +135,7 @@ class Base:
         if now_ns - self._commanded_ns < STANDSTILL_NS - BRAKING_NS:
             return None
         self._commanded_ns = None
-        return self._want(Change(Source.TIME_OUT, 0.0, 0.0))
+        return self._want(Change(MotionSource.TIME_OUT, 0.0, 0.0))
 
     def _outside(self, now_ns: int, change: Change) -> Change | None:
         if self._stopped:
@@ -147,7 +147,7 @@ class Base:
     def _want(self, change: Change) -> Change | None:
         before, self._wanted = self._wanted, change
         if (before.speed, before.turn) == (change.speed, change.turn) and (
-            before.source == change.source or change.source is Source.TIME_OUT
+            before.source == change.source or change.source is MotionSource.TIME_OUT
         ):
             return None
         return change

@@ -15,14 +15,14 @@ from talaia.sim.errors import CameraEnded, NoRenderer
 if TYPE_CHECKING:
     from talaia.sim.vehicle.world import Motion
 
-__all__ = ["POSE", "Eye"]
+__all__ = ["POSE", "CameraProcess"]
 
 POSE = struct.Struct("<3d")
 """x (m), y (m), yaw (rad)."""
 logger = logging.getLogger(__name__)
 
 
-class Eye:
+class CameraProcess:
     """The camera of the vehicle as a process of its own, see `talaia.sim.vehicle.images`.
 
     Args:

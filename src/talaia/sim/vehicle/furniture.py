@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from talaia.sim.vehicle.stage import Finish, Place
+from talaia.sim.vehicle.stage import Finish, FloorPose
 from talaia.sim.vehicle.textures import book_row, cloth, fur, photograph, rug, tiles, view, wood
 
 __all__ = [
@@ -73,7 +73,7 @@ FINISHES: dict[str, Finish] = {
 }
 
 
-def sofa(at: Place, cloth_name: str = "teal cloth") -> None:
+def sofa(at: FloorPose, cloth_name: str = "teal cloth") -> None:
     """Three seats, 2.1 m wide, 0.9 m deep."""
     at.solid((-0.45, -1.05, 0.0), (0.45, 1.05, 0.8))
     at.box(cloth_name, (-0.45, -1.0, 0.08), (0.43, 1.0, 0.32), 0.05)
@@ -92,7 +92,7 @@ def sofa(at: Place, cloth_name: str = "teal cloth") -> None:
             at.rod("walnut", (x, y, 0.0), (x, y, 0.1), 0.025, blunt=True)
 
 
-def armchair(at: Place, cloth_name: str = "mustard cloth") -> None:
+def armchair(at: FloorPose, cloth_name: str = "mustard cloth") -> None:
     """One seat, 0.85 m wide."""
     at.solid((-0.4, -0.42, 0.0), (0.4, 0.42, 0.8))
     at.box(cloth_name, (-0.38, -0.38, 0.12), (0.38, 0.38, 0.44), 0.09)
@@ -105,7 +105,7 @@ def armchair(at: Place, cloth_name: str = "mustard cloth") -> None:
             at.rod("walnut", (x, y, 0.0), (x, y, 0.14), 0.02, blunt=True)
 
 
-def low_table(at: Place) -> None:
+def low_table(at: FloorPose) -> None:
     """A chest table, 1.1 m by 0.6 m, with a book and a cup."""
     at.box("walnut", (-0.3, -0.55, 0.36), (0.3, 0.55, 0.41), 0.015)
     at.box("oak", (-0.26, -0.5, 0.04), (0.26, 0.5, 0.36), 0.01)
@@ -115,7 +115,7 @@ def low_table(at: Place) -> None:
     cup(at.on(-0.05, -0.2), 0.41)
 
 
-def cup(at: Place, height: float) -> None:
+def cup(at: FloorPose, height: float) -> None:
     """A cup on a saucer on something ``height`` metres high."""
     at.rod("white", (0, 0, height), (0, 0, height + 0.01), 0.075, blunt=True)
     at.rod("white", (0, 0, height), (0, 0, height + 0.085), 0.042, blunt=True)
@@ -123,7 +123,7 @@ def cup(at: Place, height: float) -> None:
     at.rod("white", (0.05, 0, height + 0.03), (0.05, 0, height + 0.06), 0.012)
 
 
-def television(at: Place) -> None:
+def television(at: FloorPose) -> None:
     """A bench with a screen that shows galaxies."""
     at.box("oak", (-0.22, -0.85, 0.06), (0.22, 0.85, 0.45), 0.012, solid=True)
     for door in (-0.56, 0.0, 0.56):
@@ -134,7 +134,7 @@ def television(at: Place) -> None:
     plant(at.on(-0.02, 0.76), 0.25, base=0.45)
 
 
-def bookshelf(at: Place) -> None:
+def bookshelf(at: FloorPose) -> None:
     """1.0 m wide, 1.9 m high, full of books."""
     at.solid((-0.16, -0.5, 0.0), (0.16, 0.5, 1.9))
     for side in (-1, 1):
@@ -149,7 +149,7 @@ def bookshelf(at: Place) -> None:
     plant(at.on(0.0, -0.25), 0.3, base=1.9)
 
 
-def plant(at: Place, size: float = 1.0, *, base: float = 0.0) -> None:
+def plant(at: FloorPose, size: float = 1.0, *, base: float = 0.0) -> None:
     """A pot with leaves, ``size`` metres high; solid when it stands on the floor."""
     if base == 0.0:
         at.post(0, 0, 0.22 * size, 0.36 * size)
@@ -168,7 +168,7 @@ def plant(at: Place, size: float = 1.0, *, base: float = 0.0) -> None:
         )
 
 
-def lamp(at: Place) -> None:
+def lamp(at: FloorPose) -> None:
     """A standard lamp, 1.6 m."""
     at.post(0, 0, 0.16, 0.3)
     at.rod("black", (0, 0, 0), (0, 0, 0.03), 0.16, blunt=True)
@@ -176,7 +176,7 @@ def lamp(at: Place) -> None:
     at.rod("shade", (0, 0, 1.32), (0, 0, 1.62), 0.2, blunt=True)
 
 
-def chair(at: Place, seat: str = "linen") -> None:
+def chair(at: FloorPose, seat: str = "linen") -> None:
     """A kitchen chair with four legs; its place's x points to the table."""
     for x in (-0.19, 0.19):
         for y in (-0.19, 0.19):
@@ -190,7 +190,7 @@ def chair(at: Place, seat: str = "linen") -> None:
     at.box("oak", (-0.25, -0.2, 0.60), (-0.22, 0.2, 0.66), 0.012)
 
 
-def dining_table(at: Place) -> None:
+def dining_table(at: FloorPose) -> None:
     """1.5 m by 0.85 m, laid for breakfast."""
     for x in (-0.66, 0.66):
         for y in (-0.34, 0.34):
@@ -211,7 +211,7 @@ def dining_table(at: Place) -> None:
     cup(at.on(0.35, -0.2), 0.75)
 
 
-def counter(at: Place, length: float) -> None:
+def counter(at: FloorPose, length: float) -> None:
     """Kitchen cupboards with a worktop along y, ``length`` metres, hob, sink and tiles behind."""
     half = length / 2
     at.box("black", (-0.28, -half, 0.0), (0.24, half, 0.10), 0.004)
@@ -233,7 +233,7 @@ def counter(at: Place, length: float) -> None:
     plant(at.on(-0.1, -half + 0.25), 0.32, base=0.9)
 
 
-def cupboards(at: Place, length: float) -> None:
+def cupboards(at: FloorPose, length: float) -> None:
     """Wall cupboards above a counter, ``length`` metres along y."""
     half = length / 2
     doors = max(1, round(length / 0.6))
@@ -244,7 +244,7 @@ def cupboards(at: Place, length: float) -> None:
         at.box("white wood", (0.145, y + 0.008, 1.51), (0.168, y + wide - 0.008, 2.14), 0.005)
 
 
-def fridge(at: Place) -> None:
+def fridge(at: FloorPose) -> None:
     """1.8 m high, with drawings and magnets."""
     at.box("white", (-0.32, -0.32, 0.02), (0.30, 0.32, 1.8), 0.03, solid=True)
     at.box("steel", (0.295, -0.315, 0.03), (0.325, 0.315, 0.65), 0.012)
@@ -255,7 +255,7 @@ def fridge(at: Place) -> None:
     at.box("red", (0.325, -0.07, 1.43), (0.338, -0.04, 1.46), 0.004)
 
 
-def bed(at: Place) -> None:
+def bed(at: FloorPose) -> None:
     """1.6 m by 2.05 m, head at -x."""
     at.solid((-1.05, -0.82, 0.0), (1.02, 0.82, 0.5))
     at.box("walnut", (-1.05, -0.85, 0.05), (-0.98, 0.85, 1.05), 0.03)
@@ -268,7 +268,7 @@ def bed(at: Place) -> None:
     at.on(-0.6, 0.0).box("mustard cloth", (-0.07, -0.2, 0.50), (0.07, 0.2, 0.72), 0.06)
 
 
-def wardrobe(at: Place) -> None:
+def wardrobe(at: FloorPose) -> None:
     """1.5 m wide, 2 m high."""
     at.box("white wood", (-0.29, -0.75, 0.03), (0.28, 0.75, 2.05), 0.012, solid=True)
     for y in (-0.5, 0.0, 0.5):
@@ -276,7 +276,7 @@ def wardrobe(at: Place) -> None:
         at.rod("black", (0.31, y + 0.2, 0.95), (0.31, y + 0.2, 1.15), 0.009)
 
 
-def desk(at: Place) -> None:
+def desk(at: FloorPose) -> None:
     """A desk along y with a screen, a keyboard and a lamp; one sits at +x."""
     for y in (-0.66, 0.66):
         for x in (-0.28, 0.28):
@@ -293,7 +293,7 @@ def desk(at: Place) -> None:
     cup(at.on(0.1, -0.45), 0.745)
 
 
-def office_chair(at: Place) -> None:
+def office_chair(at: FloorPose) -> None:
     """On a star of castors; the lidar sees its column as a round post."""
     at.post(0, 0, 0.3, 0.35)
     for leg in range(5):
@@ -306,7 +306,7 @@ def office_chair(at: Place) -> None:
     at.box("grey cloth", (-0.28, -0.22, 0.58), (-0.20, 0.22, 1.12), 0.04)
 
 
-def bath(at: Place) -> None:
+def bath(at: FloorPose) -> None:
     """A tub, 1.7 m along y."""
     at.solid((-0.38, -0.85, 0.0), (0.38, 0.85, 0.58))
     at.box("white", (-0.38, -0.85, 0.0), (0.38, 0.85, 0.50), 0.05)
@@ -317,7 +317,7 @@ def bath(at: Place) -> None:
     at.box("blue cloth", (0.30, 0.2, 0.30), (0.405, 0.6, 0.60), 0.02)
 
 
-def washstand(at: Place) -> None:
+def washstand(at: FloorPose) -> None:
     """A basin on a cupboard with a mirror above."""
     at.box("oak", (-0.22, -0.4, 0.05), (0.22, 0.4, 0.78), 0.01, solid=True)
     at.box("white", (-0.24, -0.42, 0.78), (0.25, 0.42, 0.90), 0.04)
@@ -327,12 +327,12 @@ def washstand(at: Place) -> None:
     at.rod("red", (0.1, 0.3, 0.9), (0.1, 0.3, 1.0), 0.03, blunt=True)
 
 
-def painting(at: Place, finish: str, width: float, height: float, z: float) -> None:
+def painting(at: FloorPose, finish: str, width: float, height: float, z: float) -> None:
     """A picture on the wall behind the place, its centre ``z`` metres high."""
     at.box(finish, (0.0, -width / 2, z - height / 2), (0.03, width / 2, z + height / 2), 0.003)
 
 
-def window(at: Place, width: float, z: float = 1.45) -> None:
+def window(at: FloorPose, width: float, z: float = 1.45) -> None:
     """A window with a sill and curtains."""
     at.box("window", (0.0, -width / 2, z - 0.6), (0.025, width / 2, z + 0.6), 0.003)
     at.box(

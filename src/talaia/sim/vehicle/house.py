@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.sim.vehicle import furniture, living
-from talaia.sim.vehicle.stage import Finish, Hull, Place, Stage
+from talaia.sim.vehicle.stage import Finish, FloorPose, Hull, Stage
 from talaia.sim.vehicle.textures import Picture, parquet, plaster, shade, tiles
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ def _walls(stage: Stage, room: Room) -> None:
 
 
 def _wall(
-    place: Place,
+    place: FloorPose,
     room: Room,
     span: tuple[float, float],
     height: tuple[float, float],
@@ -158,7 +158,7 @@ def _wall(
         place.box("white wood", (WALL, *span[:1], 0.0), (WALL + 0.014, span[1], 0.09), 0.004)
 
 
-def _door_frame(place: Place, low: float, high: float) -> None:
+def _door_frame(place: FloorPose, low: float, high: float) -> None:
     for y in (low, high):
         place.box(
             "white wood", (-0.01, y - 0.035, 0.0), (WALL + 0.015, y + 0.035, DOOR + 0.03), 0.008
@@ -167,7 +167,7 @@ def _door_frame(place: Place, low: float, high: float) -> None:
 
 
 def _furnish_living_room(stage: Stage, layout: np.random.Generator) -> None:
-    def near(x: float, y: float, yaw: float, by: float = 0.05) -> Place:
+    def near(x: float, y: float, yaw: float, by: float = 0.05) -> FloorPose:
         dx, dy, turn = layout.uniform(-by, by, 3)
         return stage.at(x + dx, y + dy, yaw + 3 * turn)
 

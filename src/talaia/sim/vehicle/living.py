@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from talaia.sim.vehicle.stage import Finish, Place
+from talaia.sim.vehicle.stage import Finish, FloorPose
 from talaia.sim.vehicle.textures import fur
 
 __all__ = ["FINISHES", "dog", "person"]
@@ -23,7 +23,7 @@ FINISHES: dict[str, Finish] = {
 }
 
 
-def person(at: Place) -> None:
+def person(at: FloorPose) -> None:
     """A person of 1.7 m who stands and waves."""
     at.post(0.03, 0, 0.24, 1.2)
     for side in (-1, 1):
@@ -48,7 +48,7 @@ def person(at: Place) -> None:
         at.rod("skin", (0.165, y, 1.57), (0.175, y + 0.006 * (finger - 1), 1.635), 0.009)
 
 
-def _head(at: Place) -> None:
+def _head(at: FloorPose) -> None:
     at.ball("skin", (0.02, 0, 1.60), (0.095, 0.078, 0.118))
     at.ball("hair", (-0.012, 0, 1.645), (0.105, 0.088, 0.095))
     at.ball("hair", (-0.05, 0, 1.57), (0.07, 0.088, 0.14))
@@ -60,7 +60,7 @@ def _head(at: Place) -> None:
         at.rod("hair", (0.105, side * 0.018, 1.640), (0.098, side * 0.048, 1.642), 0.005)
 
 
-def dog(at: Place) -> None:
+def dog(at: FloorPose) -> None:
     """A dog of the size of a retriever, standing, 0.6 m high at the head."""
     at.solid((-0.36, -0.13, 0.0), (0.48, 0.13, 0.62))
     at.ball("fur", (-0.02, 0, 0.40), (0.30, 0.115, 0.125))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.sim.vehicle.actuation_log import ActuationLog
-    from talaia.sim.vehicle.eye import Eye
+    from talaia.sim.vehicle.eye import CameraProcess
     from talaia.sim.vehicle.world import World
 
 __all__ = ["TICK_S", "Inputs", "Loop"]
@@ -143,7 +143,7 @@ class Loop:
         clock: Clock,
         *,
         seed: int,
-        eye: Eye | None = None,
+        eye: CameraProcess | None = None,
     ) -> None:
         """Create the publishers."""
         self._node = node

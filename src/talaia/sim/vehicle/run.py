@@ -69,7 +69,7 @@ def _run(options: argparse.Namespace, start: Start) -> None:
         from talaia.sim.vehicle import node as shell
         from talaia.sim.vehicle.actuation_log import ActuationLog
         from talaia.sim.vehicle.base import Base
-        from talaia.sim.vehicle.eye import Eye
+        from talaia.sim.vehicle.eye import CameraProcess
         from talaia.sim.vehicle.world import World
 
     clock = SystemClock()
@@ -77,7 +77,7 @@ def _run(options: argparse.Namespace, start: Start) -> None:
     start.stack.callback(log.close)
     eye = None
     if not options.no_camera:
-        eye = Eye(options.seed, options.camera_rate)
+        eye = CameraProcess(options.seed, options.camera_rate)
         start.stack.callback(eye.close)
     world = World(options.seed)
     join_ros(start.stack)

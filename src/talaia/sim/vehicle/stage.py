@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from talaia.sim.vehicle.textures import Picture
 
-__all__ = ["HULL_GROUP", "LOOK_GROUP", "Finish", "Hull", "Place", "Stage"]
+__all__ = ["HULL_GROUP", "LOOK_GROUP", "Finish", "FloorPose", "Hull", "Stage"]
 
 LOOK_GROUP = 2
 HULL_GROUP = 3
@@ -92,9 +92,9 @@ class Stage:
         self._materials: set[str] = set()
         self._meshes: dict[tuple[float, ...], str] = {}
 
-    def at(self, x: float, y: float, yaw: float = 0.0) -> Place:
+    def at(self, x: float, y: float, yaw: float = 0.0) -> FloorPose:
         """Give a place on the floor to build at."""
-        return Place(self, x, y, yaw)
+        return FloorPose(self, x, y, yaw)
 
     def finish(self, name: str, finish: Finish) -> str:
         """Add a surface and give its name back."""
@@ -171,7 +171,7 @@ class Stage:
 
 
 @dataclass(frozen=True)
-class Place:
+class FloorPose:
     """A spot and a direction on the floor; its own x is forward, y left, z up (metres)."""
 
     stage: Stage
@@ -188,10 +188,10 @@ class Place:
             point[2],
         )
 
-    def on(self, x: float, y: float, yaw: float = 0.0) -> Place:
+    def on(self, x: float, y: float, yaw: float = 0.0) -> FloorPose:
         """Give a place relative to this one."""
         px, py, _ = self.world((x, y, 0.0))
-        return Place(self.stage, px, py, self.yaw + yaw)
+        return FloorPose(self.stage, px, py, self.yaw + yaw)
 
     def solid(self, low: Vector, high: Vector) -> None:
         """Add a hull between two corners."""

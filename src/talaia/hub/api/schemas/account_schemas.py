@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from talaia.hub.api.schemas.common import PermissionShape, Shape
+from talaia.hub.api.schemas.common import PermissionShape, Schema
 
 __all__ = [
     "CodeOnly",
@@ -40,33 +40,33 @@ _CODE = Field(min_length=1, max_length=64)
 _MOST_PERMISSIONS = 500
 
 
-class PasswordChange(Shape):
+class PasswordChange(Schema):
     """Take another password."""
 
     old: str = _PASSWORD
     new: str = _PASSWORD
 
 
-class PasswordOnly(Shape):
+class PasswordOnly(Schema):
     """Prove that it is you who asks."""
 
     password: str = _PASSWORD
 
 
-class CodeOnly(Shape):
+class CodeOnly(Schema):
     """A code from the authenticator."""
 
     code: str = _CODE
 
 
-class RemoveFactor(Shape):
+class RemoveFactor(Schema):
     """Prove both, to sign in without the second factor from now on."""
 
     password: str = _PASSWORD
     code: str = _CODE
 
 
-class FactorOffer(Shape):
+class FactorOffer(Schema):
     """A secret for an authenticator: as text, as a link, and as an SVG picture of the link."""
 
     secret: str
@@ -74,13 +74,13 @@ class FactorOffer(Shape):
     qr: str
 
 
-class RecoveryCodes(Shape):
+class RecoveryCodes(Schema):
     """Each opens once in place of a code. They are shown this once."""
 
     recovery: list[str]
 
 
-class SessionShape(Shape):
+class SessionShape(Schema):
     """Where you are signed in; ``agent`` is what the browser calls itself."""
 
     id: str
@@ -91,13 +91,13 @@ class SessionShape(Shape):
     this: bool
 
 
-class SessionList(Shape):
+class SessionList(Schema):
     """Your sessions, the last used first."""
 
     sessions: list[SessionShape]
 
 
-class TokenShape(Shape):
+class TokenShape(Schema):
     """A token for a script; what it says was shown once and is not kept."""
 
     id: str
@@ -108,13 +108,13 @@ class TokenShape(Shape):
     used_us: int
 
 
-class TokenList(Shape):
+class TokenList(Schema):
     """Your tokens that have not ended, the newest first."""
 
     tokens: list[TokenShape]
 
 
-class TokenAsk(Shape):
+class TokenAsk(Schema):
     """Make a token with some of your rights (view and use), until an end date."""
 
     name: str = _NAME
@@ -122,14 +122,14 @@ class TokenAsk(Shape):
     permissions: list[PermissionShape] = Field(max_length=_MOST_PERMISSIONS)
 
 
-class NewToken(Shape):
+class NewToken(Schema):
     """The token, shown this once. Send it as ``Authorization: Bearer …``."""
 
     id: str
     token: str
 
 
-class PersonShape(Shape):
+class PersonShape(Schema):
     """A person; ``sessions`` counts where they are signed in now."""
 
     id: str
@@ -142,13 +142,13 @@ class PersonShape(Shape):
     sessions: int
 
 
-class PersonList(Shape):
+class PersonList(Schema):
     """Everyone, by name."""
 
     people: list[PersonShape]
 
 
-class PersonAsk(Shape):
+class PersonAsk(Schema):
     """Add a person."""
 
     name: str = _NAME
@@ -156,7 +156,7 @@ class PersonAsk(Shape):
     role: str = _NAME
 
 
-class PersonChange(Shape):
+class PersonChange(Schema):
     """Change what is given; the person's sessions end."""
 
     role: str | None = Field(default=None, min_length=1, max_length=200)
@@ -164,7 +164,7 @@ class PersonChange(Shape):
     password: str | None = Field(default=None, max_length=4096)
 
 
-class RoleShape(Shape):
+class RoleShape(Schema):
     """A role; ``people`` counts those who have it."""
 
     id: str
@@ -174,20 +174,20 @@ class RoleShape(Shape):
     permissions: list[PermissionShape]
 
 
-class RoleList(Shape):
+class RoleList(Schema):
     """Every role, the seeded ones first."""
 
     roles: list[RoleShape]
 
 
-class RoleAsk(Shape):
+class RoleAsk(Schema):
     """A role's name and all its permissions."""
 
     name: str = _NAME
     permissions: list[PermissionShape] = Field(max_length=_MOST_PERMISSIONS)
 
 
-class DeviceSummary(Shape):
+class DeviceSummary(Schema):
     """A device that is open to you.
 
     ``signals`` counts what you may see of it, ``stale`` those of them that are older than their
@@ -206,7 +206,7 @@ class DeviceSummary(Shape):
     stale: int
 
 
-class DeviceList(Shape):
+class DeviceList(Schema):
     """All devices that are open to you, by site."""
 
     devices: list[DeviceSummary]

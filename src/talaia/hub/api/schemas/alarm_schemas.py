@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints
 
-from talaia.hub.api.schemas.common import Shape
+from talaia.hub.api.schemas.common import Schema
 
 __all__ = [
     "ActAsk",
@@ -26,14 +26,14 @@ _Words = Annotated[str, StringConstraints(max_length=1000, pattern=r"^[^\x00]*$"
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
-class EscalationShape(Shape):
+class EscalationShape(Schema):
     """Who is told of an alarm that nobody has acknowledged, and how long after it was raised."""
 
     who: _Name
     after: _Number = 0.0
 
 
-class AlarmDefinition(Shape):
+class AlarmDefinition(Schema):
     """An alarm, in the words of the site description; see there what each key means."""
 
     name: _Name
@@ -65,7 +65,7 @@ class AlarmDefinition(Shape):
     advice: _Words = ""
 
 
-class AlarmShape(Shape):
+class AlarmShape(Schema):
     """An alarm that is open to you.
 
     ``definition`` is what it watches; ``made``: in the page, where it can be changed too;
@@ -80,14 +80,14 @@ class AlarmShape(Shape):
     may_use: bool
 
 
-class AlarmList(Shape):
+class AlarmList(Schema):
     """The alarms of a site. ``may_manage``: you may make, change and remove them."""
 
     alarms: list[AlarmShape]
     may_manage: bool
 
 
-class ActAsk(Shape):
+class ActAsk(Schema):
     """Do something about an alarm.
 
     ``text`` is the comment or the reason; ``to`` whom it is assigned to (empty: nobody);
@@ -100,7 +100,7 @@ class ActAsk(Shape):
     until_us: int = Field(default=0, ge=0, le=2**53)
 
 
-class AlarmPast(Shape):
+class AlarmPast(Schema):
     """One thing that happened to an alarm; ``episode`` counts how often it was raised."""
 
     id: str
@@ -111,21 +111,21 @@ class AlarmPast(Shape):
     message: str
 
 
-class AlarmPastList(Shape):
+class AlarmPastList(Schema):
     """What happened to an alarm, newest first; with ``more``, ask again ``before`` the last."""
 
     past: list[AlarmPast]
     more: bool
 
 
-class PreviewAsk(Shape):
+class PreviewAsk(Schema):
     """How an alarm would have done over a window, by default the last day."""
 
     definition: AlarmDefinition
     hours: float = Field(default=24, gt=0, le=24 * 31, allow_inf_nan=False)
 
 
-class SpanShape(Shape):
+class SpanShape(Schema):
     """It would have been active from then to then."""
 
     from_us: int
@@ -133,7 +133,7 @@ class SpanShape(Shape):
     why: str
 
 
-class PreviewShape(Shape):
+class PreviewShape(Schema):
     """What would have been.
 
     ``problem`` says what does not fit, ``where`` the key it is about; then the rest is empty.

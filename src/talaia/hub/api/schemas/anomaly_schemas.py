@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, Field, StringConstraints
 
-from talaia.hub.api.schemas.common import Shape
+from talaia.hub.api.schemas.common import Schema
 
 __all__ = ["AnomalyList", "AnomalyShape", "ForgiveAnswer", "ForgiveAsk"]
 
@@ -40,7 +40,7 @@ class AnomalyList(BaseModel):
     skipped: int = Field(description="samples that the hub had no time for, since its start")
 
 
-class ForgiveAsk(Shape):
+class ForgiveAsk(Schema):
     """Say that the latest peak of a detector's score was no anomaly."""
 
     address: Annotated[str, StringConstraints(max_length=200)]

@@ -58,7 +58,7 @@ __all__ = [
 _PLACE = Field(pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
 
 
-class Shape(BaseModel):
+class Schema(BaseModel):
     """A key that is not described is an error, not a silence."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -71,20 +71,20 @@ class Shape(BaseModel):
         return self
 
 
-class ProblemShape(Shape):
+class ProblemShape(Schema):
     """What went wrong: a word for programs, a sentence for people."""
 
     code: str
     message: str
 
 
-class Health(Shape):
+class Health(Schema):
     """The hub answers."""
 
     ok: bool
 
 
-class LoginAsk(Shape):
+class LoginAsk(Schema):
     """Sign in; ``code`` is of the authenticator, or a recovery code, where there is a factor."""
 
     name: str = Field(min_length=1, max_length=200)
@@ -92,7 +92,7 @@ class LoginAsk(Shape):
     code: str = Field(default="", max_length=64)
 
 
-class SetupAsk(Shape):
+class SetupAsk(Schema):
     """Make the first admin, with the token of the set-up link."""
 
     token: str = Field(min_length=1, max_length=200)
@@ -100,7 +100,7 @@ class SetupAsk(Shape):
     password: str = Field(max_length=4096)
 
 
-class PermissionShape(Shape):
+class PermissionShape(Schema):
     """A right (view, use or admin) on a site and a device; ``*`` stands for each of them."""
 
     right: Literal["view", "use", "admin"]
@@ -108,7 +108,7 @@ class PermissionShape(Shape):
     device: str = _PLACE
 
 
-class Me(Shape):
+class Me(Schema):
     """Who is signed in, until when unless used, and until when at most.
 
     ``admin`` holds for the whole hub; ``factor``: you sign in with a second factor.
@@ -123,7 +123,7 @@ class Me(Shape):
     permissions: list[PermissionShape]
 
 
-class SiteSummary(Shape):
+class SiteSummary(Schema):
     """A site in the list.
 
     ``devices`` and ``signals`` count what you may see, ``stale`` those of the signals that are
@@ -145,7 +145,7 @@ class SiteSummary(Shape):
     stale: int
 
 
-class SignalShape(Shape):
+class SignalShape(Schema):
     """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds.
 
     ``public``: everybody who is signed in may see it.
@@ -167,14 +167,14 @@ class SignalShape(Shape):
     channels: list[str]
 
 
-class DetectShape(Shape):
+class DetectShape(Schema):
     """What of a camera's pictures is counted: classes, and how sure (0 to 1) at the least."""
 
     classes: list[str]
     confidence: float
 
 
-class StreamShape(Shape):
+class StreamShape(Schema):
     """A camera. ``max_rate`` is in Hz; ``detect`` is null where nothing is looked for."""
 
     id: str
@@ -185,7 +185,7 @@ class StreamShape(Shape):
     detect: DetectShape | None = None
 
 
-class ArgumentShape(Shape):
+class ArgumentShape(Schema):
     """One argument of a command."""
 
     id: str
@@ -198,7 +198,7 @@ class ArgumentShape(Shape):
     default: bool | int | float | str | None
 
 
-class CommandShape(Shape):
+class CommandShape(Schema):
     """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early."""
 
     id: str
@@ -210,7 +210,7 @@ class CommandShape(Shape):
     arguments: list[ArgumentShape]
 
 
-class DriveShape(Shape):
+class DriveShape(Schema):
     """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software)."""
 
     max_speed: float
@@ -224,7 +224,7 @@ class DriveShape(Shape):
     stop: bool
 
 
-class DeviceShape(Shape):
+class DeviceShape(Schema):
     """A device as far as you may see it; ``rights`` are yours: view, use, admin.
 
     ``link_loss`` says what its gateway does with it when the hub is out of reach, ``pointing``
@@ -246,7 +246,7 @@ class DeviceShape(Shape):
     unguarded: bool
 
 
-class SiteShape(Shape):
+class SiteShape(Schema):
     """A site as far as you may see it; ``rules`` are its interlocks, ``enclosures`` its roofs."""
 
     site: str
@@ -262,7 +262,7 @@ class SiteShape(Shape):
     enclosures: list[EnclosureShape]
 
 
-class GapShape(Shape):
+class GapShape(Schema):
     """Samples that are lost, and why."""
 
     from_us: int
@@ -270,7 +270,7 @@ class GapShape(Shape):
     reason: str
 
 
-class SeriesShape(Shape):
+class SeriesShape(Schema):
     """One channel's samples.
 
     Every one (``exact``) or the least and greatest of each bucket (``minmax``). ``v`` is null
@@ -285,13 +285,13 @@ class SeriesShape(Shape):
     gaps: list[GapShape]
 
 
-class HistoryAnswer(Shape):
+class HistoryAnswer(Schema):
     """A window of the history."""
 
     series: list[SeriesShape]
 
 
-class EventShape(Shape):
+class EventShape(Schema):
     """Something that happened. ``sighting``: what a camera saw, while it is kept."""
 
     id: str
@@ -304,14 +304,14 @@ class EventShape(Shape):
     sighting: SeenShape | None = None
 
 
-class EventList(Shape):
+class EventList(Schema):
     """The newest events first. ``more``: older ones of the window were left out."""
 
     events: list[EventShape]
     more: bool
 
 
-class GatewayShape(Shape):
+class GatewayShape(Schema):
     """A gateway that has, or had, a key.
 
     ``revoked_us`` is 0 while the key is good, ``seen_us`` 0 before its first link; address and
@@ -329,7 +329,7 @@ class GatewayShape(Shape):
     online: bool
 
 
-class OpenCodeShape(Shape):
+class OpenCodeShape(Schema):
     """A one-time code that can still be used. What it says was shown once and is not kept."""
 
     id: str
@@ -338,21 +338,21 @@ class OpenCodeShape(Shape):
     expires_us: int
 
 
-class GatewayList(Shape):
+class GatewayList(Schema):
     """All gateways, and the codes by which others may enrol."""
 
     gateways: list[GatewayShape]
     codes: list[OpenCodeShape]
 
 
-class CodeAsk(Shape):
+class CodeAsk(Schema):
     """Make a one-time code for the gateway of a site; ``name`` is what people call it."""
 
     site: str = Field(pattern=r"^[a-z][a-z0-9_]{0,62}$")
     name: str = Field(default="", max_length=100)
 
 
-class CodeShape(Shape):
+class CodeShape(Schema):
     """A one-time code, shown once.
 
     ``command`` is what to run beside the robot, ``qr`` the same as an SVG picture, and
@@ -367,14 +367,14 @@ class CodeShape(Shape):
     qr: str
 
 
-class EnrolAsk(Shape):
+class EnrolAsk(Schema):
     """Use a one-time code; ``name`` is what the gateway calls itself."""
 
     code: str = Field(min_length=1, max_length=200)
     name: str = Field(default="", max_length=100)
 
 
-class EnrolAnswer(Shape):
+class EnrolAnswer(Schema):
     """The gateway's own key, told once; ``fingerprint`` is that of the hub's certificate."""
 
     site: str
@@ -383,13 +383,13 @@ class EnrolAnswer(Shape):
     fingerprint: str
 
 
-class ReconnectAsk(Shape):
+class ReconnectAsk(Schema):
     """Dial again (no device), or let the gateway connect anew to one device."""
 
     device: str = Field(default="", max_length=200)
 
 
-class AuditRow(Shape):
+class AuditRow(Schema):
     """One row of the audit log."""
 
     id: str
@@ -407,7 +407,7 @@ class AuditRow(Shape):
 _TEXT = Field(default=None, max_length=200, pattern=r"^[^\x00]*$")
 
 
-class AuditAsk(Shape):
+class AuditAsk(Schema):
     """Which rows of the audit log are meant; what is left out does not matter.
 
     ``kind`` is its beginning: ``command`` finds all about commands, ``command,stop`` all about
@@ -431,14 +431,14 @@ class AuditPage(AuditAsk):
     limit: int = Field(default=100, ge=1, le=1000)
 
 
-class AuditList(Shape):
+class AuditList(Schema):
     """Rows, newest first; with ``more``, ask again with the last one's id as ``before``."""
 
     rows: list[AuditRow]
     more: bool
 
 
-class AuditChain(Shape):
+class AuditChain(Schema):
     """Whether every row follows from the one before.
 
     ``rows`` counts those that do; ``broken`` is the id of the first that does not, or 0.

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from talaia.hub.api.schemas.common import Shape
+from talaia.hub.api.schemas.common import Schema
 
 __all__ = [
     "ChangeAnswer",
@@ -29,7 +29,7 @@ _TEXT = Field(max_length=_MOST)
 _DIGEST = Field(pattern="^[0-9a-f]{64}$")
 
 
-class FindingShape(Shape):
+class FindingShape(Schema):
     """What does not fit: where, what, what to do; line and column from 1, 0 if not known."""
 
     where: str
@@ -39,7 +39,7 @@ class FindingShape(Shape):
     column: int
 
 
-class VersionShape(Shape):
+class VersionShape(Schema):
     """A description that counted from ``time_us`` on.
 
     ``who`` sent it through the hub, empty when it was changed at the gateway; ``current`` is what
@@ -55,7 +55,7 @@ class VersionShape(Shape):
     current: bool
 
 
-class DescriptionList(Shape):
+class DescriptionList(Schema):
     """A site's versions, the newest first, and whether another can be sent.
 
     ``accepts`` is what the gateway takes from the hub: ``no``, ``readings`` or ``all``; empty when
@@ -73,7 +73,7 @@ class DescriptionList(Shape):
     findings: list[FindingShape]
 
 
-class DescriptionText(Shape):
+class DescriptionText(Schema):
     """A version's text, and what it says as JSON; ``site`` is null where it cannot be read."""
 
     number: int
@@ -82,7 +82,7 @@ class DescriptionText(Shape):
     site: dict[str, Any] | None
 
 
-class DifferenceShape(Shape):
+class DifferenceShape(Schema):
     """A part that is not the same in two versions."""
 
     kind: Literal["added", "removed", "changed", "renamed"]
@@ -91,7 +91,7 @@ class DifferenceShape(Shape):
     after: str
 
 
-class DifferenceAnswer(Shape):
+class DifferenceAnswer(Schema):
     """Two versions held against each other; ``lines`` begin with ``+``, ``-``, a blank or ``@@``.
 
     ``long``: there are more lines than are given.
@@ -104,14 +104,14 @@ class DifferenceAnswer(Shape):
     long: bool
 
 
-class CheckAsk(Shape):
+class CheckAsk(Schema):
     """A description's text to look at; ``against`` is a version to hold it against, 0 for none."""
 
     text: str = _TEXT
     against: int = Field(default=0, ge=0, le=2**53)
 
 
-class CheckAnswer(Shape):
+class CheckAnswer(Schema):
     """What does not fit in it, and what it says as JSON; null where it cannot be read.
 
     ``parts`` and ``lines`` are what differs from the version it was held against.
@@ -123,34 +123,34 @@ class CheckAnswer(Shape):
     lines: list[str]
 
 
-class EditAsk(Shape):
+class EditAsk(Schema):
     """A text, and what it is to say instead; comments and order stay where they can."""
 
     text: str = _TEXT
     site: dict[str, Any]
 
 
-class EditAnswer(Shape):
+class EditAnswer(Schema):
     """The text that says it; empty where that does not have the shape of a description."""
 
     text: str
     findings: list[FindingShape]
 
 
-class DescribeAsk(Shape):
+class DescribeAsk(Schema):
     """Go by this text; ``base`` is the SHA-256 of the text that it was made from."""
 
     text: str = _TEXT
     base: str = _DIGEST
 
 
-class RestoreAsk(Shape):
+class RestoreAsk(Schema):
     """Go back; ``base`` is the SHA-256 of what counts now, as the person saw it."""
 
     base: str = _DIGEST
 
 
-class ChangeAnswer(Shape):
+class ChangeAnswer(Schema):
     """How it ended: ``applied``, ``refused``, or ``unknown`` when nobody answered in time."""
 
     phase: Literal["applied", "refused", "unknown"]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StringConstraints, model_validator
 
-from talaia.hub.api.schemas.common import Shape
+from talaia.hub.api.schemas.common import Schema
 from talaia.model.units.time_zones import known_zones
 
 __all__ = [
@@ -36,7 +36,7 @@ WayWord = Literal["mail", "webhook", "chat", "push", "extension"]
 _Minute = Annotated[int, Field(ge=0, le=1439)]
 
 
-class WriteOnly(Shape):
+class WriteOnly(Schema):
     """Secrets of a way; what is left out stays as it is, an empty text removes it."""
 
     password: _Secret | None = None
@@ -45,7 +45,7 @@ class WriteOnly(Shape):
     keys: Annotated[dict[_Key, _Secret], Field(max_length=50)] | None = None
 
 
-class WayAsk(Shape):
+class WayAsk(Schema):
     """A server that messages go to.
 
     Mail: ``host``, ``port``, ``security``, ``sender``, and ``user`` with the secret ``password``.
@@ -76,7 +76,7 @@ class WayAsk(Shape):
         return self
 
 
-class WayShape(Shape):
+class WayShape(Schema):
     """A way, as an admin sees it; ``secrets`` names those that are set, and no more."""
 
     id: str
@@ -91,13 +91,13 @@ class WayShape(Shape):
     secrets: list[str]
 
 
-class WayList(Shape):
+class WayList(Schema):
     """All ways."""
 
     ways: list[WayShape]
 
 
-class WayChoice(Shape):
+class WayChoice(Schema):
     """A way that you can be told by."""
 
     id: str
@@ -105,13 +105,13 @@ class WayChoice(Shape):
     kind: WayWord
 
 
-class WayChoiceList(Shape):
+class WayChoiceList(Schema):
     """All ways that you can be told by."""
 
     ways: list[WayChoice]
 
 
-class RuleAsk(Shape):
+class RuleAsk(Schema):
     """Tell me of alarms.
 
     ``site`` may be ``*``; ``target`` is where to, for mail. Quiet hours are minutes of the day in
@@ -142,20 +142,20 @@ class NoticeRuleShape(RuleAsk):
     id: str
 
 
-class RuleList(Shape):
+class RuleList(Schema):
     """Your rules."""
 
     rules: list[NoticeRuleShape]
 
 
-class WentShape(Shape):
+class WentShape(Schema):
     """How a test went: ``sent``, or what went wrong, in the words of whoever refused it."""
 
     sent: bool
     problem: str
 
 
-class PushAsk(Shape):
+class PushAsk(Schema):
     """A browser's subscription, as its Push API gives it."""
 
     endpoint: Annotated[str, StringConstraints(max_length=1500, pattern=r"^https://[!-~]+$")]
@@ -163,7 +163,7 @@ class PushAsk(Shape):
     auth: str = Field(max_length=100, pattern=r"^[A-Za-z0-9_\-=]+$")
 
 
-class PushBrowserShape(Shape):
+class PushBrowserShape(Schema):
     """A browser of yours that takes messages."""
 
     id: str
@@ -171,7 +171,7 @@ class PushBrowserShape(Shape):
     created_us: int
 
 
-class PushList(Shape):
+class PushList(Schema):
     """Your browsers; ``key`` is what a browser needs to subscribe, empty where push is not set."""
 
     key: str

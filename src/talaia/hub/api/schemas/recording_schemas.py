@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, Field, StringConstraints
 
-from talaia.hub.api.schemas.common import Shape
+from talaia.hub.api.schemas.common import Schema
 
 __all__ = [
     "FilmListShape",
@@ -19,7 +19,7 @@ __all__ = [
 ]
 
 
-class RecordAskShape(Shape):
+class RecordAskShape(Schema):
     """Begin or end a recording."""
 
     on: bool

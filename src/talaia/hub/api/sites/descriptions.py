@@ -32,14 +32,14 @@ from talaia.model.schema import site_schema
 from talaia.model.yaml_text.diff import difference, unified
 from talaia.model.yaml_text.load import load_site, site_of_plain
 from talaia.model.yaml_text.save import saved
-from talaia.model.yaml_text.source_lines import Places
+from talaia.model.yaml_text.source_lines import SourcePositions
 from talaia.wire.frames import ChangePhase
 from talaia.wire.sealing import MAX_TEXT, digest_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from talaia.hub.live.gateways.change_requests import ChangeRequests
+    from talaia.hub.live.gateways.change_requests import ChangeRequestClient
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.descriptions import Descriptions
@@ -62,7 +62,7 @@ _Number = Annotated[int, Query(ge=0, le=2**53)]
 class DescriptionPages:
     """The routes of descriptions."""
 
-    def __init__(self, versions: Descriptions, changes: ChangeRequests, audit: Audit) -> None:
+    def __init__(self, versions: Descriptions, changes: ChangeRequestClient, audit: Audit) -> None:
         """Answer from ``versions``; hand changes on by ``changes``."""
         self._versions = versions
         self._changes = changes
@@ -220,7 +220,7 @@ def _check(text: str) -> list[FindingShape]:
 
 
 def _placed(findings: Iterable[Finding], text: str) -> list[FindingShape]:
-    places = Places(text)
+    places = SourcePositions(text)
     shapes = []
     for each in list(findings)[:_MOST_FINDINGS]:
         line, column = places.of(each.where)

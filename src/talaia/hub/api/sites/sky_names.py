@@ -10,14 +10,14 @@ import functools
 import math
 from typing import Any, NamedTuple
 
-__all__ = ["SkyObject", "is_there", "look_up"]
+__all__ = ["CatalogObject", "is_there", "look_up"]
 
 MOST = 8
 # OpenNGC's own word for what is another name of something, or is not there at all.
 _NOTHING = frozenset({"Duplicated record", "Nonexistent object"})
 
 
-class SkyObject(NamedTuple):
+class CatalogObject(NamedTuple):
     """Something of the catalogue; degrees of J2000, magnitude NaN where nobody has measured it."""
 
     name: str
@@ -43,7 +43,7 @@ def is_there() -> bool:
     return _catalogue() is not None
 
 
-def look_up(name: str) -> list[SkyObject]:
+def look_up(name: str) -> list[CatalogObject]:
     """Find what goes by a designation (``M31``, ``NGC 7000``) or a part of a common name.
 
     Reads a file: not for the event loop. At most `MOST`, brightest first.
@@ -60,7 +60,7 @@ def look_up(name: str) -> list[SkyObject]:
     return sorted(there, key=lambda each: (math.isnan(each.magnitude), each.magnitude))[:MOST]
 
 
-def _found(row: Any) -> SkyObject | None:  # noqa: ANN401 - the package has no types
+def _found(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the package has no types
     if row.coords is None:
         return None
     (hour, minute, second), (degree, arcminute, arcsecond) = row.coords.tolist()
@@ -68,7 +68,7 @@ def _found(row: Any) -> SkyObject | None:  # noqa: ANN401 - the package has no t
     messier, _, _, common, _ = row.identifiers
     blue, visual = row.magnitudes[:2]
     measured = visual if visual is not None else blue
-    return SkyObject(
+    return CatalogObject(
         name=row.name,
         also=tuple(each for each in (messier, *(common or ())) if each),
         kind=row.type,

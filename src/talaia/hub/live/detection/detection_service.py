@@ -26,7 +26,7 @@ from talaia.hub.live.detection.camera_detection import CameraDetection
 from talaia.hub.live.detection.sightings import OWN
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.pictures.jpeg_decoder import pixels_of
-from talaia.model.derived_signals import counts_of, detecting, eye_of
+from talaia.model.derived_signals import counts_of, detecting, detection_setup_of
 from talaia.model.detection import DetectAt
 from talaia.objects.eyes import least_of
 from talaia.wire.columns import Columns
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.ports import History
-    from talaia.model.derived_signals import Eye
+    from talaia.model.derived_signals import DetectionSetup
     from talaia.model.detection import Detect, ObjectModel
     from talaia.model.site import Signal
     from talaia.objects.eyes import Told
@@ -70,7 +70,7 @@ class _SiteEyes:
 
     def __init__(self, live: LiveSite, ingest: Ingest) -> None:
         self.live = live
-        self.cameras: dict[str, tuple[Eye, CameraDetection, asyncio.Task[None]]] = {}
+        self.cameras: dict[str, tuple[DetectionSetup, CameraDetection, asyncio.Task[None]]] = {}
         self.ingest = ingest
         self.storing = asyncio.create_task(ingest.run())
         self.sequence = 0
@@ -325,9 +325,9 @@ def _model_of(site: str, model: str) -> str:
     return f"{site}/{model}" if model else ""
 
 
-def _eye(live: LiveSite, name: str) -> Eye | None:
+def _eye(live: LiveSite, name: str) -> DetectionSetup | None:
     device, _, stream = name.partition("/")
-    return eye_of(live.description, device, stream)
+    return detection_setup_of(live.description, device, stream)
 
 
 def _counted(live: LiveSite, name: str) -> dict[str, Signal]:

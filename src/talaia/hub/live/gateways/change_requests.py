@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite
     from talaia.hub.store.sites.site_registry import SiteRegistry
 
-__all__ = ["ChangeRequests"]
+__all__ = ["ChangeRequestClient"]
 
 # Zeros for ten seconds, a slow disk and a slow network; after that nobody knows.
 ANSWER_S = 25.0
 
 
-class ChangeRequests:
+class ChangeRequestClient:
     """Asks gateways, and gives each answer to whoever asked."""
 
     def __init__(self, registry: SiteRegistry) -> None:

@@ -21,7 +21,7 @@ from talaia.wire.sealing import inflated
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.hub.live.gateways.change_requests import ChangeRequests
+    from talaia.hub.live.gateways.change_requests import ChangeRequestClient
     from talaia.hub.live.gateways.channel_maps import ChannelMaps
     from talaia.hub.live.gateways.ingest import Ingest
     from talaia.hub.live.gateways.robot_events import RobotEvents
@@ -70,7 +70,7 @@ class DescriptionIntake:
         history: History,
         registry: SiteRegistry,
         versions: Descriptions,
-        changes: ChangeRequests,
+        changes: ChangeRequestClient,
     ) -> None:
         """Show a description to ``followers`` in their order, and keep it in ``versions``."""
         self._sites = sites

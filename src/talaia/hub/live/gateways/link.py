@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocketDisconnect
 
 from talaia.hub.live.gateways.clock_offset import ClockOffset
-from talaia.hub.live.gateways.send_lanes import SendLanes
+from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
 from talaia.wire.errors import UnknownKind
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Bye
 
@@ -33,7 +33,7 @@ class GatewayLink:
         """Speak over ``socket``, which is accepted already."""
         self.offset = ClockOffset()
         self._socket = socket
-        self._lanes = SendLanes()
+        self._lanes = PrioritySendQueue()
         self._wake = asyncio.Event()
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 

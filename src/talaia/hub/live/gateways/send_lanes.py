@@ -20,12 +20,12 @@ from talaia.wire.frames import (
 if TYPE_CHECKING:
     from talaia.wire.frames import FromHub
 
-__all__ = ["SendLanes"]
+__all__ = ["PrioritySendQueue"]
 
 _MOST_WAITING = 4096
 
 
-class SendLanes:
+class PrioritySendQueue:
     """Messages for one gateway, in order of priority."""
 
     def __init__(self) -> None:
