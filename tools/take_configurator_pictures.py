@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 os.environ["QT_QPA_PLATFORM"] = "offscreen"
 
-from talaia.configurator.places import put
+from talaia.configurator.places import with_value
 from talaia.configurator.qt.app import application
 from talaia.configurator.qt.palette import DARK, LIGHT
 from talaia.configurator.qt.window import Means, Window
@@ -49,7 +49,7 @@ def main(folder: Path) -> int:
 
 def broken(site: Site) -> Site:
     """Give a description with a unit that there is not."""
-    return put(site, (*SPEED, "unit"), "m/sec")
+    return with_value(site, (*SPEED, "unit"), "m/sec")
 
 
 def take(qt: QApplication, window: Window, colours: Colours, file: Path, page: int) -> None:

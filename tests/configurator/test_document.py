@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from talaia.configurator.document import MAX_STEPS, Document
 from talaia.configurator.edits import new_site
 from talaia.configurator.errors import NoSuchPlace
-from talaia.configurator.places import at, put, spot_of, take_out
+from talaia.configurator.places import at, spot_of, take_out, with_value
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
@@ -76,7 +76,7 @@ def test_a_new_document_that_nobody_touched_needs_no_saving() -> None:
 
 def test_saving_changes_one_line_and_leaves_the_comments() -> None:
     document = Document.of_text(AGV)
-    document.change("limit", put(document.site, (*SPEED, "maximum"), 0.5))
+    document.change("limit", with_value(document.site, (*SPEED, "maximum"), 0.5))
     before, after = AGV.splitlines(), document.text().splitlines()
     assert [(a, b) for a, b in zip(before, after, strict=True) if a != b] == [
         ("        maximum: 0.25", "        maximum: 0.5")
@@ -116,7 +116,7 @@ def test_each_problem_leads_to_the_thing_and_its_field(
 ) -> None:
     document = Document.of_text(AGV)
     assert document.problems == ()
-    document.change("break", put(document.site, path, value))
+    document.change("break", with_value(document.site, path, value))
     first = document.problems[0]
     assert (first.spot.node, first.spot.field) == (node, field)
     assert str(first)
@@ -126,7 +126,7 @@ def test_each_problem_leads_to_the_thing_and_its_field(
 
 def test_a_key_with_dots_in_it_is_found_all_the_same() -> None:
     site = load_site(AGV)
-    odd = put(site, ("devices", "a.b [c]"), site.devices["power"])
+    odd = with_value(site, ("devices", "a.b [c]"), site.devices["power"])
     spot = spot_of(odd, "$.devices.a.b [c].signals.charge.unit")
     assert spot.node == ("devices", "a.b [c]", "signals", "charge")
     assert spot.field == ("unit",)

@@ -6,7 +6,7 @@ import msgspec
 
 from talaia.configurator import edits
 from talaia.configurator.merge import merged
-from talaia.configurator.places import put
+from talaia.configurator.places import with_value
 from talaia.configurator.presets import SENSORS
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.probe_report import FieldFound, Found, ServiceFound, TopicFound
@@ -54,7 +54,7 @@ def test_finding_the_same_again_changes_nothing() -> None:
 def test_what_a_person_named_and_moved_stays_as_it_is() -> None:
     site = edits.with_sensor(EMPTY, edits.NewSensor(SENSORS[8], 1))
     path = ("devices", "sensors", "signals", "speed1")
-    site = put(site, (*path, "name"), "Speed over ground")
+    site = with_value(site, (*path, "name"), "Speed over ground")
     result = merged(site, FOUND)
     assert result.site.devices["sensors"].signals["speed1"].name == "Speed over ground"
     metric = [

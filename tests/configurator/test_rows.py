@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.configurator.errors import BadValue
-from talaia.configurator.places import at, put
+from talaia.configurator.places import at, with_value
 from talaia.configurator.rows import Row, RowKind, kept, read, rows_at, rows_of, shown, value_of
 from talaia.model.detection import Detect
 from talaia.model.site import Argument, Command, Device, Drive, Signal, Site, Stream
@@ -64,17 +64,17 @@ def test_a_signal_of_ros_is_not_asked_for_what_indi_needs() -> None:
 def test_a_camera_has_a_switch_for_object_detection_and_its_fields_while_it_is_on() -> None:
     agv = read_site(next(each for each in EXAMPLES if each.parent.name == "agv"))
     place = ("devices", "camera", "streams", "front")
-    agv = put(agv, (*place, "detect"), None)
+    agv = with_value(agv, (*place, "detect"), None)
     switch = next(row for row in rows_at(agv, place) if row.key == "detect")
     assert value_of(at(agv, place), switch) is False
     keys = {row.key for row in rows_at(agv, place)}
     assert not [key for key in keys if key.startswith("detect.") or key == "source.sees"]
-    on = put(agv, (*place, *switch.path), kept(switch, read(switch, "true")))
+    on = with_value(agv, (*place, *switch.path), kept(switch, read(switch, "true")))
     assert at(on, (*place, "detect")) == Detect()
     rows = {row.key: row for row in rows_at(on, place)}
     assert {"detect.classes", "detect.confidence", "detect.at", "detect.model"} <= set(rows)
     assert read(rows["detect.classes"], "person\nwine glass\n") == ("person", "wine glass")
-    assert put(on, (*place, *switch.path), kept(switch, read(switch, "false"))) == agv
+    assert with_value(on, (*place, *switch.path), kept(switch, read(switch, "false"))) == agv
 
 
 ANY = Row(("default",), "Default", RowKind.ANY, optional=True)

@@ -164,9 +164,9 @@ def test_whoever_hears_nobody_joins_anew_ever_more_seldom_until_somebody_is_hear
         """After how many looks it joins anew; the first ones behind that tell nothing yet."""
         found = []
         for number in range(1, looks + 1):
-            if deafness.look(deaf=True):
+            if deafness.should_rejoin(deaf=True):
                 found.append(number)
-                assert not deafness.look(deaf=None)
+                assert not deafness.should_rejoin(deaf=None)
         return found
 
     first = Deafness.FIRST
@@ -174,5 +174,5 @@ def test_whoever_hears_nobody_joins_anew_ever_more_seldom_until_somebody_is_hear
     assert first * LOOK_S > 20
     assert joins(7 * first) == [first, 3 * first, 7 * first]
     assert len(joins(40 * Deafness.LONGEST)) in range(39, 43)
-    assert not deafness.look(deaf=False)
+    assert not deafness.should_rejoin(deaf=False)
     assert joins(first) == [first]

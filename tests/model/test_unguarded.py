@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.cli.check import main
-from talaia.cli.init import _tell as tell_made
+from talaia.cli.init import _print_summary as tell_made
 from talaia.cli.up import _greet as greet_up, _Up
 from talaia.model.discovery.command_file import site_of
 from talaia.model.discovery.generate_description import Proposal

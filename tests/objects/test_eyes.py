@@ -49,12 +49,12 @@ def test_thumbnail_is_of_the_surest_moment_before_it_is_told() -> None:
     news = []
     for at, (score, light) in enumerate([(0.6, 40), (0.9, 200), (0.7, 90)]):
         picture = np.full((480, 640, 3), light, np.uint8)
-        news += one.take([person(score)], picture, at * STEP)
+        news += one.add_picture([person(score)], picture, at * STEP)
     (told,) = news
     assert told.sighting.score == 0.9
     assert abs(int(simplejpeg.decode_jpeg(told.thumbnail).mean()) - 200) < 5
     # Told of the same again without a surer moment: it is there already.
-    (more,) = one.take([person(0.8), person(0.8)], GREY, 4 * STEP)
+    (more,) = one.add_picture([person(0.8), person(0.8)], GREY, 4 * STEP)
     assert more.thumbnail == b""
     (over,) = one.end()
     assert (over.sighting.most, over.thumbnail) == (2, b"")

@@ -21,9 +21,9 @@ def watching() -> Sightings:
 
 def test_something_is_in_sight_when_it_was_seen_three_times_and_gone_after_a_while() -> None:
     watch = watching()
-    news = [watch.take([box("person")], at * STEP) for at in range(3)]
+    news = [watch.add_picture([box("person")], at * STEP) for at in range(3)]
     assert news == [[], [], [ObjectSighting("person", 1, 0.8, 0, None)]]
-    assert watch.take([box("person", 0.82)], 3 * STEP) == []
+    assert watch.add_picture([box("person", 0.82)], 3 * STEP) == []
     assert watch.pass_time(3 * STEP + GONE_US) == []
     assert watch.pass_time(3 * STEP + GONE_US + 1) == [
         ObjectSighting("person", 1, 0.82, 0, 3 * STEP)
@@ -33,19 +33,21 @@ def test_something_is_in_sight_when_it_was_seen_three_times_and_gone_after_a_whi
 def test_more_of_them_or_surer_ones_are_told_before_the_end() -> None:
     watch = watching()
     for at in range(3):
-        watch.take([box("person")], at * STEP)
-    assert watch.take([box("person"), box("person")], 3 * STEP) == [
+        watch.add_picture([box("person")], at * STEP)
+    assert watch.add_picture([box("person"), box("person")], 3 * STEP) == [
         ObjectSighting("person", 2, 0.8, 0, None)
     ]
-    assert watch.take([box("person", 0.9)], 4 * STEP) == [ObjectSighting("person", 2, 0.9, 0, None)]
-    assert watch.take([box("person", 0.9)], 5 * STEP) == []
+    assert watch.add_picture([box("person", 0.9)], 4 * STEP) == [
+        ObjectSighting("person", 2, 0.9, 0, None)
+    ]
+    assert watch.add_picture([box("person", 0.9)], 5 * STEP) == []
 
 
 def test_where_pictures_are_rare_a_sighting_takes_as_many_of_them() -> None:
     watch = Sightings(["person"], 0.5, rate=1.0)
-    news = [watch.take([box("person")], at * 1_000_000) for at in range(4)]
+    news = [watch.add_picture([box("person")], at * 1_000_000) for at in range(4)]
     assert news[2:] == [[ObjectSighting("person", 1, 0.8, 0, None)], []]
-    gone = [watch.take([], at * 1_000_000) for at in range(4, 12)]
+    gone = [watch.add_picture([], at * 1_000_000) for at in range(4, 12)]
     assert gone[:6] == [[]] * 6
     assert gone[6] == [ObjectSighting("person", 1, 0.8, 0, 3_000_000)]
 
@@ -53,20 +55,20 @@ def test_where_pictures_are_rare_a_sighting_takes_as_many_of_them() -> None:
 def test_error_of_the_detector_on_single_pictures_is_no_sighting() -> None:
     watch = watching()
     for at in range(0, 60_000_000, 1_000_000):
-        assert watch.take([box("dog")] if at % 6_000_000 == 0 else [], at) == []
+        assert watch.add_picture([box("dog")] if at % 6_000_000 == 0 else [], at) == []
 
 
 def test_classes_nobody_asked_for_and_unsure_ones_are_no_sighting() -> None:
     watch = watching()
     for at in range(5):
-        assert watch.take([box("chair"), box("dog", 0.4)], at * STEP) == []
+        assert watch.add_picture([box("chair"), box("dog", 0.4)], at * STEP) == []
     assert watch.end() == []
 
 
 def test_what_is_still_in_sight_ends_when_nobody_looks_any_more() -> None:
     watch = watching()
     for at in range(3):
-        watch.take([box("dog")], at * STEP)
+        watch.add_picture([box("dog")], at * STEP)
     assert watch.end() == [ObjectSighting("dog", 1, 0.8, 0, 2 * STEP)]
     assert watch.end() == []
 
@@ -87,7 +89,7 @@ def test_sightings_of_a_class_follow_each_other_and_each_ends_once(told) -> None
     news: list[ObjectSighting] = []
     for later, labels in told:
         at += later
-        news += watch.take([box(each) for each in labels], at)
+        news += watch.add_picture([box(each) for each in labels], at)
     news += watch.end()
     for label in ("person", "dog"):
         own = [each for each in news if each.label == label]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
 from talaia.cli.places import zone_here
-from talaia.cli.probe import add_options, look
+from talaia.cli.probe import add_options, probe_robot
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.generate_description import propose
 from talaia.model.discovery.probe_report import Found, found_from
@@ -52,7 +52,7 @@ def main(argv: Sequence[str]) -> int:
     shown = str(options.output) == "-"
     if not shown and options.output.exists() and not options.force:
         raise CliError(f"{options.output} is there already; choose another with -o, or --force")
-    found = _read(options.found) if options.found else look(options)
+    found = _read(options.found) if options.found else probe_robot(options)
     host = socket.gethostname().split(".", 1)[0]
     made = propose(
         found,
@@ -70,7 +70,7 @@ def main(argv: Sequence[str]) -> int:
         print(text, end="")
     else:
         options.output.write_text(text)
-    _tell(options.output, made, shown=shown)
+    _print_summary(options.output, made, shown=shown)
     return 1 if check(made.site) else 0
 
 
@@ -107,7 +107,7 @@ def _head(found: Found, made: Proposal) -> list[str]:
     return lines
 
 
-def _tell(output: Path, made: Proposal, *, shown: bool) -> None:
+def _print_summary(output: Path, made: Proposal, *, shown: bool) -> None:
     devices = made.site.devices.values()
     counts = (
         f"{len(made.site.devices)} devices, {sum(len(each.signals) for each in devices)} signals, "

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.model.discovery.probe_report import Found, PropertyFound, TopicFound
 
-__all__ = ["add_options", "look", "main"]
+__all__ = ["add_options", "main", "probe_robot"]
 
 MAX_SECONDS = 600.0
 SECONDS, INDI_SECONDS = 5.0, 20.0
@@ -47,13 +47,13 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--fields", action="store_true", help="list every field and property, too")
     parser.add_argument("--json", action="store_true", help="print JSON, as talaia init reads it")
     options = parser.parse_args(argv)
-    found = look(options)
+    found = probe_robot(options)
     if options.json:
         print(msgspec.json.format(msgspec.json.encode(found), indent=1).decode())
     elif found.protocol == "indi":
         print(_devices_told(found, fields=options.fields))
     else:
-        print(_told(found, fields=options.fields))
+        print(_as_text(found, fields=options.fields))
     return 0 if found.topics or found.services or found.devices else 1
 
 
@@ -90,7 +90,7 @@ def _seconds(text: str) -> float:
     return value
 
 
-def look(options: argparse.Namespace) -> Found:
+def probe_robot(options: argparse.Namespace) -> Found:
     """Look at what the options of `add_options` name.
 
     Raises:
@@ -170,7 +170,7 @@ def _listening(seconds: float) -> None:
     print(f"listening for {seconds:g} s …", file=sys.stderr, flush=True)
 
 
-def _told(found: Found, *, fields: bool) -> str:
+def _as_text(found: Found, *, fields: bool) -> str:
     lines = [f"{found.where}, after {found.seconds:g} s"]
     lines += ["", "topics that are published"]
     for each in found.topics:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.configurator.errors import ConfiguratorError, WordTaken
-from talaia.configurator.places import Path, at, put, take_out
+from talaia.configurator.places import Path, at, take_out, with_value
 from talaia.model.ai_services import AiServices
 from talaia.model.connection import ROS_KINDS, kind_of
 from talaia.model.discovery.ros_units import word_of
@@ -159,7 +159,7 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
         maximum=new.kind.maximum if usual else None,
         source=Source(topic=METRIC, type=TEXT, name=new.word),
     )
-    return put(site, ("devices", place, "signals", new.word), signal)
+    return with_value(site, ("devices", place, "signals", new.word), signal)
 
 
 def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Site, str]:
@@ -183,7 +183,7 @@ def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Sit
         word = free_word(wanted, site.devices)
     if word not in site.devices:
         link = "" if len(links) == 1 else by_ros[0]
-        site = put(site, ("devices", word), Device(name=name, kind=kind, connection=link))
+        site = with_value(site, ("devices", word), Device(name=name, kind=kind, connection=link))
     return site, word
 
 
@@ -228,7 +228,7 @@ def with_drive(site: Site, topic: str = CONTROL, message: DriveMessage = DriveMe
         picture=next((f"{each[1]}/{each[3]}" for each in cameras(site)), ""),
         position=next((f"{each[1]}/{each[3]}" for each in gps(site)), ""),
     )
-    return put(site, ("devices", place, "drive"), drive)
+    return with_value(site, ("devices", place, "drive"), drive)
 
 
 def with_camera(site: Site, topic: str = IMAGES) -> Site:
@@ -237,7 +237,7 @@ def with_camera(site: Site, topic: str = IMAGES) -> Site:
     word = free_word("front", site.devices[place].streams)
     name = "Front camera" if word == "front" else f"Camera {word.rpartition('_')[2]}"
     source = Source(topic=topic, type="sensor_msgs/msg/Image")
-    site = put(site, ("devices", place, "streams", word), Stream(name=name, source=source))
+    site = with_value(site, ("devices", place, "streams", word), Stream(name=name, source=source))
     return _seen_while_driving(site, "picture", f"{place}/{word}")
 
 
@@ -253,14 +253,14 @@ def with_gps(site: Site, topic: str = FIX) -> Site:
         primary=False,
         source=Source(topic=topic, type="sensor_msgs/msg/NavSatFix"),
     )
-    site = put(site, ("devices", place, "signals", word), signal)
+    site = with_value(site, ("devices", place, "signals", word), signal)
     return _seen_while_driving(site, "position", f"{place}/{word}")
 
 
 def _seen_while_driving(site: Site, key: str, address: str) -> Site:
     for word in driven(site):
         if at(site, ("devices", word, "drive", key)) == "":
-            site = put(site, ("devices", word, "drive", key), address)
+            site = with_value(site, ("devices", word, "drive", key), address)
     return site
 
 
@@ -306,7 +306,7 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
     """
     if key == "drive":
         drive = Drive(topic="/cmd_vel", max_speed=CAREFUL_SPEED, max_turn=CAREFUL_TURN)
-        return put(site, (*path, key), drive), (*path, key)
+        return with_value(site, (*path, key), drive), (*path, key)
     if not name.strip():
         raise ConfiguratorError("a thing of your own needs a name")
     name = name.strip()
@@ -320,7 +320,7 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
         "commands": Command(name=name, target="", confirm=True),
         "arguments": Argument(type=ArgumentType.NUMBER, field=word, name=name),
     }
-    return put(site, (*path, key, word), made[key]), (*path, key, word)
+    return with_value(site, (*path, key, word), made[key]), (*path, key, word)
 
 
 # ── taking away ──
@@ -333,7 +333,7 @@ def without(site: Site, paths: Iterable[Path]) -> Site:
         site = take_out(site, path)
     gone = {f"{path[1]}/{path[3]}" for path in paths if len(path) == 4 and path[0] == "devices"}
     for word in driven(site):
-        site = put(site, ("devices", word, "drive"), _drive_without(site, word, gone))
+        site = with_value(site, ("devices", word, "drive"), _drive_without(site, word, gone))
     for word in {path[1]: None for path in paths if len(path) > 2 and path[0] == "devices"}:
         device = site.devices.get(word)
         bare = device and not (device.signals or device.streams or device.commands or device.indi)

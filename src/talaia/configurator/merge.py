@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.configurator.edits import free_word
-from talaia.configurator.places import Path, at, put
+from talaia.configurator.places import Path, at, with_value
 from talaia.model.checks.site_checks import check
 from talaia.model.connection import kind_of
 from talaia.model.discovery.generate_description import propose
@@ -66,7 +66,7 @@ def merged(site: Site, found: Found) -> Merged:
                 device, signals={}, streams={}, commands={}, drive=None,
                 connection=link if len(links) > 1 else "",
             )  # fmt: skip
-            site = put(site, path, bare)
+            site = with_value(site, path, bare)
             added.append(path)
         site, new, old = _fill(site, path, device, words, have)
         added += new
@@ -100,7 +100,7 @@ def _fill(
             there = at(site, (*path, group))
             assert isinstance(there, dict)  # noqa: S101 - the three groups are mappings
             place = (*path, group, free_word(name, there))
-            site = put(site, place, thing)
+            site = with_value(site, place, thing)
             added.append(place)
     drive = device.drive
     if drive is not None and at(site, (*path, "drive")) is None and _undriven(site, drive.topic):
@@ -109,7 +109,7 @@ def _fill(
         )
         confirmed = tuple(_moved(each, words) for each in drive.stop.confirmed_by)
         stop = msgspec.structs.replace(drive.stop, confirmed_by=confirmed)
-        site = put(site, (*path, "drive"), msgspec.structs.replace(drive, stop=stop))
+        site = with_value(site, (*path, "drive"), msgspec.structs.replace(drive, stop=stop))
         added.append((*path, "drive"))
     return site, added, known
 
@@ -132,9 +132,9 @@ def _runnable(site: Site, added: list[Path]) -> Site:
                 continue
             key = finding.where.removeprefix(f"{prefix}.")
             if key in ("picture", "position"):
-                site = put(site, (*path, key), "")
+                site = with_value(site, (*path, key), "")
             elif key.startswith("stop.confirmed_by"):
-                site = put(site, (*path, "stop", "confirmed_by"), ())
+                site = with_value(site, (*path, "stop", "confirmed_by"), ())
     return site
 
 

@@ -15,7 +15,7 @@ from talaia.configurator.errors import NoSuchPlace
 if TYPE_CHECKING:
     from talaia.model.site import Site
 
-__all__ = ["Path", "Spot", "at", "put", "spot_of", "take_out"]
+__all__ = ["Path", "Spot", "at", "spot_of", "take_out", "with_value"]
 
 Path = tuple[str, ...]
 
@@ -55,26 +55,26 @@ def _inner(value: object, step: str, path: Path) -> object:
     raise NoSuchPlace(f"the description has nothing at {'.'.join(('$', *path))}")
 
 
-def put(site: Site, path: Path, value: object) -> Site:
+def with_value(site: Site, path: Path, value: object) -> Site:
     """Give the site with ``value`` at ``path``; a new key of a mapping comes last.
 
     Raises:
         NoSuchPlace: what the path goes through is not there.
 
     """
-    made = _put(site, path, value, path)
+    made = _replaced(site, path, value, path)
     assert isinstance(made, type(site))  # noqa: S101 - the same type comes out
     return made
 
 
-def _put(value: object, rest: Path, new: object, path: Path) -> object:
+def _replaced(value: object, rest: Path, new: object, path: Path) -> object:
     if not rest:
         return new
     step, *more = rest
     last = len(rest) == 1
     if isinstance(value, dict) and (last or step in value):
-        return {**value, step: _put(value.get(step), tuple(more), new, path)}
-    inner = _put(_inner(value, step, path), tuple(more), new, path)
+        return {**value, step: _replaced(value.get(step), tuple(more), new, path)}
+    inner = _replaced(_inner(value, step, path), tuple(more), new, path)
     assert isinstance(value, msgspec.Struct)  # noqa: S101 - `_inner` knows dicts and structs
     return msgspec.structs.replace(value, **{step: inner})
 
@@ -89,8 +89,10 @@ def take_out(site: Site, path: Path) -> Site:
     at(site, path)
     parent = at(site, path[:-1])
     if isinstance(parent, dict):
-        return put(site, path[:-1], {key: each for key, each in parent.items() if key != path[-1]})
-    return put(site, path, None)
+        return with_value(
+            site, path[:-1], {key: each for key, each in parent.items() if key != path[-1]}
+        )
+    return with_value(site, path, None)
 
 
 def spot_of(site: Site, where: str) -> Spot:

@@ -138,7 +138,7 @@ class _Session:
         while line := await reader.readline():
             match read_to_adapter(line):
                 case ActWords() as act:
-                    task = self._acts[act.number] = asyncio.ensure_future(self._do(act))
+                    task = self._acts[act.number] = asyncio.ensure_future(self._run_command(act))
                     task.add_done_callback(partial(self._forget, act.number))
                 case CancelWords(number=number):
                     if number in self._acts:
@@ -149,7 +149,7 @@ class _Session:
     def _forget(self, number: int, _task: asyncio.Task[None]) -> None:
         self._acts.pop(number, None)
 
-    async def _do(self, act: ActWords) -> None:
+    async def _run_command(self, act: ActWords) -> None:
         done = DoneWords(act.number, "unknown", "it was ended; look at the device")
         try:
             # Without commands there are no keys that fit.

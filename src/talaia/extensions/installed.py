@@ -134,9 +134,9 @@ class InstalledExtensions:
         """Write down, once, that an extension failed while it was used."""
         of_name = (each for each in self._points(kind) if each.name == name)
         package = next(map(_package, of_name), "")
-        self._note(BrokenExtension(kind.group, name, package, problem))
+        self._add_broken(BrokenExtension(kind.group, name, package, problem))
 
-    def _note(self, broken: BrokenExtension) -> None:
+    def _add_broken(self, broken: BrokenExtension) -> None:
         key = broken.group, broken.name, broken.problem
         if key not in self._broken:
             self._broken[key] = broken
@@ -181,7 +181,7 @@ class InstalledExtensions:
             if not problem:
                 loaded[point.name] = InstalledExtension(kind.group, point.name, package, declared)
                 return
-        self._note(BrokenExtension(kind.group, point.name, package, problem))
+        self._add_broken(BrokenExtension(kind.group, point.name, package, problem))
 
 
 @cache

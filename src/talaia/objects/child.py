@@ -53,9 +53,9 @@ def main() -> None:
     try:
         detector, classes = _loaded(json.loads(_line(source)))
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
-        _say(answers, problem=_told(error))
+        _write_answer(answers, problem=_problem_text(error))
         return
-    _say(answers)
+    _write_answer(answers)
     signal.alarm(0)
     while True:
         head = _exactly(source, HEAD.size)
@@ -70,9 +70,11 @@ def main() -> None:
         try:
             boxes = detector.seen(picture, least)
         except Exception as error:  # noqa: BLE001 - as above
-            _say(answers, problem=_told(error))
+            _write_answer(answers, problem=_problem_text(error))
         else:
-            _say(answers, things=[(classes[box[0]], *map(float, box[1:])) for box in boxes])
+            _write_answer(
+                answers, things=[(classes[box[0]], *map(float, box[1:])) for box in boxes]
+            )
         signal.alarm(0)
 
 
@@ -113,7 +115,7 @@ def _loaded(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
     try:
         session = onnxruntime.InferenceSession(file, options, providers=["CPUExecutionProvider"])
     except Exception as error:
-        raise DetectorError(f"{file} cannot be loaded: {_told(error)}") from error
+        raise DetectorError(f"{file} cannot be loaded: {_problem_text(error)}") from error
     inputs = session.get_inputs()
     if len(inputs) != 1:
         raise DetectorError(f"{file} wants {len(inputs)} inputs; expected one, a picture")
@@ -123,7 +125,7 @@ def _loaded(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
         try:
             found: Sequence[NDArray[np.float32]] = session.run(None, {name: shown})
         except Exception as error:
-            raise DetectorError(f"{file} cannot be run: {_told(error)}") from error
+            raise DetectorError(f"{file} cannot be run: {_problem_text(error)}") from error
         return found
 
     setting = Setting(
@@ -137,12 +139,12 @@ def _loaded(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
     return Detector(setting, classes, run), classes
 
 
-def _told(error: BaseException) -> str:
+def _problem_text(error: BaseException) -> str:
     said = " ".join(str(error).split())[:1000]
     return said if isinstance(error, DetectorError) else f"{type(error).__name__}: {said}"
 
 
-def _say(answers: BinaryIO, **what: object) -> None:
+def _write_answer(answers: BinaryIO, **what: object) -> None:
     answers.write(json.dumps(what).encode() + b"\n")
 
 

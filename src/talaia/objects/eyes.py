@@ -73,23 +73,25 @@ class Eyes:
             for name, source in self._counted.items()
         }
 
-    def take(self, things: Sequence[Thing], rgb: NDArray[np.uint8], at_us: int) -> list[Told]:
+    def add_picture(
+        self, things: Sequence[Thing], rgb: NDArray[np.uint8], at_us: int
+    ) -> list[Told]:
         """Take what is on a picture (rows × columns × 3), in order of time; give what is new."""
-        news = self._sightings.take(things, at_us)
+        news = self._sightings.add_picture(things, at_us)
         for label in self._sightings.fresh:
             best = max((each for each in things if each.label == label), key=lambda one: one.score)
             self._moments[label] = surroundings(rgb, best)
-        return self._told(news)
+        return self._with_pictures(news)
 
     def pass_time(self, at_us: int) -> list[Told]:
         """Give what is over because no picture showed it, or none came, for a while."""
-        return self._told(self._sightings.pass_time(at_us))
+        return self._with_pictures(self._sightings.pass_time(at_us))
 
     def end(self) -> list[Told]:
         """Give all that is in sight as ended, for nobody looks any more."""
-        return self._told(self._sightings.end())
+        return self._with_pictures(self._sightings.end())
 
-    def _told(self, news: Sequence[ObjectSighting]) -> list[Told]:
+    def _with_pictures(self, news: Sequence[ObjectSighting]) -> list[Told]:
         told = []
         for each in news:
             moment = self._moments.pop(each.label, None)

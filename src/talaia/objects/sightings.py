@@ -76,7 +76,7 @@ class Sightings:
         self._at_us: int | None = None
         self.fresh: frozenset[str] = frozenset()
 
-    def take(self, things: Sequence[Thing], at_us: int) -> list[ObjectSighting]:
+    def add_picture(self, things: Sequence[Thing], at_us: int) -> list[ObjectSighting]:
         """Take what is on a picture, in order of time.
 
         Returns:

@@ -66,7 +66,7 @@ def described(settings: Settings, site: str) -> str | None:
 
     """
 
-    async def look() -> str | None:
+    async def read_known_site() -> str | None:
         database = Database(settings.url)
         try:
             await database.migrate()
@@ -75,7 +75,7 @@ def described(settings: Settings, site: str) -> str | None:
             await database.close()
         return next((each.description for each in known if each.site == site), None)
 
-    return asyncio.run(look())
+    return asyncio.run(read_known_site())
 
 
 def _fetch(paths: Sequence[Path]) -> list[ImportResult] | None:

@@ -73,13 +73,13 @@ def main(argv: Sequence[str]) -> int:
                     writer = stack.enter_context(_writer(folder, head))
                     writers.append(writer)
                 reads.append(_Read(path, _read(path, source, site, writer), source.findings))
-            _tell(site, reads[-1], source.kind)
+            _print_summary(site, reads[-1], source.kind)
         if options.dry_run:
             print("nothing was written (--dry-run)")
             return 0
         # Only now that all of them are read; until here nothing has happened.
         ready = [writer.publish() for writer in writers]
-    for read, how in zip(reads, deliver(settings, ready, _say), strict=True):
+    for read, how in zip(reads, deliver(settings, ready, _print_progress), strict=True):
         print(f"{read.path}: {_result(how)}")
     return 0
 
@@ -225,7 +225,7 @@ def _read(path: Path, source: ImportSource, site: Site, writer: ParcelWriter | N
         staging.add(piece.columns)
         if time.monotonic() - told > _TELL_S:
             told = time.monotonic()
-            _say(f"{path}: {piece.done:.0%} read, {staging.samples:,} samples")
+            _print_progress(f"{path}: {piece.done:.0%} read, {staging.samples:,} samples")
     staging.finish()
     tallies = staging.tallies()
     signals = {each.address for each in tallies}
@@ -235,7 +235,7 @@ def _read(path: Path, source: ImportSource, site: Site, writer: ParcelWriter | N
     return tallies
 
 
-def _tell(site: Site, read: _Read, kind: str) -> None:
+def _print_summary(site: Site, read: _Read, kind: str) -> None:
     print(f"{read.path} ({kind})")
     width = max((len(each.address) for each in read.tallies), default=0)
     for each in read.tallies:
@@ -283,5 +283,5 @@ def _result(how: ImportResult) -> str:
     return f"{how.stored:,} samples are in the history now{there}"
 
 
-def _say(text: str) -> None:
+def _print_progress(text: str) -> None:
     print(text, file=sys.stderr, flush=True)

@@ -107,7 +107,7 @@ class Table:
                 break
             if not any(cell.strip() for cell in row):
                 continue
-            self._take(row, line, gathered)
+            self._read_row(row, line, gathered)
             waiting += 1
             if waiting == _AT_ONCE:
                 waiting = 0
@@ -127,7 +127,7 @@ class Table:
         """See `Source.close`."""
         self._raw.close()
 
-    def _take(self, row: list[str], line: int, gathered: SampleBuffer) -> None:
+    def _read_row(self, row: list[str], line: int, gathered: SampleBuffer) -> None:
         if len(row) != len(self._headings):
             raise self._bad(
                 line, f"expected {len(self._headings)} cells as in the heading, found {len(row)}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.configurator.edits import ai_services, with_services
-from talaia.configurator.places import put
+from talaia.configurator.places import with_value
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.widgets import Card, Page, Switch, label
 from talaia.configurator.rows import Row, rows_at
@@ -86,7 +86,9 @@ class AiPage(Page):
         )
 
     def _edited(self, row: Row, value: object) -> None:
-        self._editor.apply(f"change {row.label.lower()}", lambda site: put(site, row.path, value))
+        self._editor.apply(
+            f"change {row.label.lower()}", lambda site: with_value(site, row.path, value)
+        )
 
 
 _LABELS = {"name": "Name", "site": "Short name, for addresses", "zone": "Time zone"}

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 
 from talaia.configurator.edits import Group, groups_at, with_thing, without
 from talaia.configurator.errors import ConfiguratorError, NoSuchPlace
-from talaia.configurator.places import at, put
+from talaia.configurator.places import at, with_value
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import Card, Inner, Page, button, label, row
@@ -263,5 +263,5 @@ class DevicesPage(Page):
         path = self.selected()
         self._editor.apply(
             f"change {field.label.lower()} of {path[-1] if path else 'the site'}",
-            lambda site: put(site, (*path, *field.path), kept(field, value)),
+            lambda site: with_value(site, (*path, *field.path), kept(field, value)),
         )

@@ -126,10 +126,10 @@ class FindDialog(QDialog):
             )
         except BadHost as error:
             mark_wrong(self.host, wrong=True)
-            self._tell("", str(error))
+            self._show_message("", str(error))
             self.host.setFocus()
             return
-        self._tell("Looking …", "")
+        self._show_message("Looking …", "")
         self.left_out.hide()
         self.look.start(host, self.seconds.value())
         self._since.start()
@@ -175,13 +175,13 @@ class FindDialog(QDialog):
         self._tick.stop()
         self._show_phase()
         if self.look.phase is LookPhase.CANCELLED:
-            self._tell("Cancelled; nothing was changed.", "")
+            self._show_message("Cancelled; nothing was changed.", "")
         elif self.look.phase is LookPhase.FAILED:
-            self._tell("", self.look.problem)
+            self._show_message("", self.look.problem)
         elif self.look.found is not None:
             result = merged(self._editor.site, self.look.found)
             self._editor.apply("find on robot", lambda _: result.site)
-            self._tell(_summary(result), "")
+            self._show_message(_summary(result), "")
             self.left_out.setPlainText("Left out:\n" + "\n".join(result.left_out))
             self.left_out.setVisible(bool(result.left_out))
             self.close_button.setFocus()
@@ -197,7 +197,7 @@ class FindDialog(QDialog):
         self.close_button.setAccessibleName(self.close_button.text())
         self.bar.setVisible(busy)
 
-    def _tell(self, told: str, problem: str) -> None:
+    def _show_message(self, told: str, problem: str) -> None:
         self.told.setText(told)
         self.told.setVisible(bool(told))
         self.problem.setText(problem)

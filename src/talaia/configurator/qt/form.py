@@ -95,7 +95,7 @@ class _Field:
         try:
             value = read(self.row, text)
         except BadValue as error:
-            self.tell(str(error))
+            self.show_problem(str(error))
             return
         self.text = text
         self._form.edited.emit(self.row, value)
@@ -113,9 +113,9 @@ class _Field:
                 widget.setPlainText(text)
         elif isinstance(widget, QLineEdit) and widget.text() != text:
             widget.setText(text)
-        self.tell(problem)
+        self.show_problem(problem)
 
-    def tell(self, problem: str) -> None:
+    def show_problem(self, problem: str) -> None:
         self.wrong.setText(problem)
         self.wrong.setVisible(bool(problem))
         mark_wrong(self.widget, wrong=bool(problem))

@@ -83,7 +83,7 @@ class GeneratePage(Page):
 
     def _process(self, run: Run) -> Process:
         process = Process(self, together=True)
-        process.said.connect(lambda line: self._said(run, line))
+        process.said.connect(lambda line: self._show_line(run, line))
         process.ended.connect(lambda code, _out, _errors: self._over(run, code))
         process.not_started.connect(lambda: self._not_started(run))
         return process
@@ -196,7 +196,7 @@ class GeneratePage(Page):
         process.start(words)
         self.show_state()
 
-    def _said(self, run: Run, line: str) -> None:
+    def _show_line(self, run: Run, line: str) -> None:
         before = run.phase
         run.line(line)
         if line.strip():

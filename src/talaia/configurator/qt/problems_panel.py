@@ -37,8 +37,8 @@ class ProblemsPanel(QWidget):
         self.list.setAccessibleName("Problems")
         self.list.setAccessibleDescription("Press Enter to go to the field")
         self.list.setVerticalScrollMode(QListWidget.ScrollMode.ScrollPerPixel)
-        self.list.itemClicked.connect(self._go)
-        self.list.itemActivated.connect(self._go)
+        self.list.itemClicked.connect(self._open_problem)
+        self.list.itemActivated.connect(self._open_problem)
         body.addWidget(self.list)
         editor.changed.connect(self.show_problems)
         self.show_problems()
@@ -77,7 +77,7 @@ class ProblemsPanel(QWidget):
         problem = self._editor.document.problems[number]
         self._editor.show_thing(problem.spot.node, problem.spot.field)
 
-    def _go(self, item: QListWidgetItem) -> None:
+    def _open_problem(self, item: QListWidgetItem) -> None:
         self.go_to(self.list.row(item))
 
     def _paint(self, part: str) -> None:

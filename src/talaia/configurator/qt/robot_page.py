@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QWidget
 
 from talaia.configurator import edits
 from talaia.configurator.errors import BadValue
-from talaia.configurator.places import at, put
+from talaia.configurator.places import at, with_value
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import (
     Card,
@@ -149,7 +149,7 @@ class _Service(Card):
                 return
         self._editor.apply(
             f"change {entry.text.lower()} of {self._name.lower()}",
-            lambda site: put(site, (*paths[0], *entry.field), value),
+            lambda site: with_value(site, (*paths[0], *entry.field), value),
         )
         self.show_site()
 

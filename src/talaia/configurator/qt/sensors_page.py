@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from talaia.configurator.edits import NewSensor, free_number, with_sensor, without
-from talaia.configurator.places import at, put
+from talaia.configurator.places import at, with_value
 from talaia.configurator.presets import OTHERS, SENSORS, SensorKind
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
@@ -247,7 +247,7 @@ class SensorsPage(Page):
     def _first_page(self, path: Path, on: object) -> None:
         self._editor.apply(
             f"{'show' if on else 'hide'} {path[3]} on the first page",
-            lambda site: put(site, (*path, "primary"), bool(on)),
+            lambda site: with_value(site, (*path, "primary"), bool(on)),
         )
 
     # ── details ──
@@ -274,7 +274,7 @@ class SensorsPage(Page):
         if len(paths) == 1:
             self._editor.apply(
                 f"change {field.label.lower()} of {paths[0][3]}",
-                lambda site: put(site, (*paths[0], *field.path), value),
+                lambda site: with_value(site, (*paths[0], *field.path), value),
             )
 
     def click_remove(self, path: Path) -> QPoint:

@@ -87,7 +87,7 @@ class Window(QMainWindow):
         self._build()
         self._actions()
         self.editor.changed.connect(self._show_state)
-        self.editor.refused.connect(self._tell)
+        self.editor.refused.connect(self._show_message)
         self.editor.wanted.connect(self.go_to)
         QApplication.styleHints().colorSchemeChanged.connect(lambda _: self.paint())
         self.paint()
@@ -140,7 +140,7 @@ class Window(QMainWindow):
         inner = QHBoxLayout(frame)
         inner.setContentsMargins(SPACE[2], SPACE[0], SPACE[0], SPACE[0])
         inner.addWidget(self.notice_text, 1)
-        inner.addWidget(button("Dismiss", lambda: self._tell("")))
+        inner.addWidget(button("Dismiss", lambda: self._show_message("")))
         frame.hide()
         return frame
 
@@ -215,7 +215,7 @@ class Window(QMainWindow):
                 return
         self.steps.setCurrentRow(3)
         if not self.devices.select(node, field):
-            self._tell(f"{'.'.join((*node, *field))} is written in the file, not here.")
+            self._show_message(f"{'.'.join((*node, *field))} is written in the file, not here.")
 
     # ── the file ──
 
@@ -236,9 +236,9 @@ class Window(QMainWindow):
         try:
             document = opened(file)
         except DescriptionError as error:
-            self._tell(f"{file.name} cannot be opened: {error}")
+            self._show_message(f"{file.name} cannot be opened: {error}")
             return False
-        self._tell("")
+        self._show_message("")
         self.editor.replace(document, file if document.opened else None)
         return True
 
@@ -266,9 +266,9 @@ class Window(QMainWindow):
             sure = self._ask(f"{error}. Write over it?", QMessageBox.StandardButton.Save)
             return sure is QMessageBox.StandardButton.Save and self._write(file, over=True)
         except (NotWritten, DescriptionError) as error:
-            self._tell(str(error))
+            self._show_message(str(error))
             return False
-        self._tell("")
+        self._show_message("")
         self.editor.file = file
         self.editor.changed.emit()
         return True
@@ -328,7 +328,7 @@ class Window(QMainWindow):
             if application.styleSheet() != sheet:
                 application.setStyleSheet(sheet)
 
-    def _tell(self, text: str) -> None:
+    def _show_message(self, text: str) -> None:
         self.notice_text.setText(text)
         self.notice.setVisible(bool(text))
         self.notice.setAccessibleName(text)

@@ -189,9 +189,9 @@ class ExtensionAdapterProcess:
                     why = f"the extension {self._name!r} failed: {why}"
                     installed().note_failure(AdapterExtension, self._name, words.why)
             else:
-                self._take(words)
+                self._dispatch_message(words)
 
-    def _take(self, words: FromAdapter) -> None:
+    def _dispatch_message(self, words: FromAdapter) -> None:
         match words:
             case UpWords():
                 self._status.up()

@@ -165,7 +165,7 @@ class Deafness:
         self._looks = 0
         self._limit = self.FIRST
 
-    def look(self, *, deaf: bool | None) -> bool:
+    def should_rejoin(self, *, deaf: bool | None) -> bool:
         """Take in what `DevicePresence.deaf` says; tell whether to join anew now."""
         if deaf is None:
             return False

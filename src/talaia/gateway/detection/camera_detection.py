@@ -338,7 +338,9 @@ class _Camera:
         )
         self._seeing.publish_counts(columns, readings)
         self._seeing.boxes(look, things)
-        self._seeing.report_sightings(self._name, self._eyes.take(things, look.rgb, look.time_us))
+        self._seeing.report_sightings(
+            self._name, self._eyes.add_picture(things, look.rgb, look.time_us)
+        )
 
     def _pass_time(self) -> None:
         self._seeing.report_sightings(self._name, self._eyes.pass_time(self._seeing.now_us()))

@@ -162,7 +162,7 @@ class _Reader:
         start = self._word
         tree = self._any()
         if self._word.sort != "end":
-            raise ExpressionError(self._word.at, f"{self._said(self._word)} is not expected here")
+            raise ExpressionError(self._word.at, f"{self._quoted(self._word)} is not expected here")
         _want(tree, ValueKind.TRUTH, start)
         return tree
 
@@ -170,7 +170,7 @@ class _Reader:
     def _word(self) -> _Token:
         return self._words[self._next]
 
-    def _take(self, *texts: str) -> _Token | None:
+    def _take_token(self, *texts: str) -> _Token | None:
         word = self._word
         if word.sort in {"word", "sign"} and word.text in texts:
             self._next += 1
@@ -178,13 +178,13 @@ class _Reader:
         return None
 
     def _expect(self, text: str) -> None:
-        if self._take(text) is None:
+        if self._take_token(text) is None:
             raise ExpressionError(
-                self._word.at, f"expected {text!r}, found {self._said(self._word)}"
+                self._word.at, f"expected {text!r}, found {self._quoted(self._word)}"
             )
 
     @staticmethod
-    def _said(word: _Token) -> str:
+    def _quoted(word: _Token) -> str:
         return "the end" if word.sort == "end" else repr(word.text)
 
     def _any(self) -> _Node:
@@ -192,14 +192,14 @@ class _Reader:
         if self._depth > _MAX_DEPTH:
             raise ExpressionError(self._word.at, f"nested deeper than {_MAX_DEPTH} levels")
         start, parts = self._word, [self._all()]
-        while self._take("or"):
+        while self._take_token("or"):
             parts.append(self._all())
         self._depth -= 1
         return self._joined(parts, _or, start)
 
     def _all(self) -> _Node:
         start, parts = self._word, [self._not()]
-        while self._take("and"):
+        while self._take_token("and"):
             parts.append(self._not())
         return self._joined(parts, _and, start)
 
@@ -215,7 +215,7 @@ class _Reader:
 
     def _not(self) -> _Node:
         turns = 0
-        while self._take("not"):
+        while self._take_token("not"):
             turns += 1
         start, part = self._word, self._compared()
         if not turns:
@@ -227,7 +227,7 @@ class _Reader:
 
     def _compared(self) -> _Node:
         left = self._sum()
-        sign = self._take(*_COMPARE)
+        sign = self._take_token(*_COMPARE)
         if sign is None:
             return left
         right = self._sum()
@@ -236,7 +236,7 @@ class _Reader:
         if left.kind is ValueKind.TEXT and sign.text not in {"==", "!="}:
             raise ExpressionError(sign.at, "texts can only be == or !=")
         again = self._word
-        if self._take(*_COMPARE):
+        if self._take_token(*_COMPARE):
             raise ExpressionError(again.at, "write two comparisons with `and` between them")
         compare = _COMPARE[sign.text]
         return _Node(ValueKind.TRUTH, lambda _, v: _known(compare, v), (left, right))
@@ -249,7 +249,7 @@ class _Reader:
 
     def _chain(self, inner: Callable[[], _Node], *signs: str) -> _Node:
         start, left = self._word, inner()
-        while (sign := self._take(*signs)) is not None:
+        while (sign := self._take_token(*signs)) is not None:
             at, right = self._word, inner()
             _want(left, ValueKind.NUMBER, start)
             _want(right, ValueKind.NUMBER, at)
@@ -262,7 +262,7 @@ class _Reader:
 
     def _signed(self) -> _Node:
         minus = False
-        while self._take("-"):
+        while self._take_token("-"):
             minus = not minus
         start, part = self._word, self._atom()
         if not minus:
@@ -289,7 +289,7 @@ class _Reader:
             return inner
         what = {"word": "a signal stands in braces: {device/signal}", "end": "it ends too soon"}
         raise ExpressionError(
-            word.at, what.get(word.sort, f"{self._said(word)} is not expected here")
+            word.at, what.get(word.sort, f"{self._quoted(word)} is not expected here")
         )
 
     def _signal(self, word: _Token) -> _Node:
@@ -307,7 +307,7 @@ class _Reader:
             start, part = self._word, self._any()
             _want(part, ValueKind.NUMBER, start)
             parts.append(part)
-            if self._take(",") is None:
+            if self._take_token(",") is None:
                 break
         self._expect(")")
         low, high = (1, 1) if word.text == "abs" else (2, _MAX_ARGUMENTS)

@@ -149,7 +149,7 @@ def site_of_plain(document: dict[str, object]) -> Site:
     try:
         return msgspec.convert(document, Site)
     except (msgspec.ValidationError, RecursionError) as error:
-        raise _told(str(error), document) from error
+        raise _readable_error(str(error), document) from error
 
 
 def dump_site(site: Site) -> str:
@@ -164,7 +164,7 @@ _UNKNOWN_ENUM = re.compile(r"Invalid enum value '(.*)'")
 _UNKNOWN_TAG = re.compile(r"Invalid value '(.*)'\Z")
 
 
-def _told(message: str, document: object) -> DescriptionError:
+def _readable_error(message: str, document: object) -> DescriptionError:
     """Turn msgspec's sentence into ours, with the names of the mapping's keys in the path."""
     match = _AT.match(message)
     problem, path = (match["problem"], match["path"] or "$") if match else (message, "$")

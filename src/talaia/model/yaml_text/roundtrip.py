@@ -41,12 +41,12 @@ def _keep(_: _Constructor, node: yaml.ScalarNode) -> WrittenFloat:
     return WrittenFloat(node.value)
 
 
-def _give(representer: _Representer, value: WrittenFloat) -> object:
+def _represent_float(representer: _Representer, value: WrittenFloat) -> object:
     return representer.represent_scalar(_FLOAT, str(value))
 
 
 _Constructor.add_constructor(_FLOAT, _keep)
-_Representer.add_representer(WrittenFloat, _give)
+_Representer.add_representer(WrittenFloat, _represent_float)
 
 
 def _yaml() -> YAML:

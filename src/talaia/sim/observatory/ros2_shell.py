@@ -220,14 +220,14 @@ class _Shell:
             self._offer(SetParametersAtomically, name, _named(ask.act))
         self._live()
         self._ears: list[tuple[Any, Any, Callable[[Any], None]]] = []
-        for topic, (kind, take) in server.hears.items():
-            self._hear(topic, kind, take)
+        for topic, (kind, receive_request) in server.hears.items():
+            self._hear(topic, kind, receive_request)
         self._hear("/observatory/fault", str, self._fault, depth=10)
 
     def _offer(self, kind: Any, name: str, act: Callable[[dict[str, Value]], Ticket]) -> None:  # noqa: ANN401
         service = self.node.create_service(kind, f"/{self._server.name}/{name}", _never)
 
-        def take(request: Any, header: Any) -> None:  # noqa: ANN401
+        def receive_request(request: Any, header: Any) -> None:  # noqa: ANN401
             def answer(ticket: Ticket) -> None:
                 response = kind.Response()
                 if kind is SetParametersAtomically:
@@ -237,9 +237,9 @@ class _Shell:
                     response.success, response.message = ticket.good, ticket.message
                 service.send_response(response, header)
 
-            self._take(name, kind, request, act, answer)
+            self._start_service_call(name, kind, request, act, answer)
 
-        self._services.append((service, take))
+        self._services.append((service, receive_request))
 
     def _live(self) -> None:
         """Answer what every node is asked to see whether it lives; there are no parameters."""
@@ -247,13 +247,13 @@ class _Shell:
             GetParameters, f"/{self._server.name}_server/get_parameters", _never
         )
 
-        def take(request: Any, header: Any) -> None:  # noqa: ANN401
+        def receive_request(request: Any, header: Any) -> None:  # noqa: ANN401
             unset = [ParameterValue() for _ in request.names]
             service.send_response(GetParameters.Response(values=unset), header)
 
-        self._services.append((service, take))
+        self._services.append((service, receive_request))
 
-    def _take(
+    def _start_service_call(
         self,
         name: str,
         kind: Any,  # noqa: ANN401
@@ -281,9 +281,11 @@ class _Shell:
         else:
             self._waiting.append(_Waiting(ticket, asked, answer))
 
-    def _hear(self, topic: str, kind: type, take: Callable[[Any], None], depth: int = 1) -> None:
+    def _hear(
+        self, topic: str, kind: type, receive_request: Callable[[Any], None], depth: int = 1
+    ) -> None:
         ear = self.node.create_subscription(KINDS[kind], topic, _never, depth)
-        self._ears.append((ear, KINDS[kind], take))
+        self._ears.append((ear, KINDS[kind], receive_request))
 
     def _fault(self, words: str) -> None:
         device, _, word = words.partition(" ")
@@ -305,9 +307,9 @@ class _Shell:
 
     def listen(self) -> None:
         """Take what has come. A server that hangs leaves requests lying, and acts on them later."""
-        for ear, kind, take in self._ears:
+        for ear, kind, receive_request in self._ears:
             while (got := ear.handle.take_message(kind, False)) is not None:  # noqa: FBT003 - C++
-                take(got[0].data)
+                receive_request(got[0].data)
         if self._server.hanging:
             return
         for service, serve in self._services:

@@ -535,11 +535,11 @@ class CctvServer(Server):
         self.hears |= {f"/dome/{topic}": (float, self._see(seen)) for topic, seen in roof.items()}
 
     def _see(self, name: str) -> Callable[[float], None]:
-        def take(value: float) -> None:
+        def receive_value(value: float) -> None:
             if math.isfinite(value):
                 self._seen[name] = value
 
-        return take
+        return receive_value
 
     def _see_lamp(self, on: bool) -> None:  # noqa: FBT001 - a topic's value
         self._lamp = on

@@ -61,14 +61,14 @@ def main() -> int:
     try:
         camera = Camera(World(options.seed, looks=True))
     except NoRenderer as error:
-        _say({"reasons": error.reasons})
+        _write_line({"reasons": error.reasons})
         return 1
     camera.draw(0.0, 0.0, 0.0)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("vehicle_camera", enable_rosout=False, start_parameter_services=False)
     poses = _Poses(sys.stdin.buffer)
     images = Images(node, poses, rate=options.rate)
-    _say({"way": camera.way})
+    _write_line({"way": camera.way})
     # Not before: beside other work it might never come so far, and everything waits for it.
     _give_way()
     try:
@@ -91,7 +91,7 @@ def _give_way() -> None:
         os.nice(10)
 
 
-def _say(line: object) -> None:
+def _write_line(line: object) -> None:
     sys.stdout.write(json.dumps(line) + "\n")
     sys.stdout.flush()
 

@@ -132,7 +132,7 @@ class Stage:
             mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
         return name
 
-    def look(self, finish: str, **geom: Model) -> None:
+    def add_visual(self, finish: str, **geom: Model) -> None:
         """Add something only a camera sees."""
         if self.looks:
             self.spec.worldbody.add_geom(
@@ -217,7 +217,7 @@ class FloorPose:
         size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
         centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
         radius = min(radius, *(side * 0.45 for side in size))
-        self.stage.look(
+        self.stage.add_visual(
             finish,
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=self.stage.mesh(size, radius, self.stage.repeat(finish)),
@@ -230,7 +230,7 @@ class FloorPose:
     ) -> None:
         """Add a capsule, or a cylinder if ``blunt``, from one point to another."""
         kind = mujoco.mjtGeom.mjGEOM_CYLINDER if blunt else mujoco.mjtGeom.mjGEOM_CAPSULE
-        self.stage.look(
+        self.stage.add_visual(
             finish,
             type=kind,
             fromto=(*self.world(start), *self.world(end)),
@@ -241,7 +241,7 @@ class FloorPose:
         """Add an ellipsoid; ``tilt`` raises its front (rad)."""
         turn = np.zeros(4)
         mujoco.mju_mulQuat(turn, np.asarray(_turned(self.yaw)), np.asarray(_pitched(-tilt)))
-        self.stage.look(
+        self.stage.add_visual(
             finish,
             type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
             pos=self.world(centre),

@@ -75,7 +75,7 @@ class Ros2Presence:
         }
         for name in self._presence.judge_devices(self._clock.monotonic_ns(), self._offers, heard):
             self._clients[name].handle.send_request(GetParameters.Request(names=[]))
-        if self._deafness.look(deaf=self._presence.deaf):
+        if self._deafness.should_rejoin(deaf=self._presence.deaf):
             self._rejoin("nobody of all who are there is heard or answers; joining anew")
 
     def _on_change(self, device: str, why: str, sure: bool) -> None:  # noqa: FBT001 - as `DevicePresence`

@@ -203,7 +203,7 @@ class CameraDetection:
         self._around.publish_counts(self._live, picture.time_us, counts)
         self._around.boxes(self._live, self._name, picture, found)
         self._around.publish_sightings(
-            self._live, self._name, self._eyes.take(found, rgb, picture.time_us)
+            self._live, self._name, self._eyes.add_picture(found, rgb, picture.time_us)
         )
 
     def _pass_time(self) -> None:
