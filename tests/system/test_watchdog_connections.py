@@ -14,7 +14,7 @@ import shlex
 import signal
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
 from email import message_from_bytes
 from email.policy import default
 from pathlib import Path
@@ -277,35 +277,64 @@ class Mailbox:
         return "250 OK"
 
 
-async def test_people_are_told_that_the_watchdog_closes_a_roof_that_it_cannot_and_that_it_has(
-    tmp_path: Path,
-) -> None:
+@contextlib.asynccontextmanager
+async def roof_with_mail(folder: Path) -> AsyncIterator[tuple[CommandSite, list[str], Process]]:
+    """A roof of commands, the subjects of the mails that its site sent, and the gateway.
+
+    The gateway itself would not tell people of anything within a test.
+    """
     mailbox = Mailbox()
     loop = asyncio.get_running_loop()
     mail = await loop.create_server(lambda: SMTP(mailbox, hostname="test"), "127.0.0.1", 0)
     port = mail.sockets[0].getsockname()[1]
-    # The gateway itself would not tell people of anything within this test.
-    (tmp_path / "notices.toml").write_text(
+    (folder / "notices.toml").write_text(
         f'after = 86400\n[[mail]]\nserver = "127.0.0.1"\nport = {port}\nsecurity = "none"\n'
         'sender = "roof@example.org"\nto = ["anna@example.org"]\n'
     )
-    site = CommandSite(tmp_path)
-    told = mailbox.subjects
+    site = CommandSite(folder)
     try:
-        gateway = await site.supervised("--notices", str(tmp_path / "notices.toml"))
-        stuck = tmp_path / "roof stuck"
-        stuck.touch()
-        gateway.kill()
-        await until(lambda: len(told) >= 2, what="two notices")
-        gone = "the gateway is dead or stands still"
-        assert f"Hill: {gone.capitalize()}; the watchdog closes the roof (Dome)" in told
-        assert any(x.startswith("Hill: Dome: NOT CLOSED") and x.endswith(f"({gone})") for x in told)
-        stuck.unlink()
-        await until(lambda: site.position() == 0.0, what="closed")
-        await until(lambda: len(told) >= 4, what="two more")
-        has = "Hill: The watchdog has closed the roof (Dome), as its sensors say"
-        assert f"{has}; the gateway is still away" in told
-        assert any(x.startswith("Hill: over: Dome: NOT CLOSED") for x in told)
+        gateway = await site.supervised("--notices", str(folder / "notices.toml"))
+        yield site, mailbox.subjects, gateway
     finally:
         site.close()
         mail.close()
+
+
+async def test_people_are_told_that_the_watchdog_closes_a_roof_that_it_cannot_and_that_it_has(
+    tmp_path: Path,
+) -> None:
+    async with roof_with_mail(tmp_path) as (site, subjects, gateway):
+        stuck = tmp_path / "roof stuck"
+        stuck.touch()
+        gateway.kill()
+        await until(lambda: len(subjects) >= 2, what="two notices")
+        gone = "the gateway is dead or stands still"
+        assert f"Hill: {gone.capitalize()}; the watchdog closes the roof (Dome)" in subjects
+        assert any(
+            x.startswith("Hill: Dome: NOT CLOSED") and x.endswith(f"({gone})") for x in subjects
+        )
+        stuck.unlink()
+        await until(lambda: site.position() == 0.0, what="closed")
+        await until(lambda: len(subjects) >= 4, what="two more")
+        has = "Hill: The watchdog has closed the roof (Dome), as its sensors say"
+        assert f"{has}; the gateway is still away" in subjects
+        assert any(x.startswith("Hill: over: Dome: NOT CLOSED") for x in subjects)
+
+
+async def test_people_are_told_of_a_closing_that_ended_with_an_error_and_it_is_begun_again(
+    tmp_path: Path,
+) -> None:
+    async with roof_with_mail(tmp_path) as (site, subjects, gateway):
+        stuck = tmp_path / "roof stuck"
+        stuck.touch()
+        gateway.kill()
+        await until(lambda: len(subjects) >= 1, what="a notice that it closes")
+        watchdog = psutil.Process(site.watchdog())
+        [closing] = watchdog.children()
+        closing.kill()
+        failed = "closing ended once with an error (ended by signal 9)"
+        await until(lambda: any(failed in x for x in subjects), what=failed)
+        [again] = watchdog.children()
+        assert again.pid != closing.pid
+        stuck.unlink()
+        await until(lambda: site.position() == 0.0, what="closed by the one begun again")
