@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
+import random
 import shutil
 import socket
 import time
@@ -20,6 +22,7 @@ from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.yaml_text.load import dump_site, read_site
 from talaia.sim.observatory.night import at_night
+from talaia.sim.observatory.weather import Weather
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,10 +32,15 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 EXAMPLE = "indi"
-DRIVERS = tuple(
-    f"indi_simulator_{each}"
-    for each in ("telescope", "dome", "ccd", "weather", "focus", "wheel", "rotator")
+DRIVERS = (
+    *(
+        f"indi_simulator_{kind}"
+        for kind in ("telescope", "dome", "ccd", "weather", "focus", "wheel", "rotator")
+    ),
+    # A real driver that reads a file, for the humidity, which the weather simulator has not.
+    "indi_watcher_weather",
 )
+STATION_EVERY_S, STATION_SEED = 2.0, 1
 
 
 def main(argv: Sequence[str]) -> int:
@@ -43,8 +51,35 @@ def main(argv: Sequence[str]) -> int:
         raise CliError(f"{', '.join(missing)} missing; run: apt install indi-bin")
     began = time.monotonic()
     with folder(options.data, "talaia-demo-indi-") as data:
-        asyncio.run(run_together(lambda parts: _start(options, data, parts, began)))
+        asyncio.run(_run(options, data, began))
     return 0
+
+
+async def _run(options: argparse.Namespace, data: Path, began: float) -> None:
+    measuring = asyncio.create_task(_measure(_station(data)))
+    try:
+        await run_together(lambda parts: _start(options, data, parts, began))
+    finally:
+        measuring.cancel()
+
+
+def _station(data: Path) -> Path:
+    return data / "station.txt"
+
+
+async def _measure(station: Path) -> None:
+    """Write what a station at the dome measures, as the driver `Weather Watcher` reads it."""
+    weather, noise = Weather(STATION_SEED, time.time()), random.Random(STATION_SEED)  # noqa: S311
+    next_file = station.with_suffix(".next")
+    while True:
+        weather.step(STATION_EVERY_S, time.time())
+        # A disk that takes nothing leaves the old values, which the rules then take for unknown.
+        with contextlib.suppress(OSError):
+            temperature = weather.temperature + noise.gauss(0.0, 0.05)
+            humidity = min(100.0, weather.humidity + noise.gauss(0.0, 0.1))
+            next_file.write_text(f"temperature={temperature:.2f}\nhumidity={humidity:.2f}\n")
+            next_file.replace(station)
+        await asyncio.sleep(STATION_EVERY_S)
 
 
 def _options(argv: Sequence[str]) -> argparse.Namespace:
@@ -74,6 +109,7 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     logins = await make_logins(settings)
     site = data / "site.yaml"
     here = _at_night(read_site(example(EXAMPLE)), time.time())
+    here = _reading_station(here, _station(data))
     site.write_text(dump_site(_at_port(here, indi)))
     key = data / "gateway.key"
     key.write_text(await accounts.create_gateway(settings, EXAMPLE))
@@ -100,6 +136,12 @@ def _at_night(site: Site, unix_s: float) -> Site:
     where = {"LAT": place.latitude, "LONG": place.longitude % 360.0, "ELEV": place.elevation}
     mount = replace(mount, setup={**mount.setup, "GEOGRAPHIC_COORD": {**where}})
     return replace(site, devices={**site.devices, "telescope": mount})
+
+
+def _reading_station(site: Site, station: Path) -> Site:
+    device = site.devices["station"]
+    device = replace(device, setup={**device.setup, "WATCH_SOURCE": {"URL": str(station)}})
+    return replace(site, devices={**site.devices, "station": device})
 
 
 def _at_port(site: Site, port: int) -> Site:

@@ -411,7 +411,8 @@ class Device(Shape, frozen=True, kw_only=True):
         connection: by which connection it is reached; may be left out where there is only one.
         indi: the name of the device at the INDI server.
         setup: INDI: what is written after each connect of its driver, a property to its elements:
-            ``WEATHER_UPDATE: {PERIOD: 5}``. A driver that is started anew comes with its own
+            ``WEATHER_UPDATE: {PERIOD: 5}``; what it has before it is connected, such as its port,
+            is written before that, too. A driver that is started anew comes with its own
             defaults. Nothing that moves anything.
         link_loss: what is done with it when the hub is out of reach, beside `Drive.link_loss`.
         frames: of a camera that is reached by ROS: the topic of its whole FITS files, of type

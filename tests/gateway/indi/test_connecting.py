@@ -113,6 +113,21 @@ def test_setup_is_written_after_each_connect_as_soon_as_its_property_is_there() 
         driver.start()
 
 
+def test_setup_of_what_a_driver_has_before_it_is_connected_goes_before_the_connect() -> None:
+    driver = Driver(
+        {NAME: {"WATCH_SOURCE": {"URL": "/run/weather"}, "WEATHER_UPDATE": {"PERIOD": 5.0}}}
+    )
+    driver.says("WATCH_SOURCE", VectorKind.TEXT, new=True, URL="")
+    address, connect = driver.look()
+    assert "/run/weather" in address
+    assert connect == "connect"
+    driver.says("WATCH_SOURCE", VectorKind.TEXT, PropertyState.OK, URL="/run/weather")
+    driver.connected()
+    assert driver.look() == []
+    driver.says("WEATHER_UPDATE", VectorKind.NUMBER, new=True, PERIOD=60.0)
+    assert ["PERIOD" in each for each in driver.look()] == [True]
+
+
 def test_setup_that_the_driver_does_not_answer_or_refuses_is_written_again_and_told_once() -> None:
     driver = Driver()
     driver.look()

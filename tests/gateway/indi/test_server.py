@@ -268,13 +268,18 @@ async def test_device_of_a_driver_that_comes_later_is_added_and_kept_for_the_nex
             await one.until_state("filter_simulator/filter", "Blue")
 
 
+@pytest.mark.parametrize("cause", ["gusts", "dew"])
 async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
-    indi: Callable, tmp_path: Path
+    indi: Callable, tmp_path: Path, cause: str
 ) -> None:
     example = Path(__file__).parents[3] / "examples" / "indi" / "site.yaml"
-    drivers = tuple(f"indi_simulator_{each}" for each in ("telescope", "dome", "ccd", "weather"))
-    async with indi(*drivers) as server:
+    drivers = [f"indi_simulator_{name}" for name in ("telescope", "dome", "ccd", "weather")]
+    station = tmp_path / "station.txt"
+    station.write_text("temperature=12.0\nhumidity=60\n")
+    async with indi(*drivers, "indi_watcher_weather") as server:
         text = example.read_text().replace("port: 7624", f"port: {server.port}")
+        text = text.replace("/run/talaia-station.txt", str(station))
+        text = text.replace("frozen_after: 120", "frozen_after: 3600")
         text = text.replace("dwell: 60", "dwell: 1").replace("dwell: 15", "dwell: 1")
         # Nobody is there: the example's own rules are all that acts.
         nowhere = HubAddress.checked("ws://127.0.0.1:9", allow_plain=True)
@@ -286,6 +291,7 @@ async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
         watcher = Watcher(server.port)
         try:
             await watcher.until("Weather Simulator", "CONNECTION", CONNECT="On")
+            await watcher.until("Weather Watcher", "CONNECTION", CONNECT="On")
             await watcher.until("Dome Simulator", "DOME_SHUTTER", SHUTTER_CLOSE="On")
             await watcher.set("Weather Simulator.WEATHER_UPDATE.PERIOD=2")
             # INDI hinders nobody to open; what is opened before the weather is known is closed.
@@ -295,9 +301,14 @@ async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
             await watcher.set("Telescope Simulator.TELESCOPE_PARK.UNPARK=On")
             await watcher.until("Telescope Simulator", "TELESCOPE_PARK", UNPARK="On")
             ledger = await Ledger.of(server.port)
-            gusts = "Weather;Temperature;Wind;Gust;Precip=0;15;80;50;0"
-            await watcher.set(f"Weather Simulator.WEATHER_CONTROL.{gusts}")
-            await watcher.set("Weather Simulator.WEATHER_REFRESH.REFRESH=On")
+            if cause == "dew":
+                # 12 °C at 97 % are 11.5 °C of dew point.
+                station.write_text("temperature=12.0\nhumidity=97\n")
+                await watcher.set("Weather Watcher.WEATHER_REFRESH.REFRESH=On")
+            else:
+                gusts = "Weather;Temperature;Wind;Gust;Precip=0;15;80;50;0"
+                await watcher.set(f"Weather Simulator.WEATHER_CONTROL.{gusts}")
+                await watcher.set("Weather Simulator.WEATHER_REFRESH.REFRESH=On")
             loop = asyncio.get_running_loop()
             began = loop.time()
             await watcher.until("Dome Simulator", "DOME_SHUTTER", SHUTTER_CLOSE="On")

@@ -162,8 +162,19 @@ class DriverConnections:
         known.due_ns = now_ns + CONNECT_AGAIN_NS[min(known.tries, len(CONNECT_AGAIN_NS) - 1)]
         known.tries += 1
         known.in_vain += 1
+        yield from self._setup_before(device)
         asked = {"CONNECT": True, "DISCONNECT": False}
         yield new_vector(VectorKind.SWITCH, device.name, "CONNECTION", asked)
+
+    def _setup_before(self, device: IndiDevice) -> Iterator[bytes]:
+        """Write what the driver has already: without its port or address it cannot connect.
+
+        What does not fit, or is refused, is said once it is connected, when all is written anew.
+        """
+        for name, values in self._setups.get(device.name, {}).items():
+            held = device.vectors.get(name)
+            if held is not None and not _holds(held, values) and not _misfit(held, values):
+                yield _asked_for(held, device.name, name, values)
 
     def _on_connected(
         self, device: IndiDevice, known: _Driver, now_ns: int
@@ -186,11 +197,22 @@ class DriverConnections:
 def _is_written(held: StoredVector | None, values: Mapping[str, Value], write: _Write) -> bool:
     if held is None:
         return False
-    if all(_same(held.value(element), value) for element, value in values.items()):
+    if _holds(held, values):
         return True
     # A driver may round, or write an angle in its own way: that it took it is enough.
     later = write.sets is not None and held.sets > write.sets
     return later and held.state in (PropertyState.OK, PropertyState.IDLE)
+
+
+def _holds(held: StoredVector, values: Mapping[str, Value]) -> bool:
+    return all(_same(held.value(element), value) for element, value in values.items())
+
+
+def _asked_for(held: StoredVector, device: str, name: str, values: Mapping[str, Value]) -> bytes:
+    # The other members of a vector go along as they are: many drivers want all of them.
+    rest = {} if held.kind is VectorKind.SWITCH else {k: e.value for k, e in held.elements.items()}
+    known = {k: v for k, v in rest.items() if not isinstance(v, float) or math.isfinite(v)}
+    return new_vector(held.kind, device, name, {**known, **values})
 
 
 def _written(
@@ -217,10 +239,7 @@ def _written(
     if _misfit(held, values):
         return
     write.sets = held.sets
-    # The other members of a vector go along as they are: many drivers want all of them.
-    rest = {} if held.kind is VectorKind.SWITCH else {k: e.value for k, e in held.elements.items()}
-    known = {k: v for k, v in rest.items() if not isinstance(v, float) or math.isfinite(v)}
-    yield new_vector(held.kind, device.name, name, {**known, **values})
+    yield _asked_for(held, device.name, name, values)
 
 
 def _misfit(held: StoredVector, values: Mapping[str, Value]) -> str:
