@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.demonstration import Login, describe, greet, is_changed
+from talaia.cli.demo.session import Login, describe, greet, is_changed
 
 
 def test_what_the_demo_wrote_itself_is_no_change(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 from patience import PATIENCE_S
 from websockets.asyncio.client import connect
 
-from talaia.cli.demo_indi import DRIVERS
+from talaia.cli.demo.indi import DRIVERS
 from talaia.model.units import astronomy
 from talaia.model.yaml_text.load import read_site
 from talaia.wire import browser

@@ -25,9 +25,9 @@ class Word(NamedTuple):
 
 
 WORDS = {
-    "demo": Word("talaia.cli.demo", "simulated robots and the whole product", "hub,sim"),
+    "demo": Word("talaia.cli.demo.ros2", "simulated robots and the whole product", "hub,sim"),
     "demo-indi": Word(
-        "talaia.cli.demo_indi", "INDI's own simulators and the whole product", "hub,observatory"
+        "talaia.cli.demo.indi", "INDI's own simulators and the whole product", "hub,observatory"
     ),
     "configure": Word(
         "talaia.cli.configure", "a window to describe a robot and start everything", "configurator"

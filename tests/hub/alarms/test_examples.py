@@ -13,7 +13,7 @@ from talaia.hub.alarms.conditions import AlarmCondition, ConditionReading
 from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 from talaia.model.checks.alarm_checks import Addresses
 from talaia.model.yaml_text.load import read_site
-from talaia.sim.observatory.weather import Weather
+from talaia.sim.observatory.models.weather import Weather
 from talaia.sim.vehicle.sensors import Battery, temperature
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

@@ -5,9 +5,11 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from talaia.sim.observatory.clamshell import SHELLS, Clamshell
-from talaia.sim.observatory.servers import ClamshellServer, GlobalServer, make
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.clamshell import SHELLS, Clamshell
+from talaia.sim.observatory.models.ticket import Ticket
+from talaia.sim.observatory.servers.catalog import make_server
+from talaia.sim.observatory.servers.dome import ClamshellServer
+from talaia.sim.observatory.servers.sequencer import GlobalServer
 
 pytestmark = pytest.mark.pure
 OPEN_S = 13.0
@@ -27,7 +29,7 @@ def opened() -> Clamshell:
 
 
 def server() -> ClamshellServer:
-    made = make("dome", seed=1, unix_s=0.0, call=_nobody, roof="clamshell")
+    made = make_server("dome", seed=1, unix_s=0.0, call=_nobody, roof="clamshell")
     assert isinstance(made, ClamshellServer)
     return made
 
@@ -53,7 +55,7 @@ def test_parking_all_of_an_observatory_does_not_ask_a_clamshell_to_turn() -> Non
         asked.append((device, service))
         return Ticket.done("")
 
-    made = make("observatory", seed=1, unix_s=0.0, call=call, roof="clamshell")
+    made = make_server("observatory", seed=1, unix_s=0.0, call=call, roof="clamshell")
     assert isinstance(made, GlobalServer)
     ticket = made.triggers["park"]()
     for _ in range(5):

@@ -10,15 +10,16 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from talaia.model.units import astronomy
-from talaia.sim.observatory import cctv
-from talaia.sim.observatory.camera import CcdCamera, Scene
-from talaia.sim.observatory.enclosure import EnclosureMechanics, SimulatedEnclosure
-from talaia.sim.observatory.power import Power
-from talaia.sim.observatory.servers import MONTSEC, GlobalServer
-from talaia.sim.observatory.stars import stars_near
-from talaia.sim.observatory.telescope import Telescope
-from talaia.sim.observatory.ticket import Ticket
-from talaia.sim.observatory.weather import Weather, dew_point
+from talaia.sim.observatory.models import cctv
+from talaia.sim.observatory.models.camera import CcdCamera, Scene
+from talaia.sim.observatory.models.enclosure import EnclosureMechanics, SimulatedEnclosure
+from talaia.sim.observatory.models.power import Power
+from talaia.sim.observatory.models.stars import stars_near
+from talaia.sim.observatory.models.telescope import Telescope
+from talaia.sim.observatory.models.ticket import Ticket
+from talaia.sim.observatory.models.weather import Weather, dew_point
+from talaia.sim.observatory.servers.catalog import MONTSEC
+from talaia.sim.observatory.servers.sequencer import GlobalServer
 
 NIGHT = 1_795_302_000.0  # 2026-11-21 23:00 UTC
 NOON = NIGHT - 11 * 3600

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.sim.observatory.enclosure import SimulatedEnclosure
+from talaia.sim.observatory.models.enclosure import SimulatedEnclosure
+from talaia.sim.observatory.models.power import Power
+from talaia.sim.observatory.models.weather import Weather
 from talaia.sim.observatory.orders import Orders, act_on
-from talaia.sim.observatory.power import Power
-from talaia.sim.observatory.servers import DomeServer, PowerServer, Stamped, WeatherServer
-from talaia.sim.observatory.weather import Weather
+from talaia.sim.observatory.servers.base import Stamped
+from talaia.sim.observatory.servers.dome import DomeServer
+from talaia.sim.observatory.servers.power import PowerServer
+from talaia.sim.observatory.servers.weather import WeatherServer
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.sim.observatory.servers import MONTSEC, make
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.ticket import Ticket
+from talaia.sim.observatory.servers.catalog import MONTSEC, make_server
 
 NIGHT = 1_795_302_000.0  # 2026-11-21 23:00 UTC
 OUTLETS = {"dome": "/pdu/on1", "telescope": "/pdu/on2", "camera": "/pdu/on3", "cctv": "/pdu/on7"}
 
 
 def server_of(name: str):
-    return make(name, seed=1, unix_s=NIGHT, call=lambda *_: Ticket.done(""), place=MONTSEC)
+    return make_server(name, seed=1, unix_s=NIGHT, call=lambda *_: Ticket.done(""), place=MONTSEC)
 
 
 @pytest.mark.parametrize("name", OUTLETS)

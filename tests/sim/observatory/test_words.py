@@ -7,7 +7,7 @@ import contextlib
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.sim.observatory.servers import DEVICES
+from talaia.sim.observatory.servers.catalog import DEVICES
 from talaia.sim.observatory.words import Request, WordsWrong, number, read
 
 pytestmark = pytest.mark.pure

@@ -18,16 +18,13 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, XMLPullParser, tostring
 
 from talaia.sim.observatory.ledger import Ledger
+from talaia.sim.observatory.models.ticket import Ticket
 from talaia.sim.observatory.orders import Orders, act_on
-from talaia.sim.observatory.servers import (
-    DomeServer,
-    Server,
-    Stamped,
-    TelescopeServer,
-    WeatherServer,
-    make,
-)
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.servers.base import Server, Stamped
+from talaia.sim.observatory.servers.catalog import make_server
+from talaia.sim.observatory.servers.dome import DomeServer
+from talaia.sim.observatory.servers.telescope import TelescopeServer
+from talaia.sim.observatory.servers.weather import WeatherServer
 
 STEP_S = 0.05
 EVERY_S = 0.5
@@ -211,7 +208,7 @@ def main(ledger: str, orders_file: str, speed: str, state: str) -> None:
     beside = kept.with_suffix(".new")
     book = Ledger(Path(ledger))
     devices = [
-        Device(make(x, seed=1, unix_s=time.time(), call=lambda *_: Ticket.refused("")), book)
+        Device(make_server(x, seed=1, unix_s=time.time(), call=lambda *_: Ticket.refused("")), book)
         for x in NAMES
     ]
     dome = devices[0].server

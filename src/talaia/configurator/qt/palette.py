@@ -101,8 +101,14 @@ def qt_palette(colours: Colours) -> QPalette:
     return palette
 
 
-def style_sheet(c: Colours) -> str:
+def style_sheet(colours: Colours) -> str:
     """Give the style sheet in these colours."""
+    groups = (_page_styles, _button_styles, _field_styles, _table_styles)
+    return "".join(styles(colours) for styles in groups)
+
+
+def _page_styles(c: Colours) -> str:
+    """Style windows, labels, cards and the list of steps."""
     return f"""
 QMainWindow, QDialog {{ background: {c.bg}; }}
 QWidget {{ color: {c.text}; }}
@@ -125,6 +131,12 @@ QListWidget#steps {{
 QListWidget#steps:focus {{ border-color: {c.accent}; }}
 QListWidget#steps::item {{ padding: 11px 12px; border-radius: 6px; }}
 QListWidget#steps::item:selected {{ background: {c.raised}; color: {c.accent}; font-weight: 600; }}
+"""
+
+
+def _button_styles(c: Colours) -> str:
+    """Style tool bars and buttons."""
+    return f"""
 QToolBar {{
   background: {c.surface}; border: 0; border-bottom: 1px solid {c.line}; padding: 4px;
   spacing: 4px;
@@ -147,6 +159,12 @@ QPushButton[part="main"]:focus {{ border: 2px solid {c.text}; }}
 QPushButton[part="main"]:disabled {{
   background: {c.raised}; color: {c.edge}; border-color: {c.line};
 }}
+"""
+
+
+def _field_styles(c: Colours) -> str:
+    """Style fields to write in and to choose from."""
+    return f"""
 QLineEdit, QComboBox, QSpinBox, QPlainTextEdit {{
   background: {c.surface}; border: 1px solid {c.edge}; border-radius: 6px; padding: 4px 7px;
   selection-background-color: {c.accent}; selection-color: {c.on_accent};
@@ -168,6 +186,12 @@ QComboBox QAbstractItemView {{
   background: {c.surface}; border: 1px solid {c.edge};
   selection-background-color: {c.accent}; selection-color: {c.on_accent};
 }}
+"""
+
+
+def _table_styles(c: Colours) -> str:
+    """Style tables, trees, progress, menus and scroll bars."""
+    return f"""
 QTableView, QTreeView, QListView#problems {{
   background: {c.surface}; border: 1px solid {c.line}; border-radius: 6px; outline: 0;
   gridline-color: {c.line}; alternate-background-color: {c.bg};

@@ -13,12 +13,12 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.ticket import Ticket
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from talaia.sim.observatory.servers import Server
+    from talaia.sim.observatory.servers.base import Server
 
 __all__ = ["Orders", "act_on"]
 

@@ -29,18 +29,10 @@ from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
 from talaia.sim.observatory.ledger import Ledger
+from talaia.sim.observatory.models.ticket import Ticket
 from talaia.sim.observatory.orders import Orders, act_on
-from talaia.sim.observatory.servers import (
-    DEVICES,
-    ENCLOSURES,
-    MONTSEC,
-    Ask,
-    Server,
-    Stamped,
-    Value,
-    make,
-)
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.servers.base import Ask, Server, Stamped, Value
+from talaia.sim.observatory.servers.catalog import DEVICES, ENCLOSURES, MONTSEC, make_server
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -79,7 +71,7 @@ def main(argv: list[str]) -> int:
         ledger = Ledger(options.log)
         shells = [
             _Shell(
-                make(
+                make_server(
                     each,
                     seed=options.seed,
                     unix_s=time.time(),

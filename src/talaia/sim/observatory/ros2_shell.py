@@ -21,9 +21,9 @@ from sensor_msgs.msg import Image, Temperature
 from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
 
+from talaia.sim.observatory.models.ticket import Ticket
 from talaia.sim.observatory.orders import Orders, act_on
-from talaia.sim.observatory.servers import Stamped
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.servers.base import Stamped
 
 if TYPE_CHECKING:
     import threading
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.sim.observatory.ledger import Ledger
-    from talaia.sim.observatory.servers import Ask, ImageFrame, Server, Value
+    from talaia.sim.observatory.servers.base import Ask, ImageFrame, Server, Value
 
 __all__ = ["Shells", "kind_of", "message_of", "values_of"]
 

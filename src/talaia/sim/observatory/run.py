@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from talaia.sim.observatory.ledger import Ledger
 from talaia.sim.observatory.orders import Orders
-from talaia.sim.observatory.servers import DEVICES, ENCLOSURES, MONTSEC, make
+from talaia.sim.observatory.servers.catalog import DEVICES, ENCLOSURES, MONTSEC, make_server
 from talaia.sim.starting import Start, join_ros, needing_ros, run_robot
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def _run(options: argparse.Namespace, start: Start) -> None:
     start.stack.callback(shells.close)
     place = MONTSEC._replace(longitude=options.longitude)
     for name in names:
-        server = make(
+        server = make_server(
             name, seed=options.seed, unix_s=time.time(), call=shells.call, place=place,
             roof=options.enclosure,
         )  # fmt: skip

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.sim.observatory.servers import DEVICES, Server, Value, make
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.ticket import Ticket
+from talaia.sim.observatory.servers.catalog import DEVICES, make_server
+
+if TYPE_CHECKING:
+    from talaia.sim.observatory.servers.base import Server, Value
 
 __all__ = ["PROGRAMS", "Request", "WordsWrong", "number", "read"]
 
@@ -62,7 +65,7 @@ def read(device: str, words: list[str]) -> Request:
         WordsWrong: in the founding design's words where it had some.
 
     """
-    server = make(device, seed=0, unix_s=0.0, call=_nobody)
+    server = make_server(device, seed=0, unix_s=0.0, call=_nobody)
     action, rest = (words[0], words[1:]) if words else ("", [])
     if device == "observatory" and action == "fault":
         return Request(device, "fault", action, {"data": " ".join(rest)})

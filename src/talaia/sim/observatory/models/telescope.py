@@ -18,7 +18,7 @@ from talaia.model.units.astronomy import (
     separation,
     sun,
 )
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.ticket import Ticket
 
 __all__ = ["STATES", "Limits", "Telescope"]
 

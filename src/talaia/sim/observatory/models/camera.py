@@ -12,9 +12,9 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from talaia.model.units.astronomy import J2000, Observer, altaz, julian_day, precess, sun
-from talaia.sim.observatory.fits import Card, fits_file
-from talaia.sim.observatory.stars import Chip, Shot, draw
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.fits import Card, fits_file
+from talaia.sim.observatory.models.stars import Chip, Shot, draw
+from talaia.sim.observatory.models.ticket import Ticket
 
 if TYPE_CHECKING:
     from array import array

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.ticket import Ticket
 
 __all__ = ["STATES", "EnclosureMechanics", "SimulatedEnclosure"]
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from talaia.cli.demonstration import example, folder, greet, make_logins
+from talaia.cli.demo.session import example, folder, greet, make_logins
 from talaia.cli.errors import CliError
 from talaia.cli.parts import Part, run_together, start, start_program
 from talaia.cli.places import free_port, has_screen, open_page

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.sim.observatory.enclosure import EnclosureMechanics, SimulatedEnclosure
+from talaia.sim.observatory.models.enclosure import EnclosureMechanics, SimulatedEnclosure
 
 if TYPE_CHECKING:
-    from talaia.sim.observatory.ticket import Ticket
+    from talaia.sim.observatory.models.ticket import Ticket
 
 __all__ = ["SHELLS", "Clamshell", "Shell"]
 

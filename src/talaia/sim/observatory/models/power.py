@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from talaia.sim.observatory.ticket import Ticket
+from talaia.sim.observatory.models.ticket import Ticket
 
 __all__ = ["OUTLETS", "Power"]
 

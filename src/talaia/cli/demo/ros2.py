@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
 
-from talaia.cli.demonstration import (
+from talaia.cli.demo.session import (
     describe,
     example,
     folder,

@@ -66,7 +66,7 @@ async def make_logins(settings: Settings) -> list[Login]:
 
 def example(name: str) -> Path:
     """Find an example: in this tree, or beside the installed package."""
-    package = Path(__file__).resolve().parent.parent
+    package = Path(__file__).resolve().parents[2]
     for base in (package.parent.parent / "examples", package / "examples"):
         if (base / name / "site.yaml").exists():
             return base / name / "site.yaml"

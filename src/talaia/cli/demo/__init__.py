@@ -1,0 +1,1 @@
+"""The demonstrations: simulated robots, a hub and a gateway in one command."""

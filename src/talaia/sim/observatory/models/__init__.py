@@ -1,0 +1,1 @@
+"""Models of the observatory's hardware: how each device behaves, without any network."""

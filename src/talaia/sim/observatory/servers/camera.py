@@ -1,0 +1,87 @@
+"""The simulated CCD camera as a server: exposures, cooling, and its pictures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.sim.observatory.models import camera
+from talaia.sim.observatory.models.power import OUTLETS
+from talaia.sim.observatory.models.ticket import Ticket
+from talaia.sim.observatory.servers.base import Ask, ImageFrame, Server
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.sim.observatory.models.camera import CcdCamera
+    from talaia.sim.observatory.servers.base import Value
+
+__all__ = ["CameraServer"]
+
+
+class CameraServer(Server):
+    """The CCD camera. It hears from the others what belongs into a header."""
+
+    name = "camera"
+    pictures = True
+    outlet = OUTLETS.index("Camera") + 1
+
+    def __init__(self, model: CcdCamera) -> None:
+        """Offer what a camera does."""
+        super().__init__()
+        self.model = model
+        self._given = ""
+        self._last = ""
+        self.triggers = {
+            "status": lambda: Ticket.done(f"{model.state} {model.remaining:.1f}"),
+            "abort": model.abort,
+        }
+        self.switches = {"cooler": model.cooler}
+        self.asks = {
+            "expose": Ask({"seconds": 0.0, "frame": "light", "target": ""}, model.expose),
+            "cool": Ask({"celsius": 0.0}, model.cool),
+        }
+        scene = model.scene
+        self.hears |= {
+            "/telescope/ra": (float, lambda value: setattr(scene, "ra", value)),
+            "/telescope/dec": (float, lambda value: setattr(scene, "dec", value)),
+            "/dome/closed": (bool, lambda value: setattr(scene, "dome_open", not value)),
+        }
+        for each in ("temperature", "humidity", "dew_point", "wind", "clouds", "pressure"):
+            self.hears[f"/weather/{each}"] = (float, self._weather(each))
+
+    def _weather(self, name: str) -> Callable[[float], None]:
+        return lambda value: self.model.scene.weather.__setitem__(name, value)
+
+    def lose_power(self) -> None:
+        """Lose the exposure, and the cold."""
+        self.model.abort()
+        self.model.cooler(False)  # noqa: FBT003 - a switch, as the service has it
+
+    def topics(self) -> Mapping[str, Value]:
+        """Give its state."""
+        model = self.model
+        return {
+            "status": model.state,
+            "state": camera.STATES.index(model.state),
+            "remaining": model.remaining,
+            "temperature": model.celsius,
+            "setpoint": model.setpoint,
+            "cooling": model.cooling,
+            "file": self._last,
+        }
+
+    def frame(self, *, watched: bool) -> ImageFrame | None:
+        """Give a new picture once, watched or not: it is a file as well."""
+        del watched
+        newest = self.model.newest
+        if newest is None or newest.name == self._given:
+            return None
+        self._given = self._last = newest.name
+        width, height = len(newest.rows[0]), len(newest.rows)
+        # Pictures of ROS have their top row first.
+        data = b"".join(row.tobytes() for row in reversed(newest.rows))
+        return ImageFrame(width, height, "mono16", width * 2, data, newest.name, newest.fits)
+
+    def step(self, seconds: float, unix_s: float) -> None:
+        """Let time pass."""
+        self.model.step(seconds, unix_s)

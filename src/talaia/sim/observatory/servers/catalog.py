@@ -1,0 +1,71 @@
+"""The devices of the simulated observatory, and how the server of each is made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.model.units.astronomy import Observer
+from talaia.sim.observatory.models.camera import CcdCamera, Scene
+from talaia.sim.observatory.models.clamshell import Clamshell
+from talaia.sim.observatory.models.enclosure import SimulatedEnclosure
+from talaia.sim.observatory.models.power import Power
+from talaia.sim.observatory.models.telescope import Telescope
+from talaia.sim.observatory.models.weather import Weather
+from talaia.sim.observatory.servers.camera import CameraServer
+from talaia.sim.observatory.servers.cctv import CctvServer
+from talaia.sim.observatory.servers.dome import ClamshellServer, DomeServer
+from talaia.sim.observatory.servers.power import PowerServer
+from talaia.sim.observatory.servers.sequencer import GlobalServer
+from talaia.sim.observatory.servers.telescope import TelescopeServer
+from talaia.sim.observatory.servers.weather import WeatherServer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from talaia.sim.observatory.models.ticket import Ticket
+    from talaia.sim.observatory.servers.base import Server
+
+__all__ = ["DEVICES", "ENCLOSURES", "MONTSEC", "make_server"]
+
+MONTSEC = Observer(42.0517, 0.7297, 1568.0)
+# Kinds of roof: a dome with a slit, which turns, and a clamshell, which does not.
+ENCLOSURES = ("dome", "clamshell")
+DEVICES = ("dome", "telescope", "weather", "camera", "pdu", "cctv", "observatory")
+
+
+def make_server(
+    name: str,
+    *,
+    seed: int,
+    unix_s: float,
+    call: Callable[[str, str], Ticket],
+    place: Observer = MONTSEC,
+    roof: str = "dome",
+) -> Server:
+    """Make the server of a device.
+
+    Args:
+        name: one of `DEVICES`.
+        seed: of the weather.
+        unix_s: now.
+        call: how the global server asks the others.
+        place: where the observatory stands.
+        roof: one of `ENCLOSURES`.
+
+    """
+    turns = roof == "dome"
+    match name:
+        case "dome":
+            return DomeServer(SimulatedEnclosure()) if turns else ClamshellServer(Clamshell())
+        case "telescope":
+            return TelescopeServer(Telescope(place, unix_s))
+        case "weather":
+            return WeatherServer(Weather(seed, unix_s))
+        case "camera":
+            return CameraServer(CcdCamera(Scene(place)))
+        case "pdu":
+            return PowerServer(Power())
+        case "cctv":
+            return CctvServer(place, slit=turns)
+        case _:
+            return GlobalServer(call, dome_turns=turns)

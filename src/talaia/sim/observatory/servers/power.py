@@ -1,0 +1,44 @@
+"""The simulated power distribution unit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.sim.observatory.models.power import OUTLETS
+from talaia.sim.observatory.models.ticket import Ticket
+from talaia.sim.observatory.servers.base import Ask, Server
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from talaia.sim.observatory.models.power import Power
+    from talaia.sim.observatory.servers.base import Value
+
+__all__ = ["PowerServer"]
+
+
+class PowerServer(Server):
+    """The outlets."""
+
+    name = "pdu"
+
+    def __init__(self, model: Power) -> None:
+        """Offer a switch for each outlet."""
+        super().__init__()
+        self.model = model
+        self.triggers = {"status": lambda: Ticket.done(model.words())}
+        for number in range(1, len(OUTLETS) + 1):
+            self.switches[f"outlet{number}"] = self._switch(number)
+        self.asks = {"reboot": Ask({"outlet": 1.0}, lambda outlet: model.reboot(int(outlet)))}
+
+    def _switch(self, number: int) -> Callable[[bool], Ticket]:
+        return lambda on: self.model.switch(number, on=on)
+
+    def topics(self) -> Mapping[str, Value]:
+        """Give the outlets."""
+        outlets: dict[str, Value] = {f"on{n}": on for n, on in enumerate(self.model.on, 1)}
+        return {**outlets, "power": self.model.watt}
+
+    def step(self, seconds: float, unix_s: float) -> None:
+        """Let time pass."""
+        self.model.step(seconds)

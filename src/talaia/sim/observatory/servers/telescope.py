@@ -1,0 +1,71 @@
+"""The simulated controller of the mount."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.sim.observatory.models import telescope
+from talaia.sim.observatory.models.power import OUTLETS
+from talaia.sim.observatory.models.ticket import Ticket
+from talaia.sim.observatory.servers.base import Ask, Server
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.sim.observatory.models.telescope import Telescope
+    from talaia.sim.observatory.servers.base import Value
+
+__all__ = ["TelescopeServer"]
+
+
+class TelescopeServer(Server):
+    """The mount."""
+
+    name = "telescope"
+    outlet = OUTLETS.index("Telescope") + 1
+
+    def __init__(self, model: Telescope) -> None:
+        """Offer what a mount does."""
+        super().__init__()
+        self.model = model
+        self.triggers = {
+            "status": lambda: Ticket.done(model.state),
+            "getcoord": lambda: Ticket.done(f"Alt:{model.at.alt:f} Az:{model.at.az:f}"),
+            "park": model.park,
+            "unpark": model.unpark,
+            "stop": model.stop,
+        }
+        self.switches = {"track": model.track}
+        self.asks = {
+            "goto": Ask({"ra": 0.0, "dec": 0.0}, model.goto),
+            "goto_altaz": Ask({"alt": 0.0, "az": 0.0}, model.goto_altaz),
+        }
+
+    def lose_power(self) -> None:
+        """Stand wherever it is."""
+        self.model.stop()
+
+    def topics(self) -> Mapping[str, Value]:
+        """Give its encoders."""
+        ra, dec = self.model.radec
+        away = self.model.sun
+        return {
+            "status": self.model.state,
+            "state": telescope.STATES.index(self.model.state),
+            "parked": self.model.state == "parked",
+            "altitude": self.model.at.alt,
+            "azimuth": self.model.at.az,
+            "ra": ra,
+            "dec": dec,
+            "sun_altitude": away.alt,
+        }
+
+    def step(self, seconds: float, unix_s: float) -> None:
+        """Let time pass."""
+        self.model.step(seconds, unix_s)
+
+    def fault(self, word: str) -> str:
+        """See `Server.fault`: stuck."""
+        if word in ("stuck", "ok"):
+            self.model.stuck = word == "stuck"
+        return "" if word == "stuck" else super().fault(word)
