@@ -21,8 +21,8 @@ from talaia.cli.places import free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.yaml_text.load import dump_site, read_site
+from talaia.sim.observatory.models.weather import Weather
 from talaia.sim.observatory.night import at_night
-from talaia.sim.observatory.weather import Weather
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
