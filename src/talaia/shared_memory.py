@@ -79,8 +79,9 @@ def _remove_twice() -> None:
     if segments:
         _LOG.info(
             "removed %d shared memory segments of killed ROS 2 processes (%.1f MB)",
-            segments, size / 1e6,
-        )  # fmt: skip
+            segments,
+            size / 1e6,
+        )
 
 
 def _remove_if_dead(lock: Path) -> Removed:

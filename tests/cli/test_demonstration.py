@@ -39,11 +39,11 @@ def test_the_greeting_says_which_description_is_not_the_example_and_how_to_get_i
 ) -> None:
     folder = tmp_path / "our demo"
     people = [Login("admin", "word", "admin")]
-    greet("http://localhost:1", people, folder, 1.0, [folder / "agv.yaml"])
+    greet("http://localhost:1", people, data=folder, took=1.0, changed=[folder / "agv.yaml"])
     said = capsys.readouterr().out
     assert "agv.yaml was changed in an earlier run and stays so;" in said
     assert f"run: rm '{folder}/agv.yaml'" in said
-    greet("http://localhost:1", people, folder, 1.0, notes=["nothing can be seen here"])
+    greet("http://localhost:1", people, data=folder, took=1.0, notes=["nothing can be seen here"])
     said = capsys.readouterr().out
     assert "was changed" not in said
     assert "\n  nothing can be seen here\n" in said

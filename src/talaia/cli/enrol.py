@@ -31,9 +31,11 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("site", help="the short name in the site description")
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     parser.add_argument(
-        "--to", type=Path, metavar="FILE",
+        "--to",
+        type=Path,
+        metavar="FILE",
         help="write the gateway's key file; one that is there and still good is left alone",
-    )  # fmt: skip
+    )
     parser.add_argument("--hub", metavar="URL", help="with --to: wss://host:port of this hub")
     options = parser.parse_args(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from())

@@ -30,8 +30,10 @@ def main(argv: Sequence[str]) -> int:
     found = installed()
     every = found.every()
     for each in every:
-        print(f"{each.group.removeprefix('talaia.').removesuffix('s')} {each.name}: "
-              f"{each.declared.summary} ({each.package})")  # fmt: skip
+        print(
+            f"{each.group.removeprefix('talaia.').removesuffix('s')} {each.name}: "
+            f"{each.declared.summary} ({each.package})"
+        )
         for title, shape in _shapes(each.declared):
             for key in keys_shown(shape):
                 must = "required" if key.required else f"default {key.default or 'empty'}"

@@ -67,16 +67,25 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
     parser.add_argument(
-        "--allow-host", action="append", default=[], metavar="NAME",
+        "--allow-host",
+        action="append",
+        default=[],
+        metavar="NAME",
         help="a name under which the dashboard is reached; may repeat",
-    )  # fmt: skip
-    parser.add_argument("--program", default="/opt/talaia/bin/talaia", metavar="FILE",
-                        help="talaia on the robot's computer (/opt/talaia/bin/talaia)")  # fmt: skip
-    parser.add_argument("--ros-setup", default="", metavar="FILE",
-                        help="setup.bash of the ROS installation there")  # fmt: skip
+    )
+    parser.add_argument(
+        "--program",
+        default="/opt/talaia/bin/talaia",
+        metavar="FILE",
+        help="talaia on the robot's computer (/opt/talaia/bin/talaia)",
+    )
+    parser.add_argument(
+        "--ros-setup", default="", metavar="FILE", help="setup.bash of the ROS installation there"
+    )
     parser.add_argument("--wheel", type=Path, help="Talaia's own wheel, to build the images from")
-    parser.add_argument("--force", action="store_true",
-                        help="write over files of before; secrets are kept")  # fmt: skip
+    parser.add_argument(
+        "--force", action="store_true", help="write over files of before; secrets are kept"
+    )
     return parser.parse_args(argv)
 
 

@@ -60,27 +60,35 @@ def main(argv: Sequence[str]) -> int:
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what looking needs to know."""
     parser.add_argument(
-        "--seconds", type=_seconds,
+        "--seconds",
+        type=_seconds,
         help="how long to listen (default: 5; at an INDI server until nothing new comes, 20 at "
         "most)",
-    )  # fmt: skip
+    )
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--ros2", action="store_true", help="look at ROS 2 (the default)")
     which.add_argument(
-        "--ros1", nargs="?", const="", metavar="MASTER",
+        "--ros1",
+        nargs="?",
+        const="",
+        metavar="MASTER",
         help="look at ROS 1 (default: the master of ROS_MASTER_URI, or http://localhost:11311); "
         "where ROS_MASTER_URI is set and its master answers, this is the default",
-    )  # fmt: skip
+    )
     which.add_argument(
-        "--indi", nargs="?", const="127.0.0.1", metavar="HOST[:PORT]",
+        "--indi",
+        nargs="?",
+        const="127.0.0.1",
+        metavar="HOST[:PORT]",
         help="look at an INDI server (default: 127.0.0.1:7624)",
-    )  # fmt: skip
+    )
     parser.add_argument("--domain", type=int, help="ROS 2 domain (default: ROS_DOMAIN_ID, or 0)")
     parser.add_argument(
-        "--connect", action="store_true",
+        "--connect",
+        action="store_true",
         help="INDI: tell drivers to connect to their hardware first, as the gateway does; before "
         "that most of them show little",
-    )  # fmt: skip
+    )
 
 
 def _seconds(text: str) -> float:

@@ -53,7 +53,7 @@ def main(argv: Sequence[str]) -> int:
         raise CliError(
             f"the data folder {data} cannot be made: {error.strerror}; choose another with --data"
         ) from error
-    asyncio.run(run_together(lambda parts: _begin(options, site, data, parts, began)))
+    asyncio.run(run_together(lambda parts: _begin(options, site, data, parts, began=began)))
     return 0
 
 
@@ -76,17 +76,19 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--data", type=Path, help="folder of accounts and history")
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     parser.add_argument(
-        "--accept-changes", type=AcceptedChanges, choices=list(AcceptedChanges),
+        "--accept-changes",
+        type=AcceptedChanges,
+        choices=list(AcceptedChanges),
         default=AcceptedChanges.READINGS,
         metavar="{no,readings,all}",
         help="what admins may change of the description in the dashboard: nothing, what is read "
         "and shown, or also commands, driving and interlocks (default: readings)",
-    )  # fmt: skip
+    )
     return parser.parse_args(argv)
 
 
 async def _begin(
-    options: argparse.Namespace, site: Site, data: Path, parts: list[Part], began: float
+    options: argparse.Namespace, site: Site, data: Path, parts: list[Part], *, began: float
 ) -> None:
     up = await _start(options, site, data, parts)
     _greet(up, site, data, time.monotonic() - began)
@@ -107,10 +109,17 @@ async def _start(options: argparse.Namespace, site: Site, data: Path, parts: lis
     inside = "127.0.0.1" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
     shown_host = f"[{inside}]" if ":" in inside else inside
     gateway = [
-        "gateway", str(options.site), "--key-file", str(key), "--data", str(data / "gateway"),
-        "--hub", f"{'ws' if plain else 'wss'}://{shown_host}:{port}",
-        "--accept-changes", options.accept_changes,
-    ]  # fmt: skip
+        "gateway",
+        str(options.site),
+        "--key-file",
+        str(key),
+        "--data",
+        str(data / "gateway"),
+        "--hub",
+        f"{'ws' if plain else 'wss'}://{shown_host}:{port}",
+        "--accept-changes",
+        options.accept_changes,
+    ]
     if plain:
         gateway.append("--allow-plain")
     else:

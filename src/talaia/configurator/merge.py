@@ -63,12 +63,16 @@ def merged(site: Site, found: Found) -> Merged:
                 known += len(_keys(device))
                 continue
             bare = msgspec.structs.replace(
-                device, signals={}, streams={}, commands={}, drive=None,
+                device,
+                signals={},
+                streams={},
+                commands={},
+                drive=None,
                 connection=link if len(links) > 1 else "",
-            )  # fmt: skip
+            )
             site = with_value(site, path, bare)
             added.append(path)
-        site, new, old = _fill(site, path, device, words, have)
+        site, new, old = _fill(site, path, device, words=words, have=have)
         added += new
         known += old
     site = _runnable(site, added)
@@ -83,7 +87,7 @@ def _place(site: Site, word: str, link: str) -> str:
 
 
 def _fill(
-    site: Site, path: Path, device: Device, words: dict[str, str], have: set[tuple[str, ...]]
+    site: Site, path: Path, device: Device, *, words: dict[str, str], have: set[tuple[str, ...]]
 ) -> tuple[Site, list[Path], int]:
     added: list[Path] = []
     known = 0

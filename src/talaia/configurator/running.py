@@ -86,8 +86,11 @@ class Run:
         self._become(RunPhase.STARTING)
         self.lines.clear()
         self.address = self.setup = self.problem = ""
-        self.lines.append("talaia " + " ".join(words[words.index("talaia") + 1 :])
-                          if "talaia" in words else " ".join(words))  # fmt: skip
+        self.lines.append(
+            "talaia " + " ".join(words[words.index("talaia") + 1 :])
+            if "talaia" in words
+            else " ".join(words)
+        )
 
     def line(self, text: str) -> None:
         """Take in a line that it said."""

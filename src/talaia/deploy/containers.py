@@ -64,7 +64,7 @@ ENTRYPOINT ["talaia"]
 
 
 def compose(
-    site: str, database: DatabaseKind, port: int, hosts: Iterable[str], ros_domain: int | None
+    site: str, *, database: DatabaseKind, port: int, hosts: Iterable[str], ros_domain: int | None
 ) -> str:
     """Write ``compose.yaml``.
 
@@ -84,14 +84,20 @@ def compose(
         {
             "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
             "command": [
-                "enrol", site, "--data", "/data", "--to", "/link/gateway.key",
-                "--hub", f"wss://127.0.0.1:{port}",
+                "enrol",
+                site,
+                "--data",
+                "/data",
+                "--to",
+                "/link/gateway.key",
+                "--hub",
+                f"wss://127.0.0.1:{port}",
             ],
             "restart": "on-failure",
             "volumes": ["hub-data:/data", "link:/link"],
             "depends_on": {"hub": {"condition": "service_healthy"}},
         }
-    )  # fmt: skip
+    )
     if database is not DatabaseKind.SQLITE:
         added = _mariadb() if database is DatabaseKind.MARIADB else _postgresql()
         services |= added
@@ -160,13 +166,16 @@ def _gateway(ros_domain: int | None) -> dict[str, object]:
             # DDS finds robots by multicast and speaks through shared memory: both need the host's.
             "network_mode": "host",
             "ipc": "host",
-            "volumes": ["./site.yaml:/etc/talaia/site.yaml:ro", "link:/link:ro",
-                        "gateway-data:/data"],
+            "volumes": [
+                "./site.yaml:/etc/talaia/site.yaml:ro",
+                "link:/link:ro",
+                "gateway-data:/data",
+            ],
             "cap_drop": ["ALL"],
             "security_opt": ["no-new-privileges:true"],
             "depends_on": {"enrol": {"condition": "service_completed_successfully"}},
         }
-    )  # fmt: skip
+    )
 
 
 def _mariadb() -> dict[str, object]:

@@ -78,7 +78,15 @@ def project(
     files = {
         "README.md": File(readme(site, choice.database, choice.port, choice.setup)),
         "site.yaml": File(description),
-        "compose.yaml": File(compose(site.site, database, choice.port, choice.hosts, domain)),
+        "compose.yaml": File(
+            compose(
+                site.site,
+                database=database,
+                port=choice.port,
+                hosts=choice.hosts,
+                ros_domain=domain,
+            )
+        ),
         "hub.Dockerfile": File(dockerfile(extras, choice.version)),
         "gateway.Dockerfile": File(_gateway_image(site, choice.version)),
         "wheels/.keep": File(""),

@@ -62,17 +62,21 @@ def gateway_unit(site: str, program: str, setup: str = "") -> str:
 
     """
     words = [
-        program, "gateway", f"/etc/talaia/{site}/site.yaml",
-        "--key-file", f"/etc/talaia/{site}/gateway.key",
-        "--data", f"/var/lib/talaia-gateway-{site}",
-    ]  # fmt: skip
+        program,
+        "gateway",
+        f"/etc/talaia/{site}/site.yaml",
+        "--key-file",
+        f"/etc/talaia/{site}/gateway.key",
+        "--data",
+        f"/var/lib/talaia-gateway-{site}",
+    ]
     if setup:
         # bash gets the words as arguments of its own, so nothing in them is read as shell.
         words = ["/bin/bash", "-c", '. "$0" && exec "$@"', setup, *words]
     return _unit(
         f"Talaia gateway of {site}",
         words,
-        f"talaia-gateway-{site}",
+        state=f"talaia-gateway-{site}",
         # Fast DDS talks through shared memory and /tmp to robots' nodes outside the unit.
         private_tmp="no",
         watchdog_s=GATEWAY_WATCHDOG_S,
@@ -100,7 +104,7 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
     return _unit(
         "Talaia hub",
         words,
-        "talaia-hub",
+        state="talaia-hub",
         private_tmp="yes",
         more=more if database_url_file else "",
         watchdog_s=HUB_WATCHDOG_S,
@@ -110,10 +114,10 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
 def _unit(
     what: str,
     words: Iterable[str],
+    *,
     state: str,
     private_tmp: str,
     more: str = "",
-    *,
     watchdog_s: int,
     kill: str = "",
 ) -> str:

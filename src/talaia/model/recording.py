@@ -44,8 +44,11 @@ class Recording(Shape, frozen=True, kw_only=True):
     after: float = 30.0
     longest: float = 600.0
     triggers: tuple[Trigger, ...] = (
-        Trigger.STOP, Trigger.INTERLOCK, Trigger.LINK_LOST, Trigger.ALARM,
-    )  # fmt: skip
+        Trigger.STOP,
+        Trigger.INTERLOCK,
+        Trigger.LINK_LOST,
+        Trigger.ALARM,
+    )
     ring_mb: float = 64.0
     file_mb: float = 500.0
     disk_mb: float = 2000.0

@@ -118,7 +118,7 @@ def centred(boxes: Floats) -> Floats:
 
 
 def suppressed(
-    boxes: Floats, scores: Floats, least: float, same: float = SAME, most: int = MOST
+    boxes: Floats, scores: Floats, least: float, *, same: float = SAME, most: int = MOST
 ) -> list[tuple[int, float, Floats]]:
     """Of boxes that overlap, keep the surest of each class (non-maximum suppression).
 

@@ -93,7 +93,7 @@ class Sightings:
             ]
             if scores:
                 before = watch.best if watch.told is not None else 0.0
-                told = self._seen(label, watch, len(scores), max(scores), at_us)
+                told = self._seen(label, watch, count=len(scores), score=max(scores), at_us=at_us)
                 news += [] if told is None else [told]
                 if watch.best > before and watch.best == max(scores):
                     fresh.add(label)
@@ -122,7 +122,7 @@ class Sightings:
         self._at_us = at_us
 
     def _seen(
-        self, label: str, watch: _Watch, count: int, score: float, at_us: int
+        self, label: str, watch: _Watch, *, count: int, score: float, at_us: int
     ) -> ObjectSighting | None:
         told = watch.told
         if told is None:

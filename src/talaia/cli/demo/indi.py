@@ -116,13 +116,20 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     key.chmod(0o600)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
     gateway = [
-        "gateway", str(site), "--hub", f"ws://127.0.0.1:{port}", "--key-file", str(key),
-        "--allow-plain", "--data", str(data / "gateway"),
-    ]  # fmt: skip
+        "gateway",
+        str(site),
+        "--hub",
+        f"ws://127.0.0.1:{port}",
+        "--key-file",
+        str(key),
+        "--allow-plain",
+        "--data",
+        str(data / "gateway"),
+    ]
     parts.append(await start("hub", hub, data / "hub.log", restart=True))
     parts.append(await start("gateway", gateway, data / "gateway.log", restart=True))
     await asyncio.gather(parts[1].says("ready", 60), parts[2].says("linked to", 60))
-    greet(f"http://localhost:{port}", logins, data, time.monotonic() - began)
+    greet(f"http://localhost:{port}", logins, data=data, took=time.monotonic() - began)
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, f"http://localhost:{port}")
 

@@ -104,7 +104,14 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     )
     changed = [robot.description for robot in robots if robot.changed]
     blind = [each for each in sight_here(read_site(robots[0].description), data) if not each.well]
-    greet(address, logins, data, time.monotonic() - began, changed, [each.said for each in blind])
+    greet(
+        address,
+        logins,
+        data=data,
+        took=time.monotonic() - began,
+        changed=changed,
+        notes=[each.said for each in blind],
+    )
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, address)
 
@@ -191,7 +198,17 @@ async def _gateway(robot: _Robot, settings: Settings) -> list[str]:
     key.write_text(await accounts.create_gateway(settings, robot.site))
     key.chmod(0o600)
     return [
-        "gateway", str(robot.description), "--hub", f"ws://127.0.0.1:{settings.port}",
-        "--key-file", str(key), "--allow-plain", "--data", str(settings.data / f"gateway{suffix}"),
-        "--ros-domain", str(robot.domain), "--accept-changes", "all",
-    ]  # fmt: skip
+        "gateway",
+        str(robot.description),
+        "--hub",
+        f"ws://127.0.0.1:{settings.port}",
+        "--key-file",
+        str(key),
+        "--allow-plain",
+        "--data",
+        str(settings.data / f"gateway{suffix}"),
+        "--ros-domain",
+        str(robot.domain),
+        "--accept-changes",
+        "all",
+    ]

@@ -99,6 +99,7 @@ def _digest(text: str) -> str:
 def greet(
     address: str,
     logins: Sequence[Login],
+    *,
     data: Path,
     took: float,
     changed: Sequence[Path] = (),

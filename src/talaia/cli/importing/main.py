@@ -61,7 +61,9 @@ def main(argv: Sequence[str]) -> int:
         writers: list[ParcelWriter] = []
         for path in options.file:
             times = TimeReader(_zone(options.zone), TimeUnit(options.time_unit))
-            with contextlib.closing(_open(path, site, named, options.time, times)) as source:
+            with contextlib.closing(
+                _open(path, site, named=named, time_column=options.time, times=times)
+            ) as source:
                 writer = None
                 if not options.dry_run:
                     head = Head(
@@ -103,15 +105,20 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "--dry-run", action="store_true", help="say what would be imported, and write nothing"
     )
     parser.add_argument(
-        "--column", action="append", default=[], metavar="HEADING=ADDRESS",
+        "--column",
+        action="append",
+        default=[],
+        metavar="HEADING=ADDRESS",
         help="CSV and extensions: this column is that channel, as base/speed or base/pose.x;"
         " may repeat",
-    )  # fmt: skip
+    )
     parser.add_argument("--time", default="", metavar="HEADING", help="CSV: the column of times")
     parser.add_argument(
-        "--time-unit", default="auto", choices=[each.value for each in TimeUnit],
+        "--time-unit",
+        default="auto",
+        choices=[each.value for each in TimeUnit],
         help="CSV: how times are written (auto: by the first of them)",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--zone", default="", help="CSV: the zone of times that say none, as Europe/Madrid"
     )
@@ -162,9 +169,11 @@ def _kind(path: Path) -> str:
             if (path / "metadata.yaml").is_file():
                 return "rosbag 2"
             raise BadFile(
-                str(path), "", "a folder without metadata.yaml is no rosbag 2",
+                str(path),
+                "",
+                "a folder without metadata.yaml is no rosbag 2",
                 "`ros2 bag reindex` makes it anew",
-            )  # fmt: skip
+            )
         with path.open("rb") as file:
             start = file.read(16)
     except OSError as error:
@@ -187,11 +196,11 @@ def _kind(path: Path) -> str:
 
 
 def _open(
-    path: Path, site: Site, named: dict[str, str], time_column: str, times: TimeReader
+    path: Path, site: Site, *, named: dict[str, str], time_column: str, times: TimeReader
 ) -> ImportSource:
     kind = _kind(path)
     if kind == "CSV":
-        return Table(path, site, named, time_column, times)
+        return Table(path, site, named=named, time_column=time_column, times=times)
     if kind.startswith(_EXTENSION):
         return ExtensionSource(path, kind.removeprefix(_EXTENSION), site, named)
     return Messages(path, kind, site)

@@ -46,6 +46,7 @@ class Table:
         self,
         path: Path,
         site: Site,
+        *,
         named: Mapping[str, str],
         time_column: str,
         times: TimeReader,

@@ -103,8 +103,12 @@ class DevicesPage(Page):
         split.setStretchFactor(1, 3)
         split.setSizes([340, 480])
         self.body.addWidget(split, 1)
-        QShortcut(QKeySequence.StandardKey.Delete, self.tree, self.remove,
-                  context=Qt.ShortcutContext.WidgetShortcut)  # fmt: skip
+        QShortcut(
+            QKeySequence.StandardKey.Delete,
+            self.tree,
+            self.remove,
+            context=Qt.ShortcutContext.WidgetShortcut,
+        )
         editor.changed.connect(self.show_site)
         self.show_site()
 

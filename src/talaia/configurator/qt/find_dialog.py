@@ -54,11 +54,14 @@ class FindDialog(QDialog):
         self._tick.timeout.connect(self._progress)
         body = QVBoxLayout(self)
         body.setSpacing(SPACE[1])
-        body.addWidget(label(
-            "Lists the topics, services, actions and cameras of a robot that is running, and "
-            "fills in what the description does not have yet. It only listens.",
-            "muted", wrap=True,
-        ))  # fmt: skip
+        body.addWidget(
+            label(
+                "Lists the topics, services, actions and cameras of a robot that is running, and "
+                "fills in what the description does not have yet. It only listens.",
+                "muted",
+                wrap=True,
+            )
+        )
         body.addWidget(self._where())
         self.bar = QProgressBar(maximum=1000, textVisible=False)
         self.bar.setAccessibleName("Progress")

@@ -48,6 +48,7 @@ class GeneratePage(Page):
     def __init__(
         self,
         editor: Editor,
+        *,
         talaia: Sequence[str],
         save: Callable[[], bool],
         open_page: Callable[[str], None],
@@ -90,10 +91,14 @@ class GeneratePage(Page):
 
     def _here(self) -> QWidget:
         card = Card("Start it on this machine")
-        card.body.addWidget(label(
-            "The hub with accounts, tables and history, and the gateway to the robot; the "
-            "dashboard opens in your browser.", "muted", wrap=True,
-        ))  # fmt: skip
+        card.body.addWidget(
+            label(
+                "The hub with accounts, tables and history, and the gateway to the robot; the "
+                "dashboard opens in your browser.",
+                "muted",
+                wrap=True,
+            )
+        )
         self.start_button = button("&Generate", self.start, "main")
         self.stop_button = button("S&top", self.stop)
         self.open_button = button("Open &dashboard", self.open_dashboard)
@@ -109,10 +114,14 @@ class GeneratePage(Page):
 
     def _elsewhere(self) -> QWidget:
         card = Card("Make a deployment")
-        card.body.addWidget(label(
-            "A folder with containers for a server, and systemd units for the robot's own "
-            "computer. No default password.", "muted", wrap=True,
-        ))  # fmt: skip
+        card.body.addWidget(
+            label(
+                "A folder with containers for a server, and systemd units for the robot's own "
+                "computer. No default password.",
+                "muted",
+                wrap=True,
+            )
+        )
         self.folder = QLineEdit(placeholderText="a new folder")
         self.folder.setAccessibleName("Folder of the deployment")
         self.database = ComboBox()
@@ -180,9 +189,12 @@ class GeneratePage(Page):
         if not self._save():
             return
         words = deploy_command(
-            self._talaia, str(self._editor.file), str(Path(folder).expanduser()),
-            self.database.currentData(), over=self.over.isChecked(),
-        )  # fmt: skip
+            self._talaia,
+            str(self._editor.file),
+            str(Path(folder).expanduser()),
+            self.database.currentData(),
+            over=self.over.isChecked(),
+        )
         self._begin(self.made, self._deploy, words)
 
     def open_dashboard(self) -> None:

@@ -40,15 +40,33 @@ class Colours(NamedTuple):
 
 
 LIGHT = Colours(
-    bg="#f3f5f4", surface="#ffffff", raised="#e9edeb", text="#182025", muted="#51606a",
-    line="#d3dad7", edge="#7b8a92", accent="#155e78", on_accent="#ffffff", ok="#1a6437",
-    warn="#7f4a00", bad="#ad2019",
-)  # fmt: skip
+    bg="#f3f5f4",
+    surface="#ffffff",
+    raised="#e9edeb",
+    text="#182025",
+    muted="#51606a",
+    line="#d3dad7",
+    edge="#7b8a92",
+    accent="#155e78",
+    on_accent="#ffffff",
+    ok="#1a6437",
+    warn="#7f4a00",
+    bad="#ad2019",
+)
 DARK = Colours(
-    bg="#0f1417", surface="#182025", raised="#222c32", text="#e9eef0", muted="#a6b3ba",
-    line="#2e3a41", edge="#6d7d86", accent="#74c5df", on_accent="#08212b", ok="#74d197",
-    warn="#f0b65e", bad="#ff948a",
-)  # fmt: skip
+    bg="#0f1417",
+    surface="#182025",
+    raised="#222c32",
+    text="#e9eef0",
+    muted="#a6b3ba",
+    line="#2e3a41",
+    edge="#6d7d86",
+    accent="#74c5df",
+    on_accent="#08212b",
+    ok="#74d197",
+    warn="#f0b65e",
+    bad="#ff948a",
+)
 _HALF = 128
 # --t-space-1 to 6, in pixels at the pages' usual size.
 SPACE = (4, 8, 12, 16, 24, 40)

@@ -55,6 +55,7 @@ class _Service(Card):
         editor: Editor,
         name: str,
         sentence: str,
+        *,
         found: Callable[[Site], list[Path]],
         added: Callable[[Site], Site],
         entries: tuple[_Entry, ...],
@@ -163,9 +164,10 @@ class RobotPage(Page):
     def __init__(self, editor: Editor) -> None:
         """Show the open document."""
         super().__init__(
-            "Services", "What else the robot offers. The topics are those of CloudConnect; "
+            "Services",
+            "What else the robot offers. The topics are those of CloudConnect; "
             "write your robot's own.",
-        )  # fmt: skip
+        )
         message = ComboBox()
         for kind, text in _MESSAGES.items():
             message.addItem(text, str(kind))
@@ -174,9 +176,9 @@ class RobotPage(Page):
             "Actuate",
             "Drive the robot from the dashboard: hold to run, one driver at a time, with STOP. "
             "Raise the careful limits to what your robot may do.",
-            lambda site: [("devices", each, "drive") for each in edits.driven(site)],
-            edits.with_drive,
-            (
+            found=lambda site: [("devices", each, "drive") for each in edits.driven(site)],
+            added=edits.with_drive,
+            entries=(
                 _Entry("Topic", QLineEdit(edits.CONTROL), ("topic",)),
                 _Entry("Message", message, ("message",)),
                 _Entry("Speed (m/s)", QLineEdit(f"{edits.CAREFUL_SPEED}"), ("max_speed",)),
@@ -187,9 +189,9 @@ class RobotPage(Page):
             editor,
             "Camera",
             "Show live pictures (sensor_msgs/Image).",
-            edits.cameras,
-            edits.with_camera,
-            (
+            found=edits.cameras,
+            added=edits.with_camera,
+            entries=(
                 _Entry("Topic", QLineEdit(edits.IMAGES), ("source", "topic")),
                 _Entry("Name", QLineEdit("Front camera"), ("name",)),
             ),
@@ -198,15 +200,14 @@ class RobotPage(Page):
             editor,
             "GPS",
             "Show the robot on the map of the Earth (sensor_msgs/NavSatFix).",
-            edits.gps,
-            edits.with_gps,
-            (
+            found=edits.gps,
+            added=edits.with_gps,
+            entries=(
                 _Entry("Topic", QLineEdit(edits.FIX), ("source", "topic")),
                 _Entry("Name", QLineEdit("Geographic position"), ("name",)),
             ),
         )
-        self.another = button("Add another", lambda: editor.apply(
-            "add camera", edits.with_camera))  # fmt: skip
+        self.another = button("Add another", lambda: editor.apply("add camera", edits.with_camera))
         self.camera.buttons.insertWidget(2, self.another)
         self._editor = editor
         for card in (self.actuate, self.camera, self.gps):

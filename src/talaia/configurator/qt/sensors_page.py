@@ -48,8 +48,12 @@ class SensorsPage(Page):
         self._editor = editor
         self.body.addWidget(self._adding())
         self.body.addWidget(self._list(), 1)
-        QShortcut(QKeySequence.StandardKey.Delete, self.table, self.remove_selected,
-                  context=Qt.ShortcutContext.WidgetShortcut)  # fmt: skip
+        QShortcut(
+            QKeySequence.StandardKey.Delete,
+            self.table,
+            self.remove_selected,
+            context=Qt.ShortcutContext.WidgetShortcut,
+        )
         editor.changed.connect(self.show_site)
         self._choose()
         self.show_site()

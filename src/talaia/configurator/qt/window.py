@@ -80,7 +80,11 @@ class Window(QMainWindow):
         self.ai, self.sensors = AiPage(self.editor), SensorsPage(self.editor)
         self.robot, self.devices = RobotPage(self.editor), DevicesPage(self.editor)
         self.generate = GeneratePage(
-            self.editor, means.talaia, self.save, means.open_page, means.data
+            self.editor,
+            talaia=means.talaia,
+            save=self.save,
+            open_page=means.open_page,
+            data=means.data,
         )
         self.finder = FindDialog(self.editor, means.talaia, self)
         self.problems = ProblemsPanel(self.editor)

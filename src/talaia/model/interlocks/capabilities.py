@@ -37,10 +37,12 @@ def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
     )
     if said is None:
         return follows
-    return Capabilities(*(
-        known if getattr(said, key) is None else getattr(said, key)
-        for key, known in follows._asdict().items()
-    ))  # fmt: skip
+    return Capabilities(
+        *(
+            known if getattr(said, key) is None else getattr(said, key)
+            for key, known in follows._asdict().items()
+        )
+    )
 
 
 def _turns(site: Site, enclosure: Enclosure) -> bool:

@@ -40,8 +40,9 @@ class Difference(NamedTuple):
 
 def difference(before: Site, after: Site) -> list[Difference]:
     """List what differs, in the order of the descriptions; a whole part that came counts once."""
-    moved = {old.partition(".")[0]: new.partition(".")[0] for old, new in
-             renames(before, after).items()}  # fmt: skip
+    moved = {
+        old.partition(".")[0]: new.partition(".")[0] for old, new in renames(before, after).items()
+    }
     found = [Difference(ChangeKind.RENAMED, _path(new), old, new) for old, new in moved.items()]
     was, now = msgspec.to_builtins(before), msgspec.to_builtins(after)
     # What was renamed is held against what it has become.

@@ -237,7 +237,7 @@ class _Shell:
                     response.success, response.message = ticket.good, ticket.message
                 service.send_response(response, header)
 
-            self._start_service_call(name, kind, request, act, answer)
+            self._start_service_call(name, kind, request=request, act=act, answer=answer)
 
         self._services.append((service, receive_request))
 
@@ -257,6 +257,7 @@ class _Shell:
         self,
         name: str,
         kind: Any,  # noqa: ANN401
+        *,
         request: Any,  # noqa: ANN401
         act: Callable[[dict[str, Value]], Ticket],
         answer: Callable[[Ticket], None],

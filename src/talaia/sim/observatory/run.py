@@ -31,27 +31,40 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--seed", type=int, default=1, help="of the weather (default 1)")
     parser.add_argument(
-        "--only", action="append", choices=DEVICES, metavar="DEVICE",
+        "--only",
+        action="append",
+        choices=DEVICES,
+        metavar="DEVICE",
         help=f"only this server, may be given again: {', '.join(DEVICES)}",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--speed", type=float, default=1.0, metavar="FACTOR",
+        "--speed",
+        type=float,
+        default=1.0,
+        metavar="FACTOR",
         help="everything moves so many times faster, 1 to 20 (default 1); for tests",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--longitude", type=float, default=MONTSEC.longitude, metavar="DEG",
+        "--longitude",
+        type=float,
+        default=MONTSEC.longitude,
+        metavar="DEG",
         help=f"where it stands, -180 to 180 (default {MONTSEC.longitude})",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--enclosure", choices=ENCLOSURES, default=ENCLOSURES[0],
+        "--enclosure",
+        choices=ENCLOSURES,
+        default=ENCLOSURES[0],
         help="a dome that turns, or a clamshell of two shells that does not (default dome)",
-    )  # fmt: skip
+    )
     parser.add_argument("--fits", type=Path, metavar="DIR", help="keep the pictures here")
     parser.add_argument("--log", type=Path, metavar="FILE", help="write what is asked (JSON lines)")
     parser.add_argument(
-        "--orders", type=Path, metavar="PIPE",
+        "--orders",
+        type=Path,
+        metavar="PIPE",
         help="a named pipe that brings faults and foreign hands, a line each; for tests",
-    )  # fmt: skip
+    )
     return parser
 
 
@@ -95,8 +108,12 @@ def _run(options: argparse.Namespace, start: Start) -> None:
     place = MONTSEC._replace(longitude=options.longitude)
     for name in names:
         server = make_server(
-            name, seed=options.seed, unix_s=time.time(), call=shells.call, place=place,
+            name,
+            seed=options.seed,
+            unix_s=time.time(),
+            call=shells.call,
+            place=place,
             roof=options.enclosure,
-        )  # fmt: skip
+        )
         shells.add(server)
     shells.run(start.ended, lambda: start.say_ready(servers=names))

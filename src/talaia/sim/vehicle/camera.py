@@ -118,9 +118,14 @@ class Camera:
         mujoco.mj_camlight(self._model, self._data)
         self._show_what_is_ahead(yaw)
         mujoco.mjv_updateScene(
-            self._model, self._data, self._option, self._perturb, self._view,
-            mujoco.mjtCatBit.mjCAT_ALL.value, self._scene,
-        )  # fmt: skip
+            self._model,
+            self._data,
+            self._option,
+            self._perturb,
+            self._view,
+            mujoco.mjtCatBit.mjCAT_ALL.value,
+            self._scene,
+        )
         mujoco.mjr_render(self._rect, self._scene, self._drawing)
         mujoco.mjr_readPixels(self._pixels, None, self._rect, self._drawing)
         # OpenGL's rows run upwards.

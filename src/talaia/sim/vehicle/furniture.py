@@ -46,7 +46,9 @@ FINISHES: dict[str, Finish] = {
     "blue cloth": Finish(lambda r: cloth(r, (0.28, 0.40, 0.62)), repeat=5.0, shine=0.0),
     "stone": Finish(lambda r: wood(r, (0.30, 0.31, 0.33)), repeat=1.4, shine=0.5),
     "wall tiles": Finish(
-        lambda r: tiles(r, (0.84, 0.89, 0.88), (1.0, 1.0), 128, 0.125), repeat=1.0, shine=0.4
+        lambda r: tiles(r, (0.84, 0.89, 0.88), metres=(1.0, 1.0), scale=128, side=0.125),
+        repeat=1.0,
+        shine=0.4,
     ),
     "steel": Finish(colour=(0.70, 0.72, 0.75), shine=0.8),
     "black": Finish(colour=(0.07, 0.07, 0.08), shine=0.4),
@@ -327,7 +329,7 @@ def washstand(at: FloorPose) -> None:
     at.rod("red", (0.1, 0.3, 0.9), (0.1, 0.3, 1.0), 0.03, blunt=True)
 
 
-def painting(at: FloorPose, finish: str, width: float, height: float, z: float) -> None:
+def painting(at: FloorPose, finish: str, *, width: float, height: float, z: float) -> None:
     """A picture on the wall behind the place, its centre ``z`` metres high."""
     at.box(finish, (0.0, -width / 2, z - height / 2), (0.03, width / 2, z + height / 2), 0.003)
 

@@ -64,30 +64,42 @@ def _oak(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
 
 
 def _clay(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
-    return tiles(rng, (0.70, 0.46, 0.35), size, FLOOR_SCALE, 0.33)
+    return tiles(rng, (0.70, 0.46, 0.35), metres=size, scale=FLOOR_SCALE, side=0.33)
 
 
 def _slate(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
-    return tiles(rng, (0.55, 0.58, 0.60), size, FLOOR_SCALE, 0.25)
+    return tiles(rng, (0.55, 0.58, 0.60), metres=size, scale=FLOOR_SCALE, side=0.25)
 
 
 ROOMS = (
     Room(
-        "living room", (-2, -4), (4, 1), (0.93, 0.90, 0.83), _oak,
+        "living room",
+        (-2, -4),
+        (4, 1),
+        (0.93, 0.90, 0.83),
+        _oak,
         (("e", 0.25, 1.2), ("e", -2.25, 1.4), ("n", 0.9, 1.1)),
     ),
     Room(
-        "kitchen", (4, -4), (9, -0.5), (0.90, 0.86, 0.74), _clay,
+        "kitchen",
+        (4, -4),
+        (9, -0.5),
+        (0.90, 0.86, 0.74),
+        _clay,
         (("w", -2.25, 1.4), ("n", 7.6, 1.1)),
     ),
     Room(
-        "hall", (4, -0.5), (9, 1), (0.82, 0.87, 0.86), _oak,
+        "hall",
+        (4, -0.5),
+        (9, 1),
+        (0.82, 0.87, 0.86),
+        _oak,
         (("w", 0.25, 1.2), ("s", 7.6, 1.1), ("n", 5.1, 1.1), ("n", 7.3, 1.1)),
     ),
     Room("bedroom", (-2, 1), (3, 4), (0.78, 0.83, 0.88), _oak, (("s", 0.9, 1.1),)),
     Room("study", (3, 1), (6, 4), (0.80, 0.85, 0.76), _oak, (("s", 5.1, 1.1),)),
     Room("bath", (6, 1), (9, 4), (0.80, 0.88, 0.90), _slate, (("s", 7.3, 1.1),)),
-)  # fmt: skip
+)
 
 
 def build(stage: Stage, layout: np.random.Generator) -> None:
@@ -128,9 +140,9 @@ def _walls(stage: Stage, room: Room) -> None:
         for low, high in [*gaps, (length, length)]:
             if low - start > 0.01:
                 corners = (start == 0.0, low == length)
-                _wall(place, room, (start, low), (0.0, CEILING), corners)
+                _wall(place, room, span=(start, low), height=(0.0, CEILING), corners=corners)
             if high > low:
-                _wall(place, room, (low, high), (DOOR, CEILING), (False, False))
+                _wall(place, room, span=(low, high), height=(DOOR, CEILING), corners=(False, False))
                 _door_frame(place, low, high)
             start = high
 
@@ -138,6 +150,7 @@ def _walls(stage: Stage, room: Room) -> None:
 def _wall(
     place: FloorPose,
     room: Room,
+    *,
     span: tuple[float, float],
     height: tuple[float, float],
     corners: tuple[bool, bool],
@@ -182,7 +195,7 @@ def _furnish_living_room(stage: Stage, layout: np.random.Generator) -> None:
     furniture.plant(near(-1.6, 0.6, 0.0), 0.9)
     furniture.window(stage.at(0.9, -4 + WALL, up), 2.0)
     furniture.window(stage.at(-2 + WALL, -0.3, 0.0), 1.2)
-    furniture.painting(stage.at(2.4, 1 - WALL, -up), "cat", 0.9, 0.6, 0.95)
+    furniture.painting(stage.at(2.4, 1 - WALL, -up), "cat", width=0.9, height=0.6, z=0.95)
     if stage.looks:
         stage.at(0.9, -2.2).box("rug", (-1.35, -0.9, 0.0), (1.35, 0.9, 0.012), 0.004)
     living.person(near(3.3, 0.62, math.pi + 0.2, 0.02))
@@ -200,15 +213,17 @@ def _furnish_kitchen(stage: Stage, layout: np.random.Generator) -> None:
     for x, y, yaw in ((-0.38, -0.62, up), (0.38, -0.62, up), (-0.38, 0.62, -up), (0.38, 0.62, -up)):
         dx, dy, turn = layout.uniform(-0.04, 0.04, 3)
         furniture.chair(table.on(x + dx, y + dy, yaw + 5 * turn), "teal cloth")
-    furniture.painting(stage.at(9 - WALL, -1.7, math.pi), "coffee", 1.0, 0.72, 1.15)
+    furniture.painting(stage.at(9 - WALL, -1.7, math.pi), "coffee", width=1.0, height=0.72, z=1.15)
     furniture.window(stage.at(9 - WALL, -2.9, math.pi), 0.9, 1.6)
     furniture.plant(stage.at(8.6, -0.9), 0.8)
 
 
 def _furnish_others(stage: Stage, layout: np.random.Generator) -> None:
     up = math.pi / 2
-    furniture.painting(stage.at(9 - WALL, 0.25, math.pi), "astronaut", 1.0, 1.0, 1.05)
-    furniture.painting(stage.at(5.6, -0.5 + WALL, up), "galaxies", 1.1, 0.6, 1.3)
+    furniture.painting(
+        stage.at(9 - WALL, 0.25, math.pi), "astronaut", width=1.0, height=1.0, z=1.05
+    )
+    furniture.painting(stage.at(5.6, -0.5 + WALL, up), "galaxies", width=1.1, height=0.6, z=1.3)
     furniture.plant(stage.at(8.65, -0.15), 0.7)
     furniture.bed(stage.at(-0.88, 3.0))
     for y in (1.85,):
@@ -217,14 +232,14 @@ def _furnish_others(stage: Stage, layout: np.random.Generator) -> None:
         stage.at(-1.7, y).rod("shade", (0, 0, 0.7), (0, 0, 0.9), 0.13, blunt=True)
     furniture.wardrobe(stage.at(2.62, 3.1, math.pi))
     furniture.window(stage.at(1.2, 4 - WALL, -up), 1.3)
-    furniture.painting(stage.at(-2 + WALL, 3.0, 0.0), "rocket", 0.6, 0.8, 1.65)
+    furniture.painting(stage.at(-2 + WALL, 3.0, 0.0), "rocket", width=0.6, height=0.8, z=1.65)
     if stage.looks:
         stage.at(1.2, 2.3).box("blue rug", (-0.8, -0.55, 0.0), (0.8, 0.55, 0.012), 0.004)
     furniture.desk(stage.at(4.4, 3.55, -up))
     dx, dy, turn = layout.uniform(-0.08, 0.08, 3)
     furniture.office_chair(stage.at(4.4 + dx, 2.75 + dy, up + 6 * turn))
     furniture.bookshelf(stage.at(3.24, 2.0, 0.0))
-    furniture.painting(stage.at(6 - WALL, 2.6, math.pi), "rocket", 0.75, 1.0, 1.15)
+    furniture.painting(stage.at(6 - WALL, 2.6, math.pi), "rocket", width=0.75, height=1.0, z=1.15)
     furniture.plant(stage.at(5.6, 3.6), 1.1)
     furniture.bath(stage.at(8.52, 2.9))
     furniture.washstand(stage.at(6.29, 2.9, 0.0))

@@ -55,7 +55,7 @@ class Inputs:
     """
 
     def __init__(
-        self, node: Node, base: Base, lock: threading.Lock, log: ActuationLog, clock: Clock
+        self, node: Node, *, base: Base, lock: threading.Lock, log: ActuationLog, clock: Clock
     ) -> None:
         """Create the subscriptions."""
         self._base = base
@@ -136,12 +136,12 @@ class Loop:
     def __init__(
         self,
         node: Node,
+        *,
         world: World,
         base: Base,
         lock: threading.Lock,
         log: ActuationLog,
         clock: Clock,
-        *,
         seed: int,
         eye: CameraProcess | None = None,
     ) -> None:

@@ -85,8 +85,10 @@ def _run(options: argparse.Namespace, start: Start) -> None:
     start.stack.callback(node.destroy_node)
     base = Base(wandering=options.wander)
     lock = threading.Lock()
-    loop = shell.Loop(node, world, base, lock, log, clock, seed=options.seed, eye=eye)
-    inputs = shell.Inputs(node, base, lock, log, clock)
+    loop = shell.Loop(
+        node, world=world, base=base, lock=lock, log=log, clock=clock, seed=options.seed, eye=eye
+    )
+    inputs = shell.Inputs(node, base=base, lock=lock, log=log, clock=clock)
     way = eye.wait() if eye else None
     inputs.start()
     start.stack.callback(inputs.close)

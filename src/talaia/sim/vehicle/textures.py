@@ -116,7 +116,12 @@ def parquet(
 
 
 def tiles(
-    rng: np.random.Generator, colour: Colour, metres: tuple[float, float], scale: int, side: float
+    rng: np.random.Generator,
+    colour: Colour,
+    *,
+    metres: tuple[float, float],
+    scale: int,
+    side: float,
 ) -> Picture:
     """Square tiles of ``side`` metres with pale joints."""
     width, height = int(metres[0] * scale), int(metres[1] * scale)
@@ -214,9 +219,16 @@ def book_row(rng: np.random.Generator, width: int = 256, height: int = 96) -> Pi
     image = Image.new("RGB", (width, height), (38, 30, 24))
     pen = ImageDraw.Draw(image)
     palette = [
-        (151, 54, 48), (34, 78, 110), (206, 160, 66), (61, 97, 73), (226, 214, 190),
-        (92, 62, 98), (186, 98, 52), (48, 52, 60), (120, 150, 160),
-    ]  # fmt: skip
+        (151, 54, 48),
+        (34, 78, 110),
+        (206, 160, 66),
+        (61, 97, 73),
+        (226, 214, 190),
+        (92, 62, 98),
+        (186, 98, 52),
+        (48, 52, 60),
+        (120, 150, 160),
+    ]
     x = 2
     while x < width - 6:
         thick = int(rng.integers(6, 17))

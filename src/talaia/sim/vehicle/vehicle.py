@@ -83,16 +83,33 @@ def _looks(stage: Stage, body: object) -> None:
     )
     for finish, position, (radius, half) in parts:
         body.add_geom(  # type: ignore[attr-defined]
-            type=mujoco.mjtGeom.mjGEOM_CYLINDER, pos=position, size=(radius, half, 0),
-            material=stage.material(finish), group=OWN_GROUP, contype=0, conaffinity=0, mass=0.0,
-        )  # fmt: skip
+            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+            pos=position,
+            size=(radius, half, 0),
+            material=stage.material(finish),
+            group=OWN_GROUP,
+            contype=0,
+            conaffinity=0,
+            mass=0.0,
+        )
     for side in (-1, 1):
         body.add_geom(  # type: ignore[attr-defined]
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-            fromto=(0, side * 0.115, 0.033, 0, side * 0.135, 0.033), size=(0.033, 0, 0),
-            material=stage.material("tyre"), group=OWN_GROUP, contype=0, conaffinity=0, mass=0.0,
-        )  # fmt: skip
+            fromto=(0, side * 0.115, 0.033, 0, side * 0.135, 0.033),
+            size=(0.033, 0, 0),
+            material=stage.material("tyre"),
+            group=OWN_GROUP,
+            contype=0,
+            conaffinity=0,
+            mass=0.0,
+        )
     body.add_geom(  # type: ignore[attr-defined]
-        type=mujoco.mjtGeom.mjGEOM_BOX, pos=(0.035, 0, 0.375), size=(0.02, 0.045, 0.015),
-        material=stage.material("vehicle"), group=OWN_GROUP, contype=0, conaffinity=0, mass=0.0,
-    )  # fmt: skip
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        pos=(0.035, 0, 0.375),
+        size=(0.02, 0.045, 0.015),
+        material=stage.material("vehicle"),
+        group=OWN_GROUP,
+        contype=0,
+        conaffinity=0,
+        mass=0.0,
+    )

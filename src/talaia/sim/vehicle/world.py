@@ -189,9 +189,19 @@ class World:
         found = np.zeros(count, dtype=np.int32)
         distances = np.zeros(count)
         mujoco.mj_multiRay(
-            self.model, self._data, origin, vectors.ravel(), self._groups, 1, self._body,
-            found, distances, None, count, cutoff,
-        )  # fmt: skip
+            self.model,
+            self._data,
+            origin,
+            vectors.ravel(),
+            self._groups,
+            1,
+            self._body,
+            found,
+            distances,
+            None,
+            count,
+            cutoff,
+        )
         distances[found < 0] = math.inf
         return distances
 
