@@ -18,6 +18,7 @@ import sys
 import tokenize
 from collections import defaultdict
 from pathlib import Path
+from typing import TypeGuard
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "src" / "talaia"
@@ -27,6 +28,8 @@ CEILINGS = ROOT / "tools" / "ceilings.json"
 EMPTY_NAMES = frozenset(
     {"take", "look", "tell", "say", "said", "told", "put", "give", "note", "go", "do"}
 )
+# Says of what a loop goes through, or a function takes, nothing at all.
+EMPTY_VARIABLES = frozenset({"each"})
 # Python's own protocol for files asks for a method of this name.
 FILE_METHODS = frozenset({"tell"})
 MOST_PARAMETERS = 4
@@ -63,6 +66,13 @@ def has_many_positional(node: Function) -> bool:
     if names and names[0] in {"self", "cls"}:
         names = names[1:]
     return len(names) > MOST_PARAMETERS and not is_route(node)
+
+
+def is_empty_variable(node: ast.AST) -> TypeGuard[ast.Name | ast.arg]:
+    """Tell whether a node binds a variable or a parameter to a name that says nothing."""
+    if isinstance(node, ast.Name):
+        return isinstance(node.ctx, ast.Store) and node.id in EMPTY_VARIABLES
+    return isinstance(node, ast.arg) and node.arg in EMPTY_VARIABLES
 
 
 def is_file_like(node: ast.ClassDef) -> bool:
@@ -118,6 +128,8 @@ class Findings:
                 self.places["classes over 300 lines"].append(place)
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 self._add_function(name, node)
+            if is_empty_variable(node):
+                self.places["variables called each"].append(f"{name}:{node.lineno}")
 
     def _add_function(self, name: str, node: Function) -> None:
         place = f"{name}:{node.lineno} {node.name}"
@@ -149,6 +161,7 @@ class Findings:
         names = (
             "public class names in several files",
             "functions named by an empty verb",
+            "variables called each",
             "functions with over 4 positional parameters",
             "files over 500 lines",
             "classes over 300 lines",

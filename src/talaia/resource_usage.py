@@ -39,7 +39,7 @@ def usage(loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | Non
 
     ``cached_bytes``: gives the memory of what is kept only because it may be asked for again.
     """
-    tasks = Counter(_what_runs(each) for each in asyncio.all_tasks(loop))
+    tasks = Counter(_what_runs(task) for task in asyncio.all_tasks(loop))
     named = ", ".join(f"{count} {name}" for name, count in tasks.most_common(_MOST_NAMED))
     figures = [f"tasks {tasks.total()}", f"threads {threading.active_count()}"]
     with contextlib.suppress(OSError):

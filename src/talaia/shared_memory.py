@@ -49,7 +49,7 @@ def remove_dead_segments(folder: Path = _FOLDER) -> Removed:
     """Remove this user's segments whose owners are dead; what cannot be removed stays."""
     removed = Removed()
     try:
-        locks = [each for each in os.listdir(folder) if _LOCK.fullmatch(each)]
+        locks = [name for name in os.listdir(folder) if _LOCK.fullmatch(name)]
     except OSError:
         return removed
     for name in locks:

@@ -66,9 +66,9 @@ def _not_judged(site: Site) -> Iterator[str]:
     """Name the extensions that a description needs and that are not here."""
     adapters, detectors = installed().adapters(), installed().detectors()
     needed = {
-        (AdapterExtension, each.extension, "its gateway")
-        for each in site.connections.values()
-        if isinstance(each, ExtensionConnection) and each.extension not in adapters
+        (AdapterExtension, connection.extension, "its gateway")
+        for connection in site.connections.values()
+        if isinstance(connection, ExtensionConnection) and connection.extension not in adapters
     } | {
         (DetectorExtension, watch.extension, "the hub")
         for device in site.devices.values()
@@ -76,7 +76,7 @@ def _not_judged(site: Site) -> Iterator[str]:
         for watch in signal.anomalies
         if watch.extension and watch.extension not in detectors
     }
-    for kind, name, where in sorted(needed, key=lambda each: (each[0].group, each[1])):
+    for kind, name, where in sorted(needed, key=lambda part: (part[0].group, part[1])):
         what = kind.group.removeprefix("talaia.").removesuffix("s")
         yield (
             f"the {what} {name!r} is not installed here, so its keys were not judged; "

@@ -29,12 +29,12 @@ def main(argv: Sequence[str]) -> int:
     ).parse_args(argv)
     found = installed()
     every = found.every()
-    for each in every:
+    for extension in every:
         print(
-            f"{each.group.removeprefix('talaia.').removesuffix('s')} {each.name}: "
-            f"{each.declared.summary} ({each.package})"
+            f"{extension.group.removeprefix('talaia.').removesuffix('s')} {extension.name}: "
+            f"{extension.declared.summary} ({extension.package})"
         )
-        for title, shape in _shapes(each.declared):
+        for title, shape in _shapes(extension.declared):
             for key in keys_shown(shape):
                 must = "required" if key.required else f"default {key.default or 'empty'}"
                 about = f": {key.about}" if key.about else ""

@@ -61,7 +61,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--to", type=Path, required=True, metavar="DIR", help="the folder")
     parser.add_argument(
         "--database",
-        choices=[each.value for each in DatabaseKind],
+        choices=[database.value for database in DatabaseKind],
         default=DatabaseKind.MARIADB.value,
         help="where accounts and history are kept (mariadb, with phpMyAdmin)",
     )

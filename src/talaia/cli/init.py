@@ -101,7 +101,7 @@ def _head(found: Found, made: Proposal) -> list[str]:
             "(rad/s) to what your robot may do.",
         ]
     if made.left_out:
-        lines += ["", "Not in here:", *(f"  {each}" for each in made.left_out[:60])]
+        lines += ["", "Not in here:", *(f"  {reason}" for reason in made.left_out[:60])]
         if len(made.left_out) > 60:
             lines.append(f"  and {len(made.left_out) - 60} more")
     return lines
@@ -110,9 +110,9 @@ def _head(found: Found, made: Proposal) -> list[str]:
 def _print_summary(output: Path, made: Proposal, *, shown: bool) -> None:
     devices = made.site.devices.values()
     counts = (
-        f"{len(made.site.devices)} devices, {sum(len(each.signals) for each in devices)} signals, "
-        f"{sum(len(each.streams) for each in devices)} cameras, "
-        f"{sum(len(each.commands) for each in devices)} commands"
+        f"{len(devices)} devices, {sum(len(device.signals) for device in devices)} signals, "
+        f"{sum(len(device.streams) for device in devices)} cameras, "
+        f"{sum(len(device.commands) for device in devices)} commands"
     )
     print(f"{'found' if shown else f'{output}:'} {counts}", file=sys.stderr)
     if made.left_out:

@@ -181,19 +181,22 @@ def _listening(seconds: float) -> None:
 def _as_text(found: Found, *, fields: bool) -> str:
     lines = [f"{found.where}, after {found.seconds:g} s"]
     lines += ["", "topics that are published"]
-    for each in found.topics:
-        if each.publishers:
-            lines.append(_row(each))
-            lines += _fields(each) if fields else []
-    if not any(each.publishers for each in found.topics):
+    for topic in found.topics:
+        if topic.publishers:
+            lines.append(_row(topic))
+            lines += _fields(topic) if fields else []
+    if not any(topic.publishers for topic in found.topics):
         lines.append("  none")
-    heard = [each for each in found.topics if not each.publishers]
+    heard = [topic for topic in found.topics if not topic.publishers]
     if heard:
         lines += ["", "topics that somebody only listens to"]
-        lines += [f"  {each.topic:<36} {each.type}" for each in heard]
+        lines += [f"  {topic.topic:<36} {topic.type}" for topic in heard]
     for title, rows in (
-        ("services", [(each.service, each.type, each.problem) for each in found.services]),
-        ("actions", [(each.action, each.type, each.problem) for each in found.actions]),
+        (
+            "services",
+            [(service.service, service.type, service.problem) for service in found.services],
+        ),
+        ("actions", [(action.action, action.type, action.problem) for action in found.actions]),
     ):
         if rows:
             lines += ["", title]
@@ -217,33 +220,35 @@ def _as_text(found: Found, *, fields: bool) -> str:
 
 
 def _of_types(found: Found, types: tuple[str, ...]) -> list[str]:
-    return [each.topic for each in found.topics if each.publishers and each.type in types]
+    return [topic.topic for topic in found.topics if topic.publishers and topic.type in types]
 
 
 def _fields(topic: TopicFound) -> list[str]:
-    named = [f"      {each}" for each in topic.names]
+    named = [f"      {name}" for name in topic.names]
     return named or [
-        f"      {each.path:<36} {each.type}" + (f" in {each.unit}" if each.unit else "")
-        for each in topic.fields
+        f"      {field.path:<36} {field.type}" + (f" in {field.unit}" if field.unit else "")
+        for field in topic.fields
     ]
 
 
 def _devices_told(found: Found, *, fields: bool) -> str:
     lines = [f"{found.where}, after {found.seconds:g} s", "", "devices"]
-    for each in found.devices:
-        state = "connected" if each.connected else "not connected"
-        count = f"{len(each.properties)} properties"
-        lines.append(f"  {each.device:<28} {each.driver:<36} {state:<14} {count}")
-        lines += [_property(one) for one in each.properties] if fields else []
+    for device in found.devices:
+        state = "connected" if device.connected else "not connected"
+        count = f"{len(device.properties)} properties"
+        lines.append(f"  {device.device:<28} {device.driver:<36} {state:<14} {count}")
+        lines += [_property(one) for one in device.properties] if fields else []
     if not found.devices:
         lines += ["  none", "", "Does indiserver run any driver?"]
-    if any(not each.connected for each in found.devices):
+    if any(not device.connected for device in found.devices):
         lines += ["", "A driver that is not connected shows little; --connect connects them."]
     return "\n".join(lines)
 
 
 def _property(found: PropertyFound) -> str:
-    shown = ", ".join(f"{each.element} {each.value}".strip() for each in found.elements[:4])
+    shown = ", ".join(
+        f"{element.element} {element.value}".strip() for element in found.elements[:4]
+    )
     more = ", …" if len(found.elements) > 4 else ""
     kind = f"{found.type}{' (can be set)' if found.writable else ''}"
     return f"      {found.property:<28} {kind:<22} {shown}{more}"

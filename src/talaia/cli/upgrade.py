@@ -60,8 +60,8 @@ def _upgrade(path: Path, *, write: bool) -> bool:
             before.splitlines(keepends=True), after.splitlines(keepends=True), name, name
         )
         print("".join(rows), end="")
-    for each in changes:
-        print(f"{path}: {each}", file=sys.stderr)
+    for change in changes:
+        print(f"{path}: {change}", file=sys.stderr)
     findings = check(load_site(after))
     for finding in findings:
         print(f"{path}: {finding}", file=sys.stderr)

@@ -152,6 +152,8 @@ class Document:
         site = self.site
         if self._checked is None or self._checked[0] is not site:
             whole = msgspec.structs.replace(site, devices={**self._elsewhere, **site.devices})
-            found = tuple(Problem(*each, spot_of(site, each.where)) for each in check(whole))
+            found = tuple(
+                Problem(*finding, spot_of(site, finding.where)) for finding in check(whole)
+            )
             self._checked = (site, found)
         return self._checked[1]

@@ -130,7 +130,7 @@ def _taken(site: Site) -> dict[str, str]:
         for device_id, device in site.devices.items()
         for word, signal in device.signals.items()
     ]
-    heard = {each.source.name: address for address, _, each in signals if each.source.name}
+    heard = {signal.source.name: address for address, _, signal in signals if signal.source.name}
     return heard | {word: address for address, word, _ in signals}
 
 
@@ -172,7 +172,7 @@ def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Sit
     if not site.links():
         site = msgspec.structs.replace(site, ros2=Ros2Settings())
     links = site.links()
-    by_ros = [each for each, link in links.items() if kind_of(link) in ROS_KINDS]
+    by_ros = [name for name, link in links.items() if kind_of(link) in ROS_KINDS]
     if not by_ros:
         raise ConfiguratorError(
             "this needs a robot that speaks ROS, and the site has "
@@ -192,15 +192,15 @@ def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Sit
 
 def driven(site: Site) -> list[str]:
     """Name the devices that can be driven."""
-    return [word for word, each in site.devices.items() if each.drive is not None]
+    return [word for word, described in site.devices.items() if described.drive is not None]
 
 
 def cameras(site: Site) -> list[Path]:
     """Give the path of every stream."""
     return [
         ("devices", word, "streams", name)
-        for word, each in site.devices.items()
-        for name in each.streams
+        for word, device in site.devices.items()
+        for name in device.streams
     ]
 
 
@@ -208,8 +208,8 @@ def gps(site: Site) -> list[Path]:
     """Give the path of every position on Earth."""
     return [
         ("devices", word, "signals", name)
-        for word, each in site.devices.items()
-        for name, signal in each.signals.items()
+        for word, device in site.devices.items()
+        for name, signal in device.signals.items()
         if signal.type is SignalType.POSITION and signal.frame is PositionFrame.WGS84
     ]
 
@@ -217,7 +217,7 @@ def gps(site: Site) -> list[Path]:
 def with_drive(site: Site, topic: str = CONTROL, message: DriveMessage = DriveMessage.KEYS) -> Site:
     """Make a device drivable (*actuate*), slowly, with the first camera and position in view."""
     vehicle = next(
-        (word for word, each in site.devices.items() if each.kind is DeviceKind.VEHICLE), "base"
+        (word for word, device in site.devices.items() if device.kind is DeviceKind.VEHICLE), "base"
     )
     site, place = with_device(site, vehicle, "Vehicle base", DeviceKind.VEHICLE)
     drive = Drive(
@@ -225,8 +225,8 @@ def with_drive(site: Site, topic: str = CONTROL, message: DriveMessage = DriveMe
         message=message,
         max_speed=CAREFUL_SPEED,
         max_turn=CAREFUL_TURN,
-        picture=next((f"{each[1]}/{each[3]}" for each in cameras(site)), ""),
-        position=next((f"{each[1]}/{each[3]}" for each in gps(site)), ""),
+        picture=next((f"{camera[1]}/{camera[3]}" for camera in cameras(site)), ""),
+        position=next((f"{path[1]}/{path[3]}" for path in gps(site)), ""),
     )
     return with_value(site, ("devices", place, "drive"), drive)
 
@@ -345,15 +345,17 @@ def without(site: Site, paths: Iterable[Path]) -> Site:
 def _drive_without(site: Site, word: str, gone: set[str]) -> Drive:
     drive = site.devices[word].drive
     assert drive is not None  # noqa: S101 - `driven` says so
-    signals = {f"{each}/{name}" for each, device in site.devices.items() for name in device.signals}
-    streams = {f"{each}/{name}" for each, device in site.devices.items() for name in device.streams}
+    signals = {f"{word}/{name}" for word, device in site.devices.items() for name in device.signals}
+    streams = {f"{word}/{name}" for word, device in site.devices.items() for name in device.streams}
     # Only what is taken out now, or went with a device: a mistake of before stays to be seen.
     lost = gone | {
-        each
-        for each in (drive.picture, drive.position, *drive.stop.confirmed_by)
-        if each and each.split("/", 1)[0] not in site.devices
+        address
+        for address in (drive.picture, drive.position, *drive.stop.confirmed_by)
+        if address and address.split("/", 1)[0] not in site.devices
     }
-    kept = tuple(each for each in drive.stop.confirmed_by if each not in lost or each in signals)
+    kept = tuple(
+        address for address in drive.stop.confirmed_by if address not in lost or address in signals
+    )
     return msgspec.structs.replace(
         drive,
         picture="" if drive.picture in lost - streams else drive.picture,

@@ -50,8 +50,8 @@ def merged(site: Site, found: Found) -> Merged:
     if not links or (found.domain and site.ros2 and site.ros2.domain is None):
         site = msgspec.structs.replace(site, ros2=proposal.site.ros2 or site.ros2)
         links = site.links()
-    link = next((name for name, each in links.items() if kind_of(each) == found.protocol), "")
-    words = {each: _place(site, each, link) for each in proposal.site.devices}
+    link = next((name for name, link in links.items() if kind_of(link) == found.protocol), "")
+    words = {word: _place(site, word, link) for word in proposal.site.devices}
     have = {key for device in site.devices.values() for key in _keys(device)}
     added: list[Path] = []
     known = 0
@@ -111,7 +111,7 @@ def _fill(
         drive = msgspec.structs.replace(
             drive, picture=_moved(drive.picture, words), position=_moved(drive.position, words)
         )
-        confirmed = tuple(_moved(each, words) for each in drive.stop.confirmed_by)
+        confirmed = tuple(_moved(address, words) for address in drive.stop.confirmed_by)
         stop = msgspec.structs.replace(drive.stop, confirmed_by=confirmed)
         site = with_value(site, (*path, "drive"), msgspec.structs.replace(drive, stop=stop))
         added.append((*path, "drive"))
@@ -124,12 +124,14 @@ def _moved(address: str, words: dict[str, str]) -> str:
 
 
 def _undriven(site: Site, topic: str) -> bool:
-    return all(each.drive is None or each.drive.topic != topic for each in site.devices.values())
+    return all(
+        device.drive is None or device.drive.topic != topic for device in site.devices.values()
+    )
 
 
 def _runnable(site: Site, added: list[Path]) -> Site:
     """Clear what the new driving refers to and the merge has put elsewhere."""
-    for path in [each for each in added if each[-1] == "drive"]:
+    for path in [added_path for added_path in added if added_path[-1] == "drive"]:
         prefix = ".".join(("$", *path))
         for finding in check(site):
             if not finding.where.startswith(prefix):
@@ -144,7 +146,7 @@ def _runnable(site: Site, added: list[Path]) -> Site:
 
 def _keys(device: Device) -> list[tuple[str, ...]]:
     things = (*device.signals.values(), *device.streams.values(), *device.commands.values())
-    return [_key(each) for each in things]
+    return [_key(thing) for thing in things]
 
 
 def _key(thing: object) -> tuple[str, ...]:
@@ -154,4 +156,4 @@ def _key(thing: object) -> tuple[str, ...]:
         command: Command = thing  # type: ignore[assignment]
         return ("command", command.kind, command.target)
     kind = type(thing).__name__
-    return (kind, *(str(each) for each in msgspec.structs.astuple(source)))
+    return (kind, *(str(part) for part in msgspec.structs.astuple(source)))

@@ -90,7 +90,7 @@ def take_out(site: Site, path: Path) -> Site:
     parent = at(site, path[:-1])
     if isinstance(parent, dict):
         return with_value(
-            site, path[:-1], {key: each for key, each in parent.items() if key != path[-1]}
+            site, path[:-1], {key: child for key, child in parent.items() if key != path[-1]}
         )
     return with_value(site, path, None)
 

@@ -146,14 +146,14 @@ def _rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
 def _part(kind: msgspec.inspect.Type) -> type[msgspec.Struct] | None:
     """Give the shape of what is one or nothing."""
     members = kind.types if isinstance(kind, msgspec.inspect.UnionType) else ()
-    shapes = (each.cls for each in members if isinstance(each, msgspec.inspect.StructType))
+    shapes = (member.cls for member in members if isinstance(member, msgspec.inspect.StructType))
     return next(shapes, None)
 
 
 def _row(path: Path, kind: msgspec.inspect.Type) -> Row | None:
     label = _LABELS.get(path) or human(path[-1])
     if isinstance(kind, msgspec.inspect.EnumType):
-        words = tuple(str(each.value) for each in kind.cls)
+        words = tuple(str(member.value) for member in kind.cls)
         return Row(path, label, RowKind.CHOICE, choices=words)
     if isinstance(kind, msgspec.inspect.VarTupleType):
         plain = isinstance(kind.item_type, msgspec.inspect.StrType)
@@ -161,7 +161,7 @@ def _row(path: Path, kind: msgspec.inspect.Type) -> Row | None:
     if isinstance(kind, msgspec.inspect.DictType):
         inner = kind.value_type
         members = inner.types if isinstance(inner, msgspec.inspect.UnionType) else (inner,)
-        plain = all(type(each) in _KINDS for each in members)
+        plain = all(type(member) in _KINDS for member in members)
         return Row(path, label, RowKind.PAIRS) if plain else None
     if isinstance(kind, msgspec.inspect.UnionType):
         return _of_union(path, label, kind)
@@ -171,8 +171,8 @@ def _row(path: Path, kind: msgspec.inspect.Type) -> Row | None:
 
 def _of_union(path: Path, label: str, kind: msgspec.inspect.UnionType) -> Row | None:
     """``X | None`` is a field that may be empty; several plain types are whatever YAML reads."""
-    members = [each for each in kind.types if not isinstance(each, msgspec.inspect.NoneType)]
-    if len(members) > 1 and all(type(each) in _KINDS for each in members):
+    members = [member for member in kind.types if not isinstance(member, msgspec.inspect.NoneType)]
+    if len(members) > 1 and all(type(member) in _KINDS for member in members):
         return Row(path, label, RowKind.ANY, optional=True)
     row = _row(path, members[0]) if len(members) == 1 else None
     return row._replace(optional=True) if row else None
@@ -285,9 +285,9 @@ def shown(row: Row, value: object) -> str:
     if value is None:
         return ""
     if isinstance(value, dict):
-        return "\n".join(f"{key}: {_scalar(each)}" for key, each in value.items())
+        return "\n".join(f"{key}: {_scalar(item)}" for key, item in value.items())
     if isinstance(value, tuple | list):
-        return "\n".join(str(each) for each in value)
+        return "\n".join(str(item) for item in value)
     if row.kind in (RowKind.ANY, RowKind.TRUTH, RowKind.PART):
         return _scalar(value)
     if isinstance(value, float):

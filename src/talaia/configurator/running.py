@@ -113,7 +113,7 @@ class Run:
         if self.phase is RunPhase.STOPPING or (self.phase is RunPhase.STARTING and code == 0):
             self._become(RunPhase.ENDED)
             return
-        said = [each for each in self.lines if each.strip() and each.strip() != "stopping …"]
+        said = [line for line in self.lines if line.strip() and line.strip() != "stopping …"]
         self.problem = said[-1].strip() if len(said) > 1 else f"it ended with code {code}"
         self._become(RunPhase.FAILED)
 

@@ -103,9 +103,9 @@ def compose(
         services |= added
         volumes["database"] = {}
         secrets = {name: {"file": f"./secrets/{name}"} for name in _secrets(database)}
-        for each in (hub, enrol):
-            each["environment"] = {"TALAIA_DATABASE_URL_FILE": "/run/secrets/database_url"}
-            each["secrets"] = ["database_url"]
+        for service in (hub, enrol):
+            service["environment"] = {"TALAIA_DATABASE_URL_FILE": "/run/secrets/database_url"}
+            service["secrets"] = ["database_url"]
         hub["depends_on"] = {"database": {"condition": "service_healthy"}}
     services |= {"hub": hub, "enrol": enrol, "gateway": _gateway(ros_domain)}
     project: dict[str, object] = {"services": services, "volumes": volumes}
@@ -240,5 +240,5 @@ def _literal(value: object) -> object:
     if isinstance(value, str):
         return value.replace("$", "$$")
     if isinstance(value, dict):
-        return {key: _literal(each) for key, each in value.items()}
-    return [_literal(each) for each in value] if isinstance(value, list) else value
+        return {key: _literal(item) for key, item in value.items()}
+    return [_literal(item) for item in value] if isinstance(value, list) else value

@@ -72,8 +72,10 @@ def project(
     domain = site.ros2.domain if site.ros2 is not None else None
     database = choice.database
     extras = ["hub"] if database is DatabaseKind.SQLITE else ["hub", database.value]
-    looks = [each.detect for device in site.devices.values() for each in device.streams.values()]
-    if any(each is not None and each.at is DetectAt.HUB for each in looks):
+    looks = [
+        stream.detect for device in site.devices.values() for stream in device.streams.values()
+    ]
+    if any(detect is not None and detect.at is DetectAt.HUB for detect in looks):
         extras.append("objects")
     files = {
         "README.md": File(readme(site, choice.database, choice.port, choice.setup)),
@@ -112,7 +114,7 @@ def _gateway_image(site: Site, version: str) -> str:
     """Write the recipe of a gateway that has what the site's connections need."""
     links = site.links().values()
     extras = ["gateway"]
-    if any(isinstance(each, Ros2Connection) for each in links):
+    if any(isinstance(link, Ros2Connection) for link in links):
         extras.append("ros2")
     if site.recording is not None:
         extras.append("recording")
@@ -121,5 +123,5 @@ def _gateway_image(site: Site, version: str) -> str:
         extras.append("objects")
     if site.filmed():
         extras.append("camera")
-    old = any(isinstance(each, Ros1Connection) for each in links)
+    old = any(isinstance(link, Ros1Connection) for link in links)
     return dockerfile(extras, version, ROS1_PACKAGES if old else ())

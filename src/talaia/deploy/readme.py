@@ -17,7 +17,7 @@ _MARKS = re.compile(r"([\\`*_{}\[\]()#+!|<>~-])")
 
 def _plain(text: str) -> str:
     """Give a name as it is read, whatever it holds: no mark-up, no line end."""
-    shown = "".join(each if each.isprintable() else " " for each in text)
+    shown = "".join(letter if letter.isprintable() else " " for letter in text)
     return _MARKS.sub(r"\\\1", shown)
 
 

@@ -121,7 +121,7 @@ def _unit(
     watchdog_s: int,
     kill: str = "",
 ) -> str:
-    line = " ".join(argument(each) for each in words)
+    line = " ".join(argument(word) for word in words)
     return f"""\
 [Unit]
 Description={argument(what).strip('"')}

@@ -68,18 +68,18 @@ class _Host:
     ) -> None:
         self.signals = tuple(
             WantedSignal(
-                each.address,
-                each.device,
-                each.type,
-                each.unit,
-                each.states,
-                msgspec.convert(each.keys, declared.source),
+                signal.address,
+                signal.device,
+                signal.type,
+                signal.unit,
+                signal.states,
+                msgspec.convert(signal.keys, declared.source),
             )
-            for each in job.signals
+            for signal in job.signals
         )
         self.devices = job.devices
         self.folder = Path(job.folder)
-        self._known = frozenset(each.address for each in job.signals)
+        self._known = frozenset(signal.address for signal in job.signals)
         self._writer = writer
 
     def connected(self) -> None:
@@ -201,9 +201,13 @@ async def _serve(
 ) -> EndWords:
     declared = installed().adapters().get(job.extension)
     if declared is None:
-        said = [str(each) for each in installed().broken() if each.name == job.extension]
+        said = [
+            str(broken_extension)
+            for broken_extension in installed().broken()
+            if broken_extension.name == job.extension
+        ]
         return EndWords("; ".join(said) or "it is not installed here", broken=True)
-    if findings := [str(each) for each in _findings(job, declared)]:
+    if findings := [str(finding) for finding in _findings(job, declared)]:
         return EndWords("; ".join(findings)[:_MAX_SAID], broken=True)
     try:
         host = _Host(job, declared, writer)
@@ -215,10 +219,10 @@ async def _serve(
 
 def _findings(job: AdapterJob, declared: AdapterExtension) -> Iterator[Finding]:
     yield from keys_fit(f"$.connections.{job.connection}.keys", declared.connection, job.keys)
-    for each in job.signals:
-        device, _, signal = each.address.partition("/")
+    for wanted in job.signals:
+        device, _, signal = wanted.address.partition("/")
         where = f"$.devices.{device}.signals.{signal}.source.keys"
-        yield from keys_fit(where, declared.source, each.keys)
+        yield from keys_fit(where, declared.source, wanted.keys)
 
 
 def _broken(error: Exception) -> EndWords:

@@ -108,7 +108,7 @@ class InstalledExtensions:
 
     def names(self, kind: type[Declared]) -> list[str]:
         """Name those of a kind, without loading any: some of them may be broken."""
-        return sorted({each.name for each in self._points(kind)})
+        return sorted({point.name for point in self._points(kind)})
 
     def every(self) -> list[InstalledExtension]:
         """List all that can be used, in the order of `KINDS_OF_EXTENSION`, by name."""
@@ -124,15 +124,15 @@ class InstalledExtensions:
         """Give what they ask for in a description."""
         return ExtensionRules(
             adapters={
-                name: AdapterRules(each.connection, each.source, each.command)
-                for name, each in self.adapters().items()
+                name: AdapterRules(adapter.connection, adapter.source, adapter.command)
+                for name, adapter in self.adapters().items()
             },
-            detectors={name: each.keys for name, each in self.detectors().items()},
+            detectors={name: detector.keys for name, detector in self.detectors().items()},
         )
 
     def note_failure(self, kind: type[Declared], name: str, problem: str) -> None:
         """Write down, once, that an extension failed while it was used."""
-        of_name = (each for each in self._points(kind) if each.name == name)
+        of_name = (point for point in self._points(kind) if point.name == name)
         package = next(map(_package, of_name), "")
         self._add_broken(BrokenExtension(kind.group, name, package, problem))
 
@@ -160,7 +160,7 @@ class InstalledExtensions:
     def _points(self, kind: type[Declared]) -> list[EntryPoint]:
         found = self._entries.get(kind.group)
         if found is None:
-            found = sorted(self._find(kind.group), key=lambda each: each.name)
+            found = sorted(self._find(kind.group), key=lambda point: point.name)
             self._entries[kind.group] = found
         return found
 

@@ -52,19 +52,19 @@ def keys_shown(shape: type[ExtensionKeys]) -> list[ShownKey]:
     fields = info.fields if isinstance(info, msgspec.inspect.StructType) else ()
     return [
         ShownKey(
-            each.encode_name,
-            _type(each.type),
-            about.get(each.name, ""),
-            each.required,
-            "" if each.default is msgspec.NODEFAULT else _plain(each.default),
+            field.encode_name,
+            _type(field.type),
+            about.get(field.name, ""),
+            field.required,
+            "" if field.default is msgspec.NODEFAULT else _plain(field.default),
         )
-        for each in fields
+        for field in fields
     ]
 
 
 def _type(kind: msgspec.inspect.Type) -> str:
     if isinstance(kind, msgspec.inspect.LiteralType):
-        return "one of " + ", ".join(_plain(each) for each in kind.values)
+        return "one of " + ", ".join(_plain(value) for value in kind.values)
     word = _WORDS.get(type(kind), "text")
     if isinstance(kind, msgspec.inspect.IntType | msgspec.inspect.FloatType):
         low = kind.ge if kind.ge is not None else kind.gt

@@ -18,8 +18,8 @@ NO_ADDRESS = "which is no IP address"
 _HERE = "which is this computer itself"
 # Those of clouds that are not link-local: AWS over IPv6, Alibaba, Azure, Oracle.
 _METADATA = frozenset(
-    ipaddress.ip_address(each)
-    for each in ("fd00:ec2::254", "100.100.100.200", "168.63.129.16", "192.0.0.192")
+    ipaddress.ip_address(address)
+    for address in ("fd00:ec2::254", "100.100.100.200", "168.63.129.16", "192.0.0.192")
 )
 _NAT64 = ipaddress.ip_network("64:ff9b::/96")
 _COMPATIBLE = ipaddress.ip_network("::/96")

@@ -15,4 +15,4 @@ COCO = tuple(
     mouse, remote, keyboard, cell phone, microwave, oven, toaster, sink, refrigerator, book, clock,
     vase, scissors, teddy bear, hair drier, toothbrush""".replace("\n", " ").split(", ")
 )
-COCO = tuple(" ".join(each.split()) for each in COCO)
+COCO = tuple(" ".join(label.split()) for label in COCO)

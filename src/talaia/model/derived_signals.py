@@ -114,9 +114,9 @@ def with_counts(site: Site) -> Site:
 def _with_counts(site: Site, device: Device) -> Device:
     signals, streams = dict(device.signals), dict(device.streams)
     has = {
-        (each.source.stream, each.source.sees)
-        for each in signals.values()
-        if each.source.within is None
+        (signal.source.stream, signal.source.sees)
+        for signal in signals.values()
+        if signal.source.within is None
     }
     for stream_id, stream in device.streams.items():
         detect = detect_of(site, stream)

@@ -67,7 +67,7 @@ def _explain(kind: type, part: dict[str, object]) -> None:
 
 def _add_extensions(parts: dict[str, object], rules: ExtensionRules) -> None:
     """Say which keys go with which extension, where a connection or a detector names it."""
-    adapters = {name: each.connection for name, each in rules.adapters.items()}
+    adapters = {name: adapter.connection for name, adapter in rules.adapters.items()}
     for part, shapes in (("ExtensionConnection", adapters), ("Watch", rules.detectors)):
         cases = []
         for name, shape in sorted(shapes.items()):

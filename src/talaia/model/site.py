@@ -554,17 +554,17 @@ class Site(Shape, frozen=True, kw_only=True):
             if device.drive is not None
             for address in device.drive.stop.confirmed_by
         }
-        conditions = [each for one in self.interlocks.values() for each in one.when]
-        watched = {address for each in conditions for address in each.signals()}
+        conditions = [condition for one in self.interlocks.values() for condition in one.when]
+        watched = {address for condition in conditions for address in condition.signals()}
         for enclosure in self.enclosures.values():
-            watched |= {each.signal for each in (*enclosure.closed, *enclosure.moving)}
-            watched |= {each.signal for each in enclosure.opening}
+            watched |= {sensor.signal for sensor in (*enclosure.closed, *enclosure.moving)}
+            watched |= {sensor.signal for sensor in enclosure.opening}
             watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
             if enclosure.parked is not None:
                 watched.add(enclosure.parked.signal)
             if (follow := enclosure.follow) is not None:
                 watched |= {follow.target, follow.azimuth, follow.when.signal}
-                watched |= {each.signal for each in (follow.moving, follow.open) if each}
+                watched |= {sensor.signal for sensor in (follow.moving, follow.open) if sensor}
         return frozenset(confirming | watched)
 
 

@@ -135,7 +135,7 @@ def _loaded(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
         tuple(job["spread"]),
         job["blue_first"],
     )
-    classes = [each[:LABEL_LETTERS] for each in job["classes"]]
+    classes = [label[:LABEL_LETTERS] for label in job["classes"]]
     return Detector(setting, classes, run), classes
 
 

@@ -101,9 +101,9 @@ class Detector:
             return self._read_yolo(outputs)
         side, count = self._setting.side, len(self._classes)
         by_cells: dict[int, dict[bool, NDArray[np.float32]]] = {}
-        for each in outputs:
-            if each.ndim == 3:
-                by_cells.setdefault(each.shape[1], {})[each.shape[2] == count] = each[0]
+        for output in outputs:
+            if output.ndim == 3:
+                by_cells.setdefault(output.shape[1], {})[output.shape[2] == count] = output[0]
         heads = [by_cells.get((-(-side // step)) ** 2, {}) for step in STEPS]
         if any(set(head) != {True, False} for head in heads):
             raise self._other("scores and distances for each cell of three grids", outputs)
@@ -127,7 +127,7 @@ class Detector:
         return centred(told[:, :4]), told[:, 4:]
 
     def _other(self, expected: str, outputs: Sequence[NDArray[np.float32]]) -> DetectorError:
-        shapes = ", ".join(" × ".join(map(str, each.shape)) for each in outputs)
+        shapes = ", ".join(" × ".join(map(str, output.shape)) for output in outputs)
         return DetectorError(
             f"a detector of the kind {self._setting.kind.value} gives {expected}; "
             f"this file gives {shapes or 'nothing'}: choose another kind or list of classes"

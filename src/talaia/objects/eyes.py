@@ -67,9 +67,9 @@ class Eyes:
 
     def count(self, things: Sequence[Thing]) -> dict[str, int]:
         """Say how many each signal counts on one picture."""
-        sure = [each for each in things if each.score >= self._detect.confidence]
+        sure = [thing for thing in things if thing.score >= self._detect.confidence]
         return {
-            name: sum(counts_as(source, each) for each in sure)
+            name: sum(counts_as(source, thing) for thing in sure)
             for name, source in self._counted.items()
         }
 
@@ -79,7 +79,9 @@ class Eyes:
         """Take what is on a picture (rows × columns × 3), in order of time; give what is new."""
         news = self._sightings.add_picture(things, at_us)
         for label in self._sightings.fresh:
-            best = max((each for each in things if each.label == label), key=lambda one: one.score)
+            best = max(
+                (thing for thing in things if thing.label == label), key=lambda one: one.score
+            )
             self._moments[label] = surroundings(rgb, best)
         return self._with_pictures(news)
 
@@ -93,9 +95,9 @@ class Eyes:
 
     def _with_pictures(self, news: Sequence[ObjectSighting]) -> list[Told]:
         told = []
-        for each in news:
-            moment = self._moments.pop(each.label, None)
-            told.append(Told(each, b"" if moment is None else jpeg_of(moment)))
+        for sighting in news:
+            moment = self._moments.pop(sighting.label, None)
+            told.append(Told(sighting, b"" if moment is None else jpeg_of(moment)))
         return told
 
 

@@ -89,7 +89,9 @@ class Sightings:
         fresh = set()
         for label, watch in self._watches.items():
             scores = [
-                each.score for each in things if each.label == label and each.score >= self._least
+                thing.score
+                for thing in things
+                if thing.label == label and thing.score >= self._least
             ]
             if scores:
                 before = watch.best if watch.told is not None else 0.0
@@ -127,7 +129,9 @@ class Sightings:
         told = watch.told
         if told is None:
             within_us = max(WITHIN_US, WITHIN_PICTURES * self._between_us)
-            watch.hits = [each for each in watch.hits if 0 <= at_us - each <= within_us] + [at_us]
+            watch.hits = [hit_us for hit_us in watch.hits if 0 <= at_us - hit_us <= within_us] + [
+                at_us
+            ]
             if len(watch.hits) == 1:
                 watch.best, watch.most = 0.0, 0
         watch.last_us = at_us

@@ -56,19 +56,19 @@ class SteadyCounts:
         """
         if self._counted and at_us < self._counted[-1][0]:
             self._counted, self._past, self._sure_us = [], {}, {}
-        for each in things:
-            if each.score >= self._confidence:
-                self._sure_us[each.label] = at_us
+        for thing in things:
+            if thing.score >= self._confidence:
+                self._sure_us[thing.label] = at_us
         since_us = at_us - self._hold_us
-        before = [(when, each) for when, each in self._counted if when >= since_us]
-        believed = [each for each in things if self._believes(each, before, at_us)]
-        self._counted = [*before, *((at_us, each) for each in believed)]
+        before = [(when, name) for when, name in self._counted if when >= since_us]
+        believed = [thing for thing in things if self._believes(thing, before, at_us)]
+        self._counted = [*before, *((at_us, thing) for thing in believed)]
         counts = {}
         for name, source in sources.items():
-            now = sum(counts_as(source, each) for each in believed)
-            past = [each for each in self._past.get(name, []) if each[0] >= since_us]
+            now = sum(counts_as(source, thing) for thing in believed)
+            past = [entry for entry in self._past.get(name, []) if entry[0] >= since_us]
             # Only what could still be the greatest is kept.
-            kept = [each for each in past if each[1] > now]
+            kept = [count for count in past if count[1] > now]
             self._past[name] = [*kept, (at_us, now)]
             counts[name] = max(many for _, many in self._past[name])
         return counts
@@ -79,7 +79,8 @@ class SteadyCounts:
         if at_us - self._sure_us.get(thing.label, at_us) > WEAK_US:
             return False
         return thing.score >= self._confidence * KEPT_AT and any(
-            each.label == thing.label and _overlap(each, thing) >= SAME_PLACE for _, each in before
+            earlier.label == thing.label and _overlap(earlier, thing) >= SAME_PLACE
+            for _, earlier in before
         )
 
 
@@ -90,5 +91,5 @@ def _overlap(one: Thing, other: Thing) -> float:
     if width <= 0 or height <= 0:
         return 0.0
     shared = width * height
-    both = sum((each.right - each.left) * (each.bottom - each.top) for each in (one, other))
+    both = sum((box.right - box.left) * (box.bottom - box.top) for box in (one, other))
     return shared / (both - shared)

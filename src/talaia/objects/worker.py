@@ -229,8 +229,8 @@ class _Child:
         told = self._told_of(HEAD.pack(*shown.shape[:2], least), shown.data.cast("B"))
         try:
             return [
-                Thing(str(each[0]), *(min(max(float(one), 0.0), 1.0) for one in each[1:]))
-                for each in told["things"]
+                Thing(str(box[0]), *(min(max(float(one), 0.0), 1.0) for one in box[1:]))
+                for box in told["things"]
             ]
         except (KeyError, ValueError, TypeError, IndexError) as error:
             self.end()
@@ -240,8 +240,8 @@ class _Child:
         """Say something to the process and give its answer."""
         try:
             process = self._process or self._begun()
-            for each in said:
-                _write(process, each)
+            for line in said:
+                _write(process, line)
             told = self._answer(process)
         except OSError as error:
             raise DetectorError(self._ended()) from error
@@ -297,7 +297,7 @@ class _Child:
         code = self.end()
         if code == -signal.SIGALRM:
             return f"the detector took longer than {LONGEST_LOOK_S} s and was ended"
-        last = next((f": {each}" for each in reversed(self._words) if each), "")
+        last = next((f": {word}" for word in reversed(self._words) if word), "")
         why = f"by signal {-code}" if code < 0 else f"with code {code}"
         return f"the detector's process ended {why}{last}"
 

@@ -28,7 +28,7 @@ def main(argv: Sequence[str]) -> int:
     name = argv[0] if argv else "--help"
     if name in ROBOTS:
         return ROBOTS[name][0](argv[1:])
-    rows = "\n".join(f"  {each:<12} {what}" for each, (_, what) in ROBOTS.items())
+    rows = "\n".join(f"  {name:<12} {what}" for name, (_, what) in ROBOTS.items())
     usage = f"usage: talaia sim ROBOT …\n\n{rows}\n\ntalaia sim ROBOT --help tells more.\n"
     if name in ("-h", "--help"):
         sys.stdout.write(usage)

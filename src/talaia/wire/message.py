@@ -46,7 +46,7 @@ class Codec(Generic[M]):
         """Take the messages that may be met, as a union of `Message` classes."""
         self.max_frame = max_frame
         self._kinds = frozenset(
-            each.__struct_config__.tag for each in (get_args(union) or (union,))
+            member.__struct_config__.tag for member in (get_args(union) or (union,))
         )
         self._binary: msgspec.msgpack.Decoder[M] = msgspec.msgpack.Decoder(union)
         self._text: msgspec.json.Decoder[M] = msgspec.json.Decoder(union)

@@ -63,7 +63,7 @@ def newest_of(message: NewestBatch) -> NewestSamples:
     """
     count = len(message.channel) // 2
     wide = (message.sequence, message.time_us, message.value, message.age_ms)
-    if len(message.channel) != 2 * count or any(len(each) != 8 * count for each in wide):
+    if len(message.channel) != 2 * count or any(len(column) != 8 * count for column in wide):
         raise PeerError("newest samples in columns of unequal length")
     if count > MAX_SAMPLES or any(not 0 <= at < count for at in message.texts):
         raise PeerError("newest samples: too many, or a text outside of them")

@@ -56,5 +56,5 @@ def seal_of(key_hash: str, change_id: str, who: str, base: str, text: str) -> st
     """
     parts = [change_id, who, base, digest_of(text)]
     # Each with its length before it, so that no two changes say the same bytes.
-    said = b"".join(b"%d:%s" % (len(each.encode()), each.encode()) for each in parts)
+    said = b"".join(b"%d:%s" % (len(part.encode()), part.encode()) for part in parts)
     return hmac.new(bytes.fromhex(key_hash), said, hashlib.sha256).hexdigest()

@@ -46,7 +46,7 @@ STATION_EVERY_S, STATION_SEED = 2.0, 1
 def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; everything it started is ended and removed again."""
     options = _options(argv)
-    missing = [each for each in ("indiserver", *DRIVERS) if not shutil.which(each)]
+    missing = [program for program in ("indiserver", *DRIVERS) if not shutil.which(program)]
     if missing:
         raise CliError(f"{', '.join(missing)} missing; run: apt install indi-bin")
     began = time.monotonic()
@@ -152,7 +152,9 @@ def _reading_station(site: Site, station: Path) -> Site:
 
 
 def _at_port(site: Site, port: int) -> Site:
-    connections = {name: replace(each, port=port) for name, each in site.connections.items()}
+    connections = {
+        name: replace(connection, port=port) for name, connection in site.connections.items()
+    }
     return replace(site, connections=connections)
 
 

@@ -103,14 +103,16 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
         *(part.says("linked to", READY_S) for part in parts[ready:]),
     )
     changed = [robot.description for robot in robots if robot.changed]
-    blind = [each for each in sight_here(read_site(robots[0].description), data) if not each.well]
+    blind = [
+        sight for sight in sight_here(read_site(robots[0].description), data) if not sight.well
+    ]
     greet(
         address,
         logins,
         data=data,
         took=time.monotonic() - began,
         changed=changed,
-        notes=[each.said for each in blind],
+        notes=[sight.said for sight in blind],
     )
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, address)
@@ -153,9 +155,9 @@ def _blind(text: str) -> str:
     """Take away what goes by the pictures of a camera that is not there."""
     site = load_site(text)
     camera = site.devices["camera"]
-    streams = {name: replace(each, detect=None) for name, each in camera.streams.items()}
-    seen = {name for name, each in camera.signals.items() if is_seen(each.source)}
-    signals = {name: each for name, each in camera.signals.items() if name not in seen}
+    streams = {name: replace(stream, detect=None) for name, stream in camera.streams.items()}
+    seen = {name for name, signal in camera.signals.items() if is_seen(signal.source)}
+    signals = {name: signal for name, signal in camera.signals.items() if name not in seen}
     gone = {f"camera/{name}" for name in seen}
     without = replace(
         site,
@@ -163,9 +165,9 @@ def _blind(text: str) -> str:
         interlocks={
             name: rule
             for name, rule in site.interlocks.items()
-            if not any(each.signal in gone for each in rule.when)
+            if not any(condition.signal in gone for condition in rule.when)
         },
-        alarms={name: each for name, each in site.alarms.items() if each.signal not in gone},
+        alarms={name: alarm for name, alarm in site.alarms.items() if alarm.signal not in gone},
     )
     return saved(text, without)
 

@@ -34,11 +34,11 @@ class Bag:
         self._reader = Reader1(path) if ros1 else Reader2(path)
         self._reader.open()
         self._encoding = "ros1" if ros1 else "cdr"
-        self._connections = {each.id: each for each in self._reader.connections}
+        self._connections = {connection.id: connection for connection in self._reader.connections}
         self.count = self._reader.message_count
         self.topics = {
-            number: (each.topic, self._definition(each))
-            for number, each in self._connections.items()
+            number: (connection.topic, self._definition(connection))
+            for number, connection in self._connections.items()
         }
 
     def messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:

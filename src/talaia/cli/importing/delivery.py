@@ -73,7 +73,9 @@ def described(settings: Settings, site: str) -> str | None:
             known = await SiteRegistry(database, SystemClock()).all()
         finally:
             await database.close()
-        return next((each.description for each in known if each.site == site), None)
+        return next(
+            (known_site.description for known_site in known if known_site.site == site), None
+        )
 
     return asyncio.run(read_known_site())
 
@@ -92,7 +94,7 @@ async def _bring(settings: Settings, paths: Sequence[Path]) -> list[ImportResult
     registry = SiteRegistry(database, clock)
 
     async def taken(head: Head, how: ImportResult) -> None:
-        if head.site not in {each.site for each in await registry.all()}:
+        if head.site not in {known_site.site for known_site in await registry.all()}:
             await registry.said_hello(head.site, head.description, "", "")
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
         await append_audit_record(database, "history imported", message, head.site)

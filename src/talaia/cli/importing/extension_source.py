@@ -57,11 +57,11 @@ class ExtensionSource:
         self._name, self._path, self._named = name, path, named
         self.kind = self._importer.title
         self.findings = Findings()
-        self._channels = {each.address: number for number, each in enumerate(site.channels())}
-        self._texts = frozenset(each.address for each in site.channels() if each.text)
+        self._channels = {channel.address: number for number, channel in enumerate(site.channels())}
+        self._texts = frozenset(channel.address for channel in site.channels() if channel.text)
         self._states = {
-            each.address: site.devices[each.device].signals[each.signal].states
-            for each in site.channels()
+            channel.address: site.devices[channel.device].signals[channel.signal].states
+            for channel in site.channels()
         }
 
     def pieces(self) -> Iterator[Piece]:

@@ -116,7 +116,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--time-unit",
         default="auto",
-        choices=[each.value for each in TimeUnit],
+        choices=[unit.value for unit in TimeUnit],
         help="CSV: how times are written (auto: by the first of them)",
     )
     parser.add_argument(
@@ -145,10 +145,10 @@ def _site(asked: str, settings: Settings) -> Site:
 
 def _named(columns: Sequence[str]) -> dict[str, str]:
     named = {}
-    for each in columns:
-        heading, found, address = each.rpartition("=")
+    for column in columns:
+        heading, found, address = column.rpartition("=")
         if not found or not heading or not address:
-            raise CliError(f"--column {each}: expected HEADING=ADDRESS, as temp=dome/temperature")
+            raise CliError(f"--column {column}: expected HEADING=ADDRESS, as temp=dome/temperature")
         named[heading] = address
     return named
 
@@ -228,7 +228,7 @@ def _writer(folder: Path, head: Head) -> Iterator[ParcelWriter]:
 
 
 def _read(path: Path, source: ImportSource, site: Site, writer: ParcelWriter | None) -> list[Tally]:
-    staging = Staging([each.address for each in site.channels()], writer)
+    staging = Staging([channel.address for channel in site.channels()], writer)
     told = time.monotonic()
     for piece in source.pieces():
         staging.add(piece.columns)
@@ -237,7 +237,7 @@ def _read(path: Path, source: ImportSource, site: Site, writer: ParcelWriter | N
             _print_progress(f"{path}: {piece.done:.0%} read, {staging.samples:,} samples")
     staging.finish()
     tallies = staging.tallies()
-    signals = {each.address for each in tallies}
+    signals = {tally.address for tally in tallies}
     for channel in site.channels():
         if channel.address not in signals:
             source.findings.absent.setdefault(channel.address, "no message in the file holds it")
@@ -246,10 +246,10 @@ def _read(path: Path, source: ImportSource, site: Site, writer: ParcelWriter | N
 
 def _print_summary(site: Site, read: _Read, kind: str) -> None:
     print(f"{read.path} ({kind})")
-    width = max((len(each.address) for each in read.tallies), default=0)
-    for each in read.tallies:
-        span = f"{_time(each.first_us)} to {_time(each.last_us)}"
-        print(f"  {each.address:<{width}}  {each.samples:>12,} samples  {span}")
+    width = max((len(tally.address) for tally in read.tallies), default=0)
+    for tally in read.tallies:
+        span = f"{_time(tally.first_us)} to {_time(tally.last_us)}"
+        print(f"  {tally.address:<{width}}  {tally.samples:>12,} samples  {span}")
     if not read.tallies:
         print("  nothing in it belongs to this site")
     _list("not in the file", read.findings.absent)
@@ -269,12 +269,12 @@ def _list(title: str, reasons: dict[str, str]) -> None:
 
 def _old(site: Site, tallies: Sequence[Tally]) -> Iterator[str]:
     now_us = time.time_ns() // 1000
-    channels = {each.address: each for each in site.channels()}
-    for each in tallies:
-        channel = channels[each.address]
+    channels = {channel.address: channel for channel in site.channels()}
+    for tally in tallies:
+        channel = channels[tally.address]
         keep = site.devices[channel.device].signals[channel.signal].keep
-        if keep > 0 and each.last_us < now_us - keep * _DAY_US:
-            yield f"{each.address} is kept for {keep:g} days only, and will be dropped soon"
+        if keep > 0 and tally.last_us < now_us - keep * _DAY_US:
+            yield f"{tally.address} is kept for {keep:g} days only, and will be dropped soon"
 
 
 def _time(time_us: int) -> str:

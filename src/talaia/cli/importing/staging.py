@@ -90,13 +90,13 @@ class Staging:
     def _write(self, number: int) -> None:
         parts, count = self._parts.pop(number), self._waiting.pop(number)
         texts, at = {}, 0
-        for each in parts:
-            texts.update({at + position: text for position, text in each.texts.items()})
-            at += len(each)
+        for columns in parts:
+            texts.update({at + position: text for position, text in columns.texts.items()})
+            at += len(columns)
         whole = Columns(
             np.zeros(count, np.uint16),
-            np.concatenate([each.time_us for each in parts]),
-            np.concatenate([each.value for each in parts]),
+            np.concatenate([columns.time_us for columns in parts]),
+            np.concatenate([columns.value for columns in parts]),
             texts,
         )
         if self._writer is not None:

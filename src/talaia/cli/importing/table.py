@@ -78,7 +78,7 @@ class Table:
             delimiter = max(",;\t", key=first.count)
             self._reader = csv.reader(text, delimiter=delimiter, strict=True)
             self._headings = next(csv.reader([first], delimiter=delimiter, strict=True), [])
-            self._headings = [each.strip() for each in self._headings]
+            self._headings = [heading.strip() for heading in self._headings]
             self._time_at = self._find_time(time_column)
             self._columns = self._match(site, named)
         except UnicodeDecodeError as error:
@@ -154,7 +154,7 @@ class Table:
             if asked in self._headings:
                 return self._headings.index(asked)
             raise self._bad(1, f"there is no column {asked!r}", remedy=self._there_are())
-        lower = [each.lower() for each in self._headings]
+        lower = [heading.lower() for heading in self._headings]
         for name in _TIME_NAMES:
             if name in lower:
                 return lower.index(name)
@@ -163,10 +163,10 @@ class Table:
         )
 
     def _there_are(self) -> str:
-        return "there are " + ", ".join(repr(each[:40]) for each in self._headings[:20])
+        return "there are " + ", ".join(repr(heading[:40]) for heading in self._headings[:20])
 
     def _match(self, site: Site, named: Mapping[str, str]) -> list[_Column]:
-        channels = {each.address: number for number, each in enumerate(site.channels())}
+        channels = {channel.address: number for number, channel in enumerate(site.channels())}
         for heading, address in named.items():
             if heading not in self._headings:
                 raise self._bad(1, f"there is no column {heading!r}", remedy=self._there_are())

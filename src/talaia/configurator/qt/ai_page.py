@@ -66,9 +66,9 @@ class AiPage(Page):
         self.objects.setChecked(services.object_detection)
         rows = [row for row in rows_at(self._editor.site, ()) if row.key in _SHOWN]
         wrong = {
-            ".".join(each.spot.field): str(each)
-            for each in self._editor.document.problems
-            if not each.spot.node
+            ".".join(problem.spot.field): str(problem)
+            for problem in self._editor.document.problems
+            if not problem.spot.node
         }
         self.form.show_thing(
             [row._replace(label=_LABELS[row.key]) for row in rows], self._editor.site, wrong

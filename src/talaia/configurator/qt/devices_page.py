@@ -65,8 +65,8 @@ def things_of(site: Site) -> Iterator[tuple[Path, str]]:
             yield (*path, "streams", name), stream.name
         for name, command in device.commands.items():
             yield (*path, "commands", name), command.name
-            for argument, each in command.arguments.items():
-                yield (*path, "commands", name, "arguments", argument), each.name or argument
+            for argument, described in command.arguments.items():
+                yield (*path, "commands", name, "arguments", argument), described.name or argument
 
 
 def _kind(path: Path) -> str:
@@ -219,9 +219,11 @@ class DevicesPage(Page):
             if is_device
             else self._items[path].text(0)
         )
-        here = [each for each in self._editor.document.problems if each.spot.node == path]
-        wrong = {".".join(each.spot.field): str(each) for each in here if each.spot.field}
-        self.hint.setText("\n".join(str(each) for each in here if not each.spot.field))
+        here = [problem for problem in self._editor.document.problems if problem.spot.node == path]
+        wrong = {
+            ".".join(problem.spot.field): str(problem) for problem in here if problem.spot.field
+        }
+        self.hint.setText("\n".join(str(problem) for problem in here if not problem.spot.field))
         self.hint.setVisible(bool(self.hint.text()))
         self.form.show_thing(rows_at(site, path), thing, wrong, path)
         self.remove_button.setEnabled(len(path) > 1)

@@ -83,7 +83,7 @@ class _Field:
             return lines
         line = QLineEdit()
         if row.offers:
-            completer = QCompleter([each for each in row.offers if each], line)
+            completer = QCompleter([offer for offer in row.offers if offer], line)
             completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
             line.setCompleter(completer)
         line.editingFinished.connect(lambda: self._typed(line.text()))
@@ -200,8 +200,8 @@ class Form(QWidget):
         self._fields = {}
         self._rows = tuple(rows)
         at, above = 0, ""
-        flat = [each for each in rows if len(each.path) == 1]
-        for row in [*flat, *(each for each in rows if len(each.path) > 1)]:
+        flat = [row for row in rows if len(row.path) == 1]
+        for row in [*flat, *(row for row in rows if len(row.path) > 1)]:
             group = row.path[0] if len(row.path) > 1 else ""
             if group != above:
                 self._grid.addWidget(label(_HEADINGS.get(group, group), "heading"), at, 0, 1, 2)

@@ -93,7 +93,7 @@ def qt_palette(colours: Colours) -> QPalette:
     """Give Qt's roles their colours, for all that the style sheet does not name."""
     role = QPalette.ColorRole
     palette = QPalette()
-    for each, colour in (
+    for colour_role, colour in (
         (role.Window, colours.bg),
         (role.WindowText, colours.text),
         (role.Base, colours.surface),
@@ -113,9 +113,9 @@ def qt_palette(colours: Colours) -> QPalette:
         (role.Mid, colours.line),
         (role.Dark, colours.edge),
     ):
-        palette.setColor(each, QColor(colour))
-    for each in (role.Text, role.WindowText, role.ButtonText):
-        palette.setColor(QPalette.ColorGroup.Disabled, each, QColor(colours.edge))
+        palette.setColor(colour_role, QColor(colour))
+    for colour_role in (role.Text, role.WindowText, role.ButtonText):
+        palette.setColor(QPalette.ColorGroup.Disabled, colour_role, QColor(colours.edge))
     return palette
 
 

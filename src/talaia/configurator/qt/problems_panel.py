@@ -54,8 +54,8 @@ class ProblemsPanel(QWidget):
         )
         self._paint("bad" if count else "ok")
         # The same ones keep their place under the pointer.
-        listed = [self.list.item(each).text() for each in range(self.list.count())]
-        wanted = [_line(each) for each in problems[:MAX_LISTED]]
+        listed = [self.list.item(index).text() for index in range(self.list.count())]
+        wanted = [_line(problem) for problem in problems[:MAX_LISTED]]
         if listed != wanted:
             self.list.clear()
             for text in wanted:

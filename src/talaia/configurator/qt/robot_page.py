@@ -101,12 +101,14 @@ class _Service(Card):
         self.switch.setChecked(bool(paths))
         self._fields.setEnabled(bool(paths))
         self.more.setEnabled(bool(paths))
-        names = ", ".join("/".join(each[1::2]) for each in paths[:4])
+        names = ", ".join("/".join(path[1::2]) for path in paths[:4])
         rest = f" and {len(paths) - 4} more" if len(paths) > 4 else ""
         self.where.setText(f"{names}{rest}")
         self.where.setVisible(len(paths) > 1)
         problems = [
-            each for each in self._editor.document.problems if paths and each.spot.node == paths[0]
+            problem
+            for problem in self._editor.document.problems
+            if paths and problem.spot.node == paths[0]
         ]
         self.wrong.setText("\n".join(map(str, problems)))
         self.wrong.setVisible(bool(problems))
@@ -120,7 +122,7 @@ class _Service(Card):
                 text = f"{value:.15g}" if isinstance(value, float) else str(value)
                 if entry.widget.text() != text:
                     entry.widget.setText(text)
-            wrong = any(each.spot.field == entry.field for each in problems)
+            wrong = any(problem.spot.field == entry.field for problem in problems)
             mark_wrong(entry.widget, wrong=wrong)
 
     def _switch(self, *, on: bool) -> None:
@@ -140,7 +142,7 @@ class _Service(Card):
             return
         value: object = DriveMessage(text) if entry.field == ("message",) else text.strip()
         if entry.field[-1].startswith("max_"):
-            kind = next(each for each in rows_of(Drive) if each.path == entry.field)
+            kind = next(setting for setting in rows_of(Drive) if setting.path == entry.field)
             try:
                 value = read(kind, text)
             except BadValue as error:
@@ -176,7 +178,7 @@ class RobotPage(Page):
             "Actuate",
             "Drive the robot from the dashboard: hold to run, one driver at a time, with STOP. "
             "Raise the careful limits to what your robot may do.",
-            found=lambda site: [("devices", each, "drive") for each in edits.driven(site)],
+            found=lambda site: [("devices", device, "drive") for device in edits.driven(site)],
             added=edits.with_drive,
             entries=(
                 _Entry("Topic", QLineEdit(edits.CONTROL), ("topic",)),

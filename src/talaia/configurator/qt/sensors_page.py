@@ -63,8 +63,8 @@ class SensorsPage(Page):
     def _adding(self) -> QWidget:
         card = Card()
         self.kind = ComboBox()
-        for each in (*SENSORS, OTHERS):
-            self.kind.addItem(each.name, each)
+        for kind in (*SENSORS, OTHERS):
+            self.kind.addItem(kind.name, kind)
         self.kind.setMaxVisibleItems(30)
         self.name = QLineEdit()
         self.name.setPlaceholderText("only for Others")
@@ -204,7 +204,7 @@ class SensorsPage(Page):
     def selected(self) -> list[Path]:
         """Give the paths of the selected sensors."""
         rows = self.table.selectionModel().selectedRows()
-        return [self._model.path(self._shown.mapToSource(each).row()) for each in rows]
+        return [self._model.path(self._shown.mapToSource(row).row()) for row in rows]
 
     def select(self, path: Path, field: Path = ()) -> bool:
         """Select one sensor and, where asked for, put the focus into a field of it."""
@@ -240,7 +240,7 @@ class SensorsPage(Page):
     def _remove(self, paths: list[Path]) -> None:
         if not paths:
             return
-        numbers = [number for each in paths if (number := self._model.row_of(each)) is not None]
+        numbers = [number for path in paths if (number := self._model.row_of(path)) is not None]
         what = paths[0][3] if len(paths) == 1 else f"{len(paths)} sensors"
         if self._editor.apply(f"remove {what}", lambda site: without(site, paths)):
             # The next one, so that Del can be pressed again.
@@ -267,9 +267,9 @@ class SensorsPage(Page):
         site, path = self._editor.site, paths[0]
         self.details.setText(f"{path[1]}/{path[3]}")
         wrong = {
-            ".".join(each.spot.field): str(each)
-            for each in self._editor.document.problems
-            if each.spot.node == path
+            ".".join(problem.spot.field): str(problem)
+            for problem in self._editor.document.problems
+            if problem.spot.node == path
         }
         self.form.show_thing(rows_at(site, path), at(site, path), wrong, path)
 

@@ -55,7 +55,7 @@ class SignalsTable(QAbstractTableModel):
             for device_id, device in site.devices.items()
             for word, signal in device.signals.items()
         ]
-        if [each.path for each in rows] == [each.path for each in self._rows]:
+        if [row.path for row in rows] == [row.path for row in self._rows]:
             self._rows = rows
             if rows:
                 last = self.index(len(rows) - 1, len(_HEADS) - 1)
@@ -63,7 +63,7 @@ class SignalsTable(QAbstractTableModel):
             return
         self.beginResetModel()
         self._rows = rows
-        self._places = {each.path: number for number, each in enumerate(rows)}
+        self._places = {row.path: number for number, row in enumerate(rows)}
         self.endResetModel()
 
     def path(self, number: int) -> Path:
@@ -76,7 +76,7 @@ class SignalsTable(QAbstractTableModel):
 
     def find(self, word: str) -> Path | None:
         """Give the path of the signal of that word that was added last."""
-        found = [each.path for each in self._rows if each.path[3] == word]
+        found = [row.path for row in self._rows if row.path[3] == word]
         return found[-1] if found else None
 
     def rowCount(self, parent: Index | None = None) -> int:  # noqa: N802 - Qt's name

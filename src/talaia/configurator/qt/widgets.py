@@ -221,13 +221,13 @@ def row(*items: QWidget | QLayout | int) -> QHBoxLayout:
     """Lay things out side by side; a number is a stretch."""
     made = QHBoxLayout()
     made.setSpacing(SPACE[1])
-    for each in items:
-        if isinstance(each, int):
-            made.addStretch(each)
-        elif isinstance(each, QLayout):
-            made.addLayout(each)
+    for item in items:
+        if isinstance(item, int):
+            made.addStretch(item)
+        elif isinstance(item, QLayout):
+            made.addLayout(item)
         else:
-            made.addWidget(each)
+            made.addWidget(item)
     return made
 
 

@@ -24,7 +24,7 @@ def standard_alarms(site: Site) -> dict[str, Alarm]:
     """
     alarms: dict[str, Alarm] = {}
     described = site.alarms.values()
-    of = {each.enclosure for each in described if each.kind is AlarmKind.ENCLOSURE}
+    of = {alarm.enclosure for alarm in described if alarm.kind is AlarmKind.ENCLOSURE}
     for name, enclosure in site.enclosures.items():
         if name not in of and "" not in of:
             alarms[f"{name}_not_closed"] = Alarm(
@@ -37,7 +37,7 @@ def standard_alarms(site: Site) -> dict[str, Alarm]:
                 advice="Its sensors disagree, or say that it is not closed though it must be."
                 " See how it stands, and close it by hand.",
             )
-    if site.enclosures and not any(each.kind is AlarmKind.GATEWAY for each in described):
+    if site.enclosures and not any(alarm.kind is AlarmKind.GATEWAY for alarm in described):
         alarms["gateway_silent"] = Alarm(
             name="Gateway silent",
             kind=AlarmKind.GATEWAY,
@@ -47,4 +47,4 @@ def standard_alarms(site: Site) -> dict[str, Alarm]:
             remind=REMIND_S,
             advice="Nothing is known of the site. See from elsewhere whether it is closed.",
         )
-    return {name: each for name, each in alarms.items() if name not in site.alarms}
+    return {name: alarm for name, alarm in alarms.items() if name not in site.alarms}

@@ -125,14 +125,14 @@ def _told_again(where: str, alarm: Alarm) -> Iterator[Finding]:
         if every is not None and not _SHORTEST <= every <= _DAY:
             yield Finding(f"{where}.{key}", f"expected {_SHORTEST:g} to {_DAY:g} s, found {every}")
     before = 0.0
-    for index, each in enumerate(alarm.escalate):
+    for index, stage in enumerate(alarm.escalate):
         at = f"{where}.escalate[{index}]"
-        yield from name_fits(f"{at}.who", each.who)
-        if not before <= each.after <= _DAY:
-            problem = f"expected {before:g} to {_DAY:g} s, found {each.after}"
+        yield from name_fits(f"{at}.who", stage.who)
+        if not before <= stage.after <= _DAY:
+            problem = f"expected {before:g} to {_DAY:g} s, found {stage.after}"
             yield Finding(f"{at}.after", problem, "list people in the order in which they are told")
             return
-        before = each.after
+        before = stage.after
     if alarm.escalate and alarm.repeat is None:
         yield Finding(f"{where}.repeat", "with escalate it is told again", "write repeat: 300")
 

@@ -222,8 +222,12 @@ def _fits_link(where: str, device: Device, link: Connection) -> list[Finding]:
     if device.indi:
         found += _indi_word_fits(f"{where}.indi", device.indi, "INDI device")
     found += setup_findings(where, device)
-    has = [each.source for part in (device.signals, device.streams) for each in part.values()]
-    nameless = device.commands or any(not each.device for each in has)
+    has = [
+        part_of_device.source
+        for part in (device.signals, device.streams)
+        for part_of_device in part.values()
+    ]
+    nameless = device.commands or any(not source.device for source in has)
     if kind is ConnectionKind.INDI and nameless and not device.indi:
         problem = "the name of the device at the INDI server is missing"
         found.append(Finding(f"{where}.indi", problem, "write: indi: Telescope Simulator"))
@@ -375,7 +379,7 @@ def command_fits(where: str, command: Command, link: Connection) -> Iterator[Fin
     """List what is wrong with what a command reaches, and with what its arguments fill."""
     kind = kind_of(link)
     if kind not in _COMMANDS[command.kind]:
-        fitting = ", ".join(each for each, kinds in _COMMANDS.items() if kind in kinds)
+        fitting = ", ".join(allowed for allowed, kinds in _COMMANDS.items() if kind in kinds)
         problem = f"{command.kind} is not for a connection of kind {kind}"
         yield Finding(f"{where}.kind", problem, f"write one of: {fitting}")
         return

@@ -51,11 +51,11 @@ def _model(where: str, model: ObjectModel) -> Iterator[Finding]:
     if not low <= model.side <= high or model.side % 32:
         problem = f"expected {low} to {high} pixels, a multiple of 32, found {model.side}"
         yield Finding(f"{where}.side", problem, "640 is usual")
-    for index, each in enumerate(model.mean):
-        if not math.isfinite(each):
-            yield Finding(f"{where}.mean[{index}]", f"expected a finite number, found {each}")
-    for index, each in enumerate(model.spread):
-        yield from above(f"{where}.spread[{index}]", each, 0)
+    for index, value in enumerate(model.mean):
+        if not math.isfinite(value):
+            yield Finding(f"{where}.mean[{index}]", f"expected a finite number, found {value}")
+    for index, value in enumerate(model.spread):
+        yield from above(f"{where}.spread[{index}]", value, 0)
 
 
 def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
@@ -120,7 +120,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
 
 
 def _within(where: str, within: tuple[float, float, float, float]) -> Iterator[Finding]:
-    if not all(0 <= each <= 1 for each in within):
+    if not all(0 <= share <= 1 for share in within):
         yield Finding(where, "expected four parts of the picture, 0 to 1", "as [0.3, 0.5, 0.7, 1]")
     elif within[0] >= within[2] or within[1] >= within[3]:
         problem = "expected left, top, right, bottom in this order, from the upper left"
@@ -144,10 +144,10 @@ def hub_sight_findings(site: Site) -> Iterator[Finding]:
 
 
 def _conditions(where: str, conditions: tuple[Condition, ...]) -> Iterator[tuple[str, str]]:
-    for index, each in enumerate(conditions):
-        if each.signal:
-            yield f"{where}[{index}].signal", each.signal
-        yield from _conditions(f"{where}[{index}].all", each.all_of)
+    for index, condition in enumerate(conditions):
+        if condition.signal:
+            yield f"{where}[{index}].signal", condition.signal
+        yield from _conditions(f"{where}[{index}].all", condition.all_of)
 
 
 def _of(error: UnknownWord) -> Finding:

@@ -162,7 +162,7 @@ def _sighting(site: Site, where: str, sighting: Sighting) -> Iterator[Finding]:
 
 def _parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
     """List what is wrong with segments, flap, position, and what it is said to be able to do."""
-    ways = {f"{where}.segments.{key}": each for key, each in enclosure.segments.items()}
+    ways = {f"{where}.segments.{key}": segment for key, segment in enclosure.segments.items()}
     if enclosure.flap is not None:
         ways[f"{where}.flap"] = enclosure.flap
     for at, part in ways.items():

@@ -105,7 +105,7 @@ def _command(
         problem = f"the extension {link.extension!r} knows no commands"
         yield Finding(where, problem, "leave it out")
         return
-    filled = {each.field: name for name, each in command.arguments.items()}
+    filled = {argument.field: name for name, argument in command.arguments.items()}
     given: dict[str, ExtensionScalar] = {"target": command.target, **command.fixed}
     for finding in keys_fit(f"{where}.fixed", known.command, given, filled):
         at = f"{where}.target" if finding.where == f"{where}.fixed.target" else finding.where
@@ -127,7 +127,7 @@ def keys_fit(
         filled: keys that are given later (arguments of a command).
 
     """
-    fields = {each.encode_name: each for each in msgspec.structs.fields(shape)}
+    fields = {field.encode_name: field for field in msgspec.structs.fields(shape)}
     for name in (*keys, *filled):
         if name not in fields:
             word = UnknownWord(f"{where}.{name}", "key", name, fields)

@@ -54,7 +54,7 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
     for index, target in enumerate(interlock.refuse):
         if target not in known:
             yield _of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
-    driven = [each for each in known if each.endswith("/drive")]
+    driven = [address for address in known if address.endswith("/drive")]
     for target, share in interlock.slow.items():
         if target not in driven:
             yield _of(UnknownWord(f"{where}.slow.{target}", "driven device", target, driven))
@@ -120,7 +120,7 @@ def _second(where: str, condition: Condition, signals: Mapping[str, Signal]) -> 
     if condition.minus and condition.humidity:
         yield Finding(where, "both minus and humidity are given", "the dew point, or what gives it")
         return
-    numbers = {name: each for name, each in signals.items() if each.type is SignalType.NUMBER}
+    numbers = {name: signal for name, signal in signals.items() if signal.type is SignalType.NUMBER}
     first, second = numbers.get(condition.signal), numbers.get(address)
     if second is None:
         yield _of(UnknownWord(f"{where}.{key}", "number signal", address, list(numbers)))
@@ -190,7 +190,7 @@ def step_findings(site: Site, where: str, step: Step) -> Iterator[Finding]:
     device = site.devices.get(device_id)
     command = device.commands.get(command_id) if device is not None else None
     if command is None:
-        known = [each for each in _refusable(site) if not each.endswith(("/*", "/drive"))]
+        known = [address for address in _refusable(site) if not address.endswith(("/*", "/drive"))]
         yield _of(UnknownWord(f"{where}.command", "command", step.command, known))
         return
     fields = fields_of(command, step.args)

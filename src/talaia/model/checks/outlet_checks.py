@@ -30,8 +30,8 @@ def outlet_findings(site: Site) -> Iterator[Finding]:
                 )
             for index, fed in enumerate(outlet.feeds):
                 yield from _fed(site, f"{where}.feeds[{index}]", fed)
-            for index, each in enumerate(outlet.cut_by):
-                yield from _cut_by(device, f"{where}.cut_by[{index}]", each)
+            for index, cut in enumerate(outlet.cut_by):
+                yield from _cut_by(device, f"{where}.cut_by[{index}]", cut)
             if not cutting_commands(device, name):
                 problem = f"no command of {device_id} is known to cut its power"
                 remedy = f"write cut_by: [{{command: …}}], or name it as its command: {name}"
@@ -44,19 +44,19 @@ def _fed(site: Site, where: str, fed: str) -> Iterator[Finding]:
         yield Finding(word.where, word.problem, word.remedy)
 
 
-def _cut_by(device: Device, where: str, each: OutletCommand) -> Iterator[Finding]:
-    command = device.commands.get(each.command)
+def _cut_by(device: Device, where: str, cut: OutletCommand) -> Iterator[Finding]:
+    command = device.commands.get(cut.command)
     if command is None:
-        word = UnknownWord(f"{where}.command", "command", each.command, list(device.commands))
+        word = UnknownWord(f"{where}.command", "command", cut.command, list(device.commands))
         yield Finding(word.where, word.problem, word.remedy)
         return
-    for name in each.args:
+    for name in cut.args:
         if name not in command.arguments:
             word = UnknownWord(f"{where}.args.{name}", "argument", name, list(command.arguments))
             yield Finding(word.where, word.problem, word.remedy)
             return
     # Those that stand in no rule may be anything; what stands here must be what a person could ask.
-    only = {name: argument for name, argument in command.arguments.items() if name in each.args}
-    fields = fields_of(type(command)(name="", target="", arguments=only), each.args)
+    only = {name: argument for name, argument in command.arguments.items() if name in cut.args}
+    fields = fields_of(type(command)(name="", target="", arguments=only), cut.args)
     if isinstance(fields, str):
         yield Finding(f"{where}.args", fields)

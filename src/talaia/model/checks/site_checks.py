@@ -97,7 +97,7 @@ def _site(site: Site, whole: Site) -> Iterator[Finding]:
         yield _of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
     yield from connection_findings(site)
     if not site.devices and not any(
-        getattr(each, "discover", False) for each in site.links().values()
+        getattr(link, "discover", False) for link in site.links().values()
     ):
         yield Finding("$.devices", "there is no device", "describe at least one")
     if len(whole.channels()) > _MAX_CHANNELS:
@@ -120,7 +120,7 @@ def _recording(site: Site, recording: Recording) -> Iterator[Finding]:
     where = "$.recording"
     ros = Ros2Connection | Ros1Connection
     streams = {f"{name}/{key}" for name, device in site.devices.items() for key in device.streams}
-    if not streams and not any(isinstance(each, ros) for each in site.links().values()):
+    if not streams and not any(isinstance(link, ros) for link in site.links().values()):
         yield Finding(where, "only topics of ROS and cameras are recorded", "add: ros2: {}")
     for index, camera in enumerate(recording.cameras):
         if camera not in streams:
@@ -153,7 +153,7 @@ def _recording(site: Site, recording: Recording) -> Iterator[Finding]:
 def _near_zones(zone: str) -> Iterable[str]:
     """Zones of the same region, so that the message does not list six hundred."""
     region = zone.split("/", 1)[0].lower()
-    near = [each for each in known_zones() if each.lower().startswith(region)]
+    near = [zone for zone in known_zones() if zone.lower().startswith(region)]
     return near or ["UTC", "Europe/Madrid", "America/New_York"]
 
 
@@ -296,12 +296,12 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     for index, address in enumerate(drive.stop.confirmed_by):
         at = f"{where}.stop.confirmed_by[{index}]"
         if numbers.get(address) is not SignalType.NUMBER:
-            known = [each for each, kind in numbers.items() if kind is SignalType.NUMBER]
+            known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
             yield _of(UnknownWord(at, "number signal", address, known))
     if drive.picture and drive.picture not in streams:
         yield _of(UnknownWord(f"{where}.picture", "stream", drive.picture, streams))
     if drive.position and numbers.get(drive.position) is not SignalType.POSITION:
-        known = [each for each, kind in numbers.items() if kind is SignalType.POSITION]
+        known = [address for address, kind in numbers.items() if kind is SignalType.POSITION]
         yield _of(UnknownWord(f"{where}.position", "position signal", drive.position, known))
     if drive.message is DriveMessage.KEYS and drive.max_reverse == 0:
         yield Finding(f"{where}.max_reverse", "the key x drives backward", "leave it out")
@@ -327,7 +327,7 @@ def _keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterat
             )
     for name, address in (("speed", keys.speed), ("turn", keys.turn)):
         if address and numbers.get(address) is not SignalType.NUMBER:
-            known = [each for each, kind in numbers.items() if kind is SignalType.NUMBER]
+            known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
             yield _of(UnknownWord(f"{where}.{name}", "number signal", address, known))
 
 

@@ -100,8 +100,8 @@ def read_classic(text: str, connection: str = "") -> Classic:
     command = _mapping("$.command", top.get("command", {}), known=("ros",))
     prefix = _text("$.command.ros", command.get("ros", ""))
     devices = {
-        name: _device(f"$.devices.{name}", name, each, connection)
-        for name, each in _mapping("$.devices", top.get("devices")).items()
+        name: _device(f"$.devices.{name}", name, described, connection)
+        for name, described in _mapping("$.devices", top.get("devices")).items()
     }
     if not devices:
         raise DescriptionError("$.devices", "there is no device", "describe at least one")

@@ -127,11 +127,11 @@ def propose(found: Found, site: str, name: str, zone: str) -> Proposal:
     for _ in range(MAX_ROUNDS):
         # What the checks refuse is left out, with their words: the rest runs. Leaving something
         # out can make a reference to it wrong, hence the rounds.
-        wrong = [each for each in check(proposed) if each.where.startswith("$.devices.")]
+        wrong = [finding for finding in check(proposed) if finding.where.startswith("$.devices.")]
         if not wrong:
             break
-        left_out += [str(each) for each in wrong]
-        proposed = _without(proposed, [each.where.split(".") for each in wrong])
+        left_out += [str(finding) for finding in wrong]
+        proposed = _without(proposed, [finding.where.split(".") for finding in wrong])
     return Proposal(proposed, tuple(left_out))
 
 
@@ -148,11 +148,13 @@ def _connections(found: Found) -> dict[str, Connection]:
 
 def _described(found: Found) -> dict[str, Device]:
     """Take over the devices that say themselves what they are."""
-    return {each.word: each.described for each in found.devices if each.described is not None}
+    return {
+        device.word: device.described for device in found.devices if device.described is not None
+    }
 
 
 def _not_there(found: Found) -> list[str]:
-    away = [each.device for each in found.devices if each.described is None]
+    away = [device.device for device in found.devices if device.described is None]
     if not away:
         return []
     return [
@@ -171,7 +173,7 @@ def _without(site: Site, wrong: Iterable[list[str]]) -> Site:
             continue
         kept = getattr(device, part, None)
         if isinstance(kept, dict) and len(path) > 4:
-            rest = {key: each for key, each in kept.items() if key != path[4]}
+            rest = {key: child for key, child in kept.items() if key != path[4]}
             devices[word] = msgspec.structs.replace(device, **{part: rest})
         elif part == "drive":
             devices[word] = msgspec.structs.replace(device, drive=None)
@@ -193,7 +195,7 @@ class _Made:
         self._words: dict[str, str] = {}
 
     def devices(self) -> dict[str, Device]:
-        published = [each for each in self._found.topics if each.publishers]
+        published = [topic for topic in self._found.topics if topic.publishers]
         for topic in published:
             self._topic(topic)
         for service in self._found.services:
@@ -225,7 +227,7 @@ class _Made:
         if topic.problem:
             self.left_out.append(f"{topic.topic}: {topic.problem}")
             return
-        self.left_out += [f"{topic.topic} {each}" for each in topic.left_out]
+        self.left_out += [f"{topic.topic} {field}" for field in topic.left_out]
         place = self._place(topic.topic, topic.type)
         if topic.type in PICTURES:
             streams = self._streams.setdefault(place, {})
@@ -236,10 +238,10 @@ class _Made:
             return
         signals = self._signals.setdefault(place, {})
         if topic.names:
-            for each in topic.names:
-                source = Source(topic=topic.topic, type=topic.type, name=each)
-                signals[_free(word_of(each), signals)] = Signal(
-                    name=human(each) or each, source=source, max_age=_age(topic.rate)
+            for sensor in topic.names:
+                source = Source(topic=topic.topic, type=topic.type, name=sensor)
+                signals[_free(word_of(sensor), signals)] = Signal(
+                    name=human(sensor) or sensor, source=source, max_age=_age(topic.rate)
                 )
             return
         for word, signal in self._positions(topic):
@@ -290,7 +292,7 @@ class _Made:
     def _name(self, topic: TopicFound, field: FieldFound) -> str:
         known = _NAMES.get((topic.type, field.path))
         last = human(_last(topic.topic, ()))
-        alone = len([each for each in topic.fields if each.type != "text"]) == 1
+        alone = len([field for field in topic.fields if field.type != "text"]) == 1
         if known is not None:
             # Two odometries at one device must not both be called Speed.
             return known if self._only(topic) else f"{last} {known.lower()}"
@@ -307,7 +309,7 @@ class _Made:
         return f"{last} {said[:1].lower() + said[1:]}" if not field.name else f"{last} {said}"
 
     def _only(self, topic: TopicFound) -> bool:
-        return sum(each.type == topic.type for each in self._found.topics) == 1
+        return sum(other.type == topic.type for other in self._found.topics) == 1
 
     # ── what can be asked ──
 
@@ -357,7 +359,7 @@ class _Made:
         message = _TWISTS.get(topic.type)
         if message is None and topic.type == "std_msgs/msg/String" and last == "control":
             # CloudConnect's own contract; a velocity topic is the better way where both are.
-            if any(each.type in _TWISTS and each.subscribers for each in self._found.topics):
+            if any(topic.type in _TWISTS and topic.subscribers for topic in self._found.topics):
                 return
             message = DriveMessage.KEYS
         if message is None or (message is not DriveMessage.KEYS and "cmd_vel" not in last):
@@ -372,25 +374,25 @@ class _Made:
             max_speed=CAREFUL_SPEED,
             max_turn=CAREFUL_TURN,
             picture=self._first(self._streams),
-            position=self._first(self._signals, lambda each: each.type is SignalType.POSITION),
+            position=self._first(self._signals, lambda signal: signal.type is SignalType.POSITION),
             stop=self._stop(place),
         )
 
     def _stop(self, place: _Place) -> Stop:
         topic = next(
             (
-                each.topic
-                for each in self._found.topics
-                if each.subscribers
-                and each.type == "std_msgs/msg/Bool"
-                and _last(each.topic, ()) in ("stop", "e_stop", "estop", "emergency_stop")
+                topic.topic
+                for topic in self._found.topics
+                if topic.subscribers
+                and topic.type == "std_msgs/msg/Bool"
+                and _last(topic.topic, ()) in ("stop", "e_stop", "estop", "emergency_stop")
             ),
             "",
         )
         moving = [
             f"{place.word}/{word}"
-            for word, each in self._signals.get(place, {}).items()
-            if (each.source.type, each.source.field) in list(_NAMES)[:2]
+            for word, signal in self._signals.get(place, {}).items()
+            if (signal.source.type, signal.source.field) in list(_NAMES)[:2]
         ]
         return Stop(topic=topic, confirmed_by=tuple(moving))
 
@@ -398,8 +400,8 @@ class _Made:
         self, where: dict[_Place, dict[str, _T]], fits: Callable[[_T], bool] = lambda _: True
     ) -> str:
         for place in sorted(where, key=_order):
-            for word, each in where[place].items():
-                if fits(each):
+            for word, signal in where[place].items():
+                if fits(signal):
                     return f"{place.word}/{word}"
         return ""
 
@@ -417,7 +419,7 @@ class _Made:
             return self._named("", "", DeviceKind.OTHER, spaces)
         package = type_name.split("/", 1)[0]
         if "/srv/" in type_name or "/action/" in type_name:
-            driven = [each.topic for each in self._found.topics if _drives(each)]
+            driven = [topic.topic for topic in self._found.topics if _drives(topic)]
             if not driven:
                 return self._named("robot", "Robot", DeviceKind.OTHER, ())
             return self._place(driven[0], "geometry_msgs/msg/Twist")
@@ -427,9 +429,9 @@ class _Made:
         return self._named(trimmed, human(trimmed), DeviceKind.OTHER, ())
 
     def _named(self, word: str, name: str, kind: DeviceKind, spaces: Iterable[str]) -> _Place:
-        parts = [each for each in spaces if each]
+        parts = [space for space in spaces if space]
         whole = "_".join([*parts, word] if word else parts)
-        title = " ".join([*(human(each) for each in parts), name.lower() if parts else name])
+        title = " ".join([*(human(part) for part in parts), name.lower() if parts else name])
         return _Place(word_of(whole), title.strip(), kind)
 
     # ── what is shown first ──

@@ -174,7 +174,7 @@ def meaning_of(type_name: str, field: str) -> Meaning | None:
 
 def unit_in_name(field: str) -> Meaning | None:
     """Read the unit from the last word of a field's own name: ``wheel_speed_mps``."""
-    words = [each.lower() for each in _WORD.findall(field)]
+    words = [word.lower() for word in _WORD.findall(field)]
     if not words:
         return None
     if len(words) > 1 and words[-1] in _SUFFIX:
@@ -185,8 +185,8 @@ def unit_in_name(field: str) -> Meaning | None:
 def unit_in_comment(comment: str) -> Meaning | None:
     """Read the unit from a definition's comment: ``speed over ground [m/s]``, ``in metres``."""
     spoken = [*_BRACKETS.findall(comment), *_IN.findall(comment)]
-    for each in spoken:
-        symbol = each if each in UNITS else _SPOKEN.get(each.lower(), "")
+    for unit in spoken:
+        symbol = unit if unit in UNITS else _SPOKEN.get(unit.lower(), "")
         if symbol:
             return Meaning(symbol)
     return None
@@ -194,8 +194,8 @@ def unit_in_comment(comment: str) -> Meaning | None:
 
 def human(text: str) -> str:
     """Make a name people read of a field: ``motorLeft_temp`` gives Motor left temp."""
-    words = [each if each.isupper() and len(each) > 1 else each.lower()
-             for each in _WORD.findall(text)]  # fmt: skip
+    words = [word if word.isupper() and len(word) > 1 else word.lower()
+             for word in _WORD.findall(text)]  # fmt: skip
     joined = " ".join(words)
     return joined[:1].upper() + joined[1:]
 

@@ -31,7 +31,7 @@ def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
         can_partial=bool(
             enclosure.stop
             or enclosure.position
-            or any(each.position for each in enclosure.segments.values())
+            or any(segment.position for segment in enclosure.segments.values())
         ),
         has_flap=enclosure.flap is not None,
     )
@@ -50,5 +50,7 @@ def _turns(site: Site, enclosure: Enclosure) -> bool:
     device = site.devices.get(enclosure.close.command.partition("/")[0])
     commands = {} if device is None else device.commands
     return any(
-        argument.unit == "°" for each in commands.values() for argument in each.arguments.values()
+        argument.unit == "°"
+        for command in commands.values()
+        for argument in command.arguments.values()
     )

@@ -87,7 +87,7 @@ class Condition(Shape, frozen=True, kw_only=True):
 
     def signals(self) -> tuple[str, ...]:
         """Name all signals that it looks at, those of its ``all`` among them."""
-        own = tuple(each for each in (self.signal, self.minus, self.humidity) if each)
+        own = tuple(address for address in (self.signal, self.minus, self.humidity) if address)
         return (*own, *(name for part in self.all_of for name in part.signals()))
 
 

@@ -20,7 +20,7 @@ def opening_of(site: Site, enclosure: Enclosure) -> tuple[Sighting, ...]:
     if enclosure.opening:
         return enclosure.opening
     found: dict[str, Sighting] = {}
-    for address in (each.signal for each in (*enclosure.moving, *enclosure.closed)):
+    for address in (sensor.signal for sensor in (*enclosure.moving, *enclosure.closed)):
         device, _, signal = address.partition("/")
         words = [
             word

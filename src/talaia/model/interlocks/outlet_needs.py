@@ -41,7 +41,9 @@ def cutting_commands(device: Device, outlet: str) -> tuple[OutletCommand, ...]:
     command = device.commands.get(outlet)
     if command is not None:
         switches = [
-            name for name, each in command.arguments.items() if each.type is ArgumentType.BOOLEAN
+            name
+            for name, argument in command.arguments.items()
+            if argument.type is ArgumentType.BOOLEAN
         ]
         if len(switches) == len(command.arguments) == 1:
             found.append(OutletCommand(command=outlet, args={switches[0]: False}))
@@ -57,9 +59,9 @@ def outlets_cut(device: Device, command: str, args: Mapping[str, Value]) -> Iter
         return
     given = args_of(described, args)
     for outlet in device.outlets:
-        for each in cutting_commands(device, outlet):
-            if each.command == command and all(
-                name in given and given[name] == value for name, value in each.args.items()
+        for cut in cutting_commands(device, outlet):
+            if cut.command == command and all(
+                name in given and given[name] == value for name, value in cut.args.items()
             ):
                 yield outlet
                 break
@@ -75,12 +77,12 @@ def needs_of(site: Site, device: str) -> Iterator[Need]:
 
 
 def _roof_devices(rule: Enclosure) -> set[str]:
-    addresses = {rule.close.command, *(each.signal for each in (*rule.closed, *rule.moving))}
-    return {each.partition("/")[0] for each in addresses}
+    addresses = {rule.close.command, *(sensor.signal for sensor in (*rule.closed, *rule.moving))}
+    return {address.partition("/")[0] for address in addresses}
 
 
 def _mount_devices(rule: Enclosure) -> set[str]:
     addresses = {"" if rule.park is None else rule.park.command}
     if rule.parked is not None:
         addresses.add(rule.parked.signal)
-    return {each.partition("/")[0] for each in addresses}
+    return {address.partition("/")[0] for address in addresses}

@@ -87,7 +87,7 @@ def never_overridden(site: Site, condition: Condition) -> str:
     unsafe = set(condition.is_one_of)
     if condition.is_not:
         unsafe |= set(described.states) - set(condition.is_not)
-    states = [_words(each) for each in unsafe]
+    states = [_words(reason) for reason in unsafe]
     names = _words(name) | _words(described.name)
     if _RAIN_UNIT.fullmatch(described.unit.strip().casefold()) or _is_rain(names.union(*states)):
         return "rain is never overridden"
@@ -97,10 +97,10 @@ def never_overridden(site: Site, condition: Condition) -> str:
 
 
 def _words(text: str) -> set[str]:
-    words = [each.casefold() for each in _WORDS.findall(text)]
+    words = [word.casefold() for word in _WORDS.findall(text)]
     # *on site* and *on_site* are one word.
     return {*words, *(a + b for a, b in pairwise(words) if a == "on")}
 
 
 def _is_rain(words: set[str]) -> bool:
-    return bool(words & _WET) or any(each.startswith(_RAIN_BEGINS) for each in words)
+    return bool(words & _WET) or any(word.startswith(_RAIN_BEGINS) for word in words)

@@ -106,7 +106,7 @@ def precess(ra: float, dec: float, jd_from: float, jd_to: float) -> tuple[float,
         - (0.42665 + 0.000217 * big) * t * t
         - 0.041833 * t**3
     )
-    zeta, z, theta = (math.radians(each / 3600.0) for each in (zeta, z, theta))
+    zeta, z, theta = (math.radians(arcseconds / 3600.0) for arcseconds in (zeta, z, theta))
     a, d = math.radians(ra * 15.0) + zeta, math.radians(dec)
     first = math.cos(d) * math.sin(a)
     second = math.cos(theta) * math.cos(d) * math.cos(a) - math.sin(theta) * math.sin(d)

@@ -71,7 +71,7 @@ def _parts(path: str, was: object, now: object) -> Iterator[Difference]:
     if not isinstance(was, dict) or not isinstance(now, dict):
         yield Difference(ChangeKind.CHANGED, path, _short(was), _short(now))
         return
-    for key in [*was, *(each for each in now if each not in was)]:
+    for key in [*was, *(key for key in now if key not in was)]:
         at = f"{path}.{key}"
         if key not in now:
             yield Difference(ChangeKind.REMOVED, at, _short(was[key]))

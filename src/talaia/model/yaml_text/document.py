@@ -29,7 +29,7 @@ MAX_VALUES = 4_000_000
 _Loader = yaml.CSafeLoader if hasattr(yaml, "CSafeLoader") else yaml.SafeLoader
 _TAG = "tag:yaml.org,2002:"
 _STR = _TAG + "str"
-_PLAIN = {_TAG + each for each in ("null", "bool", "int", "float", "str", "binary", "timestamp")}
+_PLAIN = {_TAG + tag for tag in ("null", "bool", "int", "float", "str", "binary", "timestamp")}
 _MAPPING, _SEQUENCE = (None, "!", _TAG + "map"), (None, "!", _TAG + "seq")
 
 

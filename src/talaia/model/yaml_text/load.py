@@ -58,9 +58,9 @@ def site_in(text: str, path: Path) -> Site:
 def beside_of(site: Site, folder: Path) -> list[Path]:
     """Name the files that a description in ``folder`` takes in."""
     return [
-        folder / each.file
-        for each in site.connections.values()
-        if isinstance(each, ProcessConnection) and each.file
+        folder / connection.file
+        for connection in site.connections.values()
+        if isinstance(connection, ProcessConnection) and connection.file
     ]
 
 
@@ -226,9 +226,9 @@ def _inner(shape: object, wanted: type | tuple[type, ...], value: object) -> obj
     """Look through ``X | None``, and ``X | Y`` by the tag that ``value`` has, to one member."""
     if not isinstance(shape, msgspec.inspect.UnionType):
         return shape
-    members = [each for each in shape.types if isinstance(each, wanted)]
+    members = [member for member in shape.types if isinstance(member, wanted)]
     tag = value.get("kind") if isinstance(value, dict) else None
-    tagged = [each for each in members if getattr(each, "tag", None) == tag is not None]
+    tagged = [member for member in members if getattr(member, "tag", None) == tag is not None]
     return next(iter(tagged or members), shape)
 
 
@@ -253,9 +253,9 @@ def _first_wrong(value: object, shape: object, problem: str) -> str:
     union = isinstance(shape, msgspec.inspect.UnionType)
     kind = shape.cls if isinstance(shape, msgspec.inspect.StructType) else None
     if union or kind is not None:
-        for key, each in value.items():
+        for key, part in value.items():
             try:
-                msgspec.convert(each, Connection if union else kind)
+                msgspec.convert(part, Connection if union else kind)
             except msgspec.ValidationError as error:
                 if str(error).startswith(problem):
                     return str(key)

@@ -48,9 +48,9 @@ def saved(text: str, site: Site) -> str:
 def _orders(value: object) -> object:
     """Give the order of every mapping: it is the order on the page, and that of the channels."""
     if isinstance(value, msgspec.Struct):
-        return [_orders(getattr(value, each)) for each in value.__struct_fields__]
+        return [_orders(getattr(value, field)) for field in value.__struct_fields__]
     if isinstance(value, dict):
-        return [(key, _orders(each)) for key, each in value.items()]
+        return [(key, _orders(item)) for key, item in value.items()]
     return None
 
 
@@ -80,7 +80,7 @@ def _changed(node: object, was: object, now: object) -> object:
 
 
 def _mapping(node: CommentedMap, was: dict[str, object], now: dict[str, object]) -> None:
-    for key in [each for each in node if each not in now]:
+    for key in [key for key in node if key not in now]:
         del node[key]
     for key, value in now.items():
         if key not in was or key not in node:
@@ -105,11 +105,11 @@ def _plain(value: object) -> object:
     value = msgspec.to_builtins(value)
     if isinstance(value, dict):
         made = CommentedMap()
-        for key, each in value.items():
-            made[_text(key)] = _plain(each)
+        for key, item in value.items():
+            made[_text(key)] = _plain(item)
         return made
     if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
+        return [_plain(item) for item in value]
     if isinstance(value, float) and math.isfinite(value):
         # YAML 1.1 knows no float without a point.
         written = repr(value)

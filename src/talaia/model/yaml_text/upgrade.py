@@ -70,7 +70,7 @@ def upgraded(text: str, steps: tuple[UpgradeStep, ...] = STEPS, newest: int = FO
     """
     wanted = _document(text)
     version = version_of(wanted.get("talaia"), newest, OLDEST)
-    due = [each for each in steps if each.version >= version]
+    due = [step for step in steps if step.version >= version]
     changes = _applied(wanted, due, version, newest)
     if not changes:
         return Upgraded(text, ())
@@ -109,6 +109,6 @@ def _applied(tree: Tree, steps: list[UpgradeStep], version: int, newest: int) ->
 def _inside(value: object) -> Iterator[tuple[str, Tree]]:
     """Give the mappings in a mapping, whatever else stands there."""
     if isinstance(value, MutableMapping):
-        for name, each in value.items():
-            if isinstance(each, MutableMapping):
-                yield str(name), each
+        for name, child in value.items():
+            if isinstance(child, MutableMapping):
+                yield str(name), child

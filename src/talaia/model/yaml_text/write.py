@@ -35,7 +35,7 @@ def _one_line(dumper: _Dumper, value: _OneLine) -> yaml.Node:
 
 
 def _listed(dumper: _Dumper, value: list[object]) -> yaml.Node:
-    flow = all(isinstance(each, str | int | float) for each in value)
+    flow = all(isinstance(item, str | int | float) for item in value)
     return dumper.represent_sequence("tag:yaml.org,2002:seq", value, flow_style=flow)
 
 
@@ -70,9 +70,9 @@ def written(site: Site, comments: Iterable[str] = ()) -> str:
 
 def _styled(value: object, key: str = "") -> object:
     if isinstance(value, dict):
-        inner = {name: _styled(each, str(name)) for name, each in value.items()}
-        nested = any(isinstance(each, dict) for each in inner.values())
+        inner = {name: _styled(item, str(name)) for name, item in value.items()}
+        nested = any(isinstance(item, dict) for item in inner.values())
         return _OneLine(inner) if key in _ON_ONE_LINE and not nested else inner
     if isinstance(value, list | tuple):
-        return [_styled(each) for each in value]
+        return [_styled(item) for item in value]
     return value

@@ -72,7 +72,7 @@ def main(argv: list[str]) -> int:
         shells = [
             _Shell(
                 make_server(
-                    each,
+                    name,
                     seed=options.seed,
                     unix_s=time.time(),
                     call=_call,
@@ -82,7 +82,7 @@ def main(argv: list[str]) -> int:
                 options,
                 ledger,
             )
-            for each in names
+            for name in names
         ]
         line = {
             "ready": True,
@@ -172,21 +172,21 @@ class _Shell:
         self._truth = ""
         name = server.name
         self._publishers = {
-            each: rospy.Publisher(f"/{name}/{each}", KINDS[type(value)], queue_size=10)
-            for each, value in server.topics().items()
+            topic: rospy.Publisher(f"/{name}/{topic}", KINDS[type(value)], queue_size=10)
+            for topic, value in server.topics().items()
         }
         self._pictures = self._files = None
         if server.pictures:
             self._pictures = rospy.Publisher(f"/{name}/image", Image, queue_size=1, latch=True)
         if name == "camera":
             self._files = rospy.Publisher("/camera/fits", UInt8MultiArray, queue_size=1, latch=True)
-        for each, trigger in server.triggers.items():
-            rospy.Service(f"/{name}/{each}", Trigger, self._trigger(each, trigger))
-        for each, switch in server.switches.items():
-            rospy.Service(f"/{name}/{each}", SetBool, self._switch(each, switch))
-        for each, ask in server.asks.items():
-            rospy.Service(f"/{name}/{each}", Trigger, self._ask(each, ask))
-            self._listen(each, ask)
+        for service, trigger in server.triggers.items():
+            rospy.Service(f"/{name}/{service}", Trigger, self._trigger(service, trigger))
+        for service, switch in server.switches.items():
+            rospy.Service(f"/{name}/{service}", SetBool, self._switch(service, switch))
+        for service, ask in server.asks.items():
+            rospy.Service(f"/{name}/{service}", Trigger, self._ask(service, ask))
+            self._listen(service, ask)
         for topic, (kind, take) in server.hears.items():
             self._hear(topic, kind, take)
         rospy.Subscriber("/observatory/fault", String, lambda message: self._fault(message.data))
@@ -200,8 +200,12 @@ class _Shell:
 
     def _listen(self, name: str, ask: Ask) -> None:
         """Take a request with one or two numbers from a topic as well."""
-        numbers = [each for each, value in ask.arguments.items() if isinstance(value, float)]
-        texts = {each: value for each, value in ask.arguments.items() if isinstance(value, str)}
+        numbers = [
+            argument for argument, value in ask.arguments.items() if isinstance(value, float)
+        ]
+        texts = {
+            argument: value for argument, value in ask.arguments.items() if isinstance(value, str)
+        }
 
         def heard(message: Any) -> None:  # noqa: ANN401 - rospy ships no types
             values = [message.data] if len(numbers) == 1 else [message.x, message.y]
@@ -268,7 +272,7 @@ class _Shell:
             values, problem = self._parameters(name, ask)
             if problem:
                 return TriggerResponse(success=False, message=problem)
-            shown = " ".join([name, *(f"{each}" for each in values.values())])
+            shown = " ".join([name, *(f"{value}" for value in values.values())])
             ticket = self._end_of(shown, lambda: ask.act(**values))
             return TriggerResponse(success=ticket.good, message=ticket.message)
 
@@ -277,8 +281,8 @@ class _Shell:
     def _parameters(self, name: str, ask: Ask) -> tuple[dict[str, Value], str]:
         """Take a request's values from the parameter server; each is used once."""
         values: dict[str, Value] = {}
-        for each, example in ask.arguments.items():
-            key = f"/{self._server.name}/{name}/{each}"
+        for argument, example in ask.arguments.items():
+            key = f"/{self._server.name}/{name}/{argument}"
             try:
                 found = rospy.get_param(key)
                 rospy.delete_param(key)
@@ -292,7 +296,7 @@ class _Shell:
             ):
                 wanted = "a text" if isinstance(example, str) else "a number"
                 return {}, f"the parameter {key}: expected {wanted}"
-            values[each] = float(found) if number else found
+            values[argument] = float(found) if number else found
         return values, ""
 
     def step(self, seconds: float, *, publish: bool) -> None:

@@ -271,7 +271,7 @@ class _Shell:
         if isinstance(values, str):
             ticket = Ticket.refused(values)
         else:
-            asked = " ".join([name, *(f"{each}" for each in values.values())])
+            asked = " ".join([name, *(f"{value}" for value in values.values())])
             ticket = self._server.without_power() or act(values)
         device = self._server.name
         self._ledger.write(
@@ -332,14 +332,14 @@ class _Shell:
         self._server.own_acts.clear()
         if self._server.hanging:
             return
-        for each in [each for each in self._waiting if each.ticket.ended]:
-            self._waiting.remove(each)
-            ticket = each.ticket
+        for waiting in [waiter for waiter in self._waiting if waiter.ticket.ended]:
+            self._waiting.remove(waiting)
+            ticket = waiting.ticket
             phase = "done" if ticket.good else "failed"
             self._ledger.write(
-                self._server.name, each.asked, phase, ticket.message, good=ticket.good
+                self._server.name, waiting.asked, phase, ticket.message, good=ticket.good
             )
-            each.answer(ticket)
+            waiting.answer(ticket)
         if self._server.silent:
             return
         self._publish(everything=publish)

@@ -82,9 +82,11 @@ def read(device: str, words: list[str]) -> Request:
 
 def _values(server: Server, action: str, rest: list[str]) -> dict[str, Value]:
     arguments = server.asks[action].arguments
-    least = sum(not isinstance(each, str) for each in arguments.values())
+    least = sum(not isinstance(argument, str) for argument in arguments.values())
     if not least <= len(rest) <= len(arguments):
-        raise WordsWrong(f"{action}: expected {' '.join(each.upper() for each in arguments)}")
+        raise WordsWrong(
+            f"{action}: expected {' '.join(argument.upper() for argument in arguments)}"
+        )
     given = zip(arguments.items(), rest, strict=False)
     return {
         name: text if isinstance(example, str) else number(text) for (name, example), text in given

@@ -51,7 +51,7 @@ def draw(view: View) -> bytes:
         if dome > 0:
             _span(row, WIDTH / 2 - dome, WIDTH / 2 + dome, _bytes((178, 176, 168), inside))
             if view.shells is not None:
-                east, west = (min(dome, _folded(y, each)) for each in view.shells)
+                east, west = (min(dome, _folded(y, shell)) for shell in view.shells)
                 _span(row, WIDTH / 2 - east, WIDTH / 2 + west, _bytes(sky, 1.0))
             elif half > 0 and y < 150:
                 left = max(WIDTH / 2 - dome, centre - half)
@@ -102,7 +102,7 @@ def _span(row: bytearray, left: float, right: float, colour: bytes) -> None:
 
 
 def _bytes(colour: Colour, light: float) -> bytes:
-    return bytes(min(255, round(each * light)) for each in colour)
+    return bytes(min(255, round(part * light)) for part in colour)
 
 
 def _mixed(one: Colour, other: Colour, part: float) -> Colour:

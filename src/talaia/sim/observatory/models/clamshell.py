@@ -84,30 +84,30 @@ class Clamshell(SimulatedEnclosure):
         """Tell what the controller makes of both end switches."""
         if self.lying:
             return self.lying == "closed"
-        return all(each.closed for each in self.shells.values())
+        return all(shell.closed for shell in self.shells.values())
 
     @property
     def opened(self) -> bool:
         """Tell whether both shells are down."""
         if self.lying:
             return self.lying == "opened"
-        return all(each.position >= 1.0 for each in self.shells.values())
+        return all(shell.position >= 1.0 for shell in self.shells.values())
 
     def _move(self, wanted: float, already: str) -> Ticket:
-        for each in self.shells.values():
-            each.begin()
+        for shell in self.shells.values():
+            shell.begin()
         return super()._move(wanted, already)
 
     def _step_shutter(self, wanted: float, seconds: float) -> None:
         done = []
-        for each in self.shells.values():
-            reach = 0.0 if self.stuck or each.stuck else seconds / self.can.shutter_s
-            done.append(each.move(wanted, reach=reach, seconds=seconds))
-        self.position = max(each.position for each in self.shells.values())
+        for shell in self.shells.values():
+            reach = 0.0 if self.stuck or shell.stuck else seconds / self.can.shutter_s
+            done.append(shell.move(wanted, reach=reach, seconds=seconds))
+        self.position = max(shell.position for shell in self.shells.values())
         if not all(done):
             return
         self.wanted = None
-        failed = [each.name for each in self.shells.values() if not each.arrived(wanted)]
+        failed = [shell.name for shell in self.shells.values() if not shell.arrived(wanted)]
         if failed:
             self._error = True
             shells = " and ".join(failed)

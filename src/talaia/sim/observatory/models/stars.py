@@ -94,7 +94,7 @@ def stars_near(ra: float, dec: float, radius: float) -> list[Star]:
         width = 360.0 / count
         reach = min(180.0, radius / max(0.01, math.cos(math.radians(middle))) + width)
         first, last = math.floor((ra - reach) / width), math.floor((ra + reach) / width)
-        for column in {each % count for each in range(first, min(last, first + count) + 1)}:
+        for column in {index % count for index in range(first, min(last, first + count) + 1)}:
             found += _cell(band, column, width)
     return found
 

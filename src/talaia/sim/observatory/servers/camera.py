@@ -46,8 +46,8 @@ class CameraServer(Server):
             "/telescope/dec": (float, lambda value: setattr(scene, "dec", value)),
             "/dome/closed": (bool, lambda value: setattr(scene, "dome_open", not value)),
         }
-        for each in ("temperature", "humidity", "dew_point", "wind", "clouds", "pressure"):
-            self.hears[f"/weather/{each}"] = (float, self._weather(each))
+        for quantity in ("temperature", "humidity", "dew_point", "wind", "clouds", "pressure"):
+            self.hears[f"/weather/{quantity}"] = (float, self._weather(quantity))
 
     def _weather(self, name: str) -> Callable[[float], None]:
         return lambda value: self.model.scene.weather.__setitem__(name, value)

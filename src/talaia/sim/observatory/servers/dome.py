@@ -117,8 +117,8 @@ class ClamshellServer(DomeServer):
         shell = self.model.shells.get(name)
         if shell is None:
             if word == "ok":
-                for each in self.model.shells.values():
-                    each.stuck, each.lying = False, ""
+                for other in self.model.shells.values():
+                    other.stuck, other.lying = False, ""
             return super().fault(word)
         if what == "stuck":
             shell.stuck = True

@@ -43,7 +43,9 @@ class WeatherServer(Server):
 
     def topics(self) -> Mapping[str, Value]:
         """Give its sensors."""
-        values: dict[str, Value] = {each: float(getattr(self.model, each)) for each in self.VALUES}
+        values: dict[str, Value] = {
+            quantity: float(getattr(self.model, quantity)) for quantity in self.VALUES
+        }
         return {
             **values,
             "stamped": Stamped(self.model.temperature, self._stamp_s),
@@ -76,7 +78,9 @@ class WeatherServer(Server):
         if word.startswith("set ") and word.count(" ") == 2:
             return self._say_instead(*word.split()[1:])
         if word == "freeze":
-            self._said_instead = {each: float(getattr(self.model, each)) for each in self.VALUES}
+            self._said_instead = {
+                quantity: float(getattr(self.model, quantity)) for quantity in self.VALUES
+            }
             return ""
         if word == "old stamps":
             self._stamps_stand = True
