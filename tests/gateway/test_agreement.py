@@ -187,7 +187,7 @@ def test_a_position_said_before_the_end_switch_turned_is_no_witness_against_it()
     for _ in range(5):
         roof.lasts(0.1, closed=1.0, position=4.0)
         # A dome that wants a heartbeat gets it: its sensors are read.
-        assert roof.interlocks.blind("dome", roof.now) == ""
+        assert roof.interlocks.enclosures.blind_reason("dome", roof.now) == ""
     assert roof.notes == []
     del roof.said["position"]
     roof.lasts(5, position=0.0)
@@ -198,7 +198,7 @@ def test_a_position_said_before_the_end_switch_turned_is_no_witness_against_it()
 def test_a_position_said_after_the_end_switch_turned_is_a_witness_at_once() -> None:
     roof = closing_roof()
     roof.lasts(0.2, closed=1.0, position=4.0)
-    assert roof.interlocks.enclosure_seen("dome", roof.now).disagree
+    assert roof.interlocks.enclosures.read_enclosure("dome", roof.now).disagree
     assert roof.asked == ["dome/close"]
 
 
@@ -209,7 +209,7 @@ def test_a_position_that_does_not_come_again_is_a_witness_after_two_seconds() ->
     assert roof.asked == []
     roof.lasts(0.5)
     assert roof.asked == ["dome/close"]
-    assert roof.interlocks.enclosure_seen("dome", roof.now).disagree
+    assert roof.interlocks.enclosures.read_enclosure("dome", roof.now).disagree
 
 
 def test_no_closing_waits_for_a_sensor_to_speak_again() -> None:
@@ -243,7 +243,7 @@ def test_the_shells_of_a_clamshell_settle_one_after_another() -> None:
     for name in ("west", "position", "east"):
         del roof.said[name]
         roof.lasts(0.1, **{name: 0.0})
-        assert roof.interlocks.blind("dome", roof.now) == ""
+        assert roof.interlocks.enclosures.blind_reason("dome", roof.now) == ""
     assert roof.asked == []
     assert roof.kinds("enclosure_closed", "enclosure_retry")[-1] == "enclosure_closed"
 
@@ -256,7 +256,7 @@ def test_an_alarm_about_sensors_does_not_end_while_they_settle() -> None:
     roof.said["position"] = roof.now
     roof.lasts(0.5, closed=None)
     roof.lasts(0.5, closed=1.0)
-    assert roof.interlocks.enclosure_seen("dome", roof.now).disagree == ""
+    assert roof.interlocks.enclosures.read_enclosure("dome", roof.now).disagree == ""
     del roof.said["position"]
     roof.lasts(20)
     assert roof.kinds("enclosure_disagrees", "enclosure_agrees") == ["enclosure_disagrees"]

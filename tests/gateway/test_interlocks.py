@@ -15,12 +15,13 @@ from talaia.clock import MS, SECOND, HandClock
 from talaia.gateway.driving.drive_service import DriveService
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
 from talaia.gateway.ports import ChannelReading
+from talaia.gateway.safety.condition_judge import join_verdicts, judge_reading
 from talaia.gateway.safety.interlock_state import (
     InterlockChange,
     InterlockStateMachine,
     InterlockVerdict,
 )
-from talaia.gateway.safety.interlocks import Interlocks, judged, together
+from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.interlocks.interlock import Condition, Interlock, Overriding
 from talaia.model.interlocks.override_rules import longest_override, never_overridden
 from talaia.model.site import Signal, SignalType, Source
@@ -505,7 +506,7 @@ def test_only_a_fresh_finite_value_within_limits_is_safe(
     limit: float,
 ) -> None:
     reading = ChannelReading(value, 0) if known else None
-    verdict = judged(
+    verdict = judge_reading(
         condition=Condition(signal="w/w", above=limit), signal=WIND, reading=reading, age_ns=age
     )
     if not verdict.why:
@@ -520,7 +521,9 @@ def test_a_state_that_is_none_of_the_described_is_never_safe(
     value: float, bad: list[str], good: list[str]
 ) -> None:
     condition = Condition(signal="w/r", is_one_of=tuple(bad), is_not=tuple(good))
-    verdict = judged(condition=condition, signal=RAIN, reading=ChannelReading(value, 0), age_ns=0)
+    verdict = judge_reading(
+        condition=condition, signal=RAIN, reading=ChannelReading(value, 0), age_ns=0
+    )
     if not verdict.why:
         assert value in (0.0, 1.0)
         word = RAIN.states[int(value)]
@@ -537,7 +540,7 @@ verdicts = st.builds(
 def test_conditions_together_are_unsafe_exactly_while_each_is_and_certain_only_if_all_are(
     parts: list[InterlockVerdict],
 ) -> None:
-    verdict = together(parts)
+    verdict = join_verdicts(parts)
     assert bool(verdict.why) == (bool(parts) and all(part.why for part in parts))
     assert len(verdict.why) <= 500
     if verdict.why:

@@ -7,9 +7,9 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.ports import ChannelReading
+from talaia.gateway.safety.condition_judge import judge_reading
 from talaia.gateway.safety.debounced_condition import BadTimeWindow, DebouncedCondition
 from talaia.gateway.safety.interlock_state import InterlockStateMachine, InterlockVerdict
-from talaia.gateway.safety.interlocks import judged
 from talaia.model.interlocks.interlock import Condition, Interlock
 from talaia.model.site import Signal, Source
 
@@ -23,7 +23,7 @@ def look(
 ) -> InterlockVerdict:
     reading = None if value is None else ChannelReading(value, 0)
     return wire.judge_condition(
-        lambda each: judged(
+        lambda each: judge_reading(
             condition=each, signal=WIND, reading=reading, age_ns=round(age * SECOND)
         ),
         round(second * SECOND),

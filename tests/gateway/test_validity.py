@@ -211,9 +211,9 @@ def test_where_the_clocks_agree_a_stamp_far_from_the_gateways_clock_is_unknown()
 def test_a_sighting_out_of_its_range_says_nothing() -> None:
     station = Station()
     station.latest_of["dome/position"] = ChannelReading(-999.0, 0)
-    assert station.interlocks._fresh("dome/position", 0) is None
+    assert station.interlocks.conditions.fresh_value("dome/position", 0) is None
     station.latest_of["dome/position"] = ChannelReading(50.0, 0)
-    assert station.interlocks._fresh("dome/position", 0) == 50.0
+    assert station.interlocks.conditions.fresh_value("dome/position", 0) == 50.0
 
 
 @given(st.lists(st.integers(-5, 5), min_size=1, max_size=30))

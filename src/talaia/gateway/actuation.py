@@ -100,9 +100,11 @@ class Actuation:
             refusal=lambda device, command, args: interlocks.refusal(
                 device, command, clock.monotonic_ns(), args
             ),
-            begun=interlocks.commanded,
-            hold=lambda device, command: interlocks.hold(device, command, clock.monotonic_ns()),
-            ended=lambda device: interlocks.ended(device, clock.monotonic_ns()),
+            begun=interlocks.enclosures.apply_command,
+            hold=lambda device, command: interlocks.enclosures.hold_for(
+                device, command, clock.monotonic_ns()
+            ),
+            ended=lambda device: interlocks.enclosures.mark_ended(device, clock.monotonic_ns()),
             trouble=DiskTrouble(output),
             power_cut=lambda device, command, args: interlocks.refuse_power_cut(
                 device, command, clock.monotonic_ns(), args
@@ -114,7 +116,7 @@ class Actuation:
             self.commands,
             output,
             boot,
-            lambda command: interlocks.reached(command, clock.monotonic_ns()),
+            lambda command: interlocks.enclosures.is_reached(command, clock.monotonic_ns()),
         )
 
     @property

@@ -1,6 +1,6 @@
 """One condition of an interlock over time: where it trips, where it lets go, how long it must hold.
 
-Pure. What a value says by itself is `interlocks.judged`'s; here is what it says after what was
+Pure. What a value says by itself is `condition_judge.judge_reading`'s; here is what it says after what was
 before: a limit with a second one to let go (a Schmitt trigger), and a limit that must be passed
 for a while.
 

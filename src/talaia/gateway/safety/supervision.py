@@ -67,7 +67,7 @@ class Heartbeats:
         for name, rule in self._site.enclosures.items():
             if rule.heartbeat is None:
                 continue
-            why = self._interlocks.blind(name, now_ns)
+            why = self._interlocks.enclosures.blind_reason(name, now_ns)
             self._tell_withheld(name, rule.name, why)
             if not why:
                 self._send(name, rule.heartbeat, now_ns)

@@ -256,7 +256,7 @@ class Closing:
     def _settled(self, now_ns: int) -> bool:
         """Tell whether all is closed, and the telescopes are parked or had their time."""
         rules = self._site.enclosures
-        states = [self._interlocks.enclosure_seen(name, now_ns) for name in rules]
+        states = [self._interlocks.enclosures.read_enclosure(name, now_ns) for name in rules]
         if not all(seen.closed is True and not seen.moving for seen in states):
             self._closed_ns = None
             return False
