@@ -1,7 +1,7 @@
 """Which conditions hold an interlock locked: unsafe now, or not safe for long enough yet. Pure.
 
-The interlock as a whole is `InterlockStateMachine`'s; this says which of its conditions it is, because only
-one is overridden at a time, and never one that is unknown.
+The interlock as a whole is `InterlockStateMachine`'s; this says which of its conditions it is,
+because only one is overridden at a time, and never one that is unknown.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """One condition of an interlock over time: where it trips, where it lets go, how long it must hold.
 
-Pure. What a value says by itself is `condition_judge.judge_reading`'s; here is what it says after what was
-before: a limit with a second one to let go (a Schmitt trigger), and a limit that must be passed
-for a while.
+Pure. What a value says by itself is `condition_judge.judge_reading`'s; here is what it says after
+what was before: a limit with a second one to let go (a Schmitt trigger), and a limit that must be
+passed for a while.
 
 A while is counted over a window of twice `lasting`: it trips when it was bad for `lasting` of that
 in all, half of the time. What stays bad trips after `lasting`; a wind that comes and goes trips,
