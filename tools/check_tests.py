@@ -1,10 +1,13 @@
-"""Hold what tests should hardly do at its number of today: replace parts, wait for a fixed time.
+"""Hold tests to their places, and what they should hardly do to its number of today.
 
     .venv/bin/python tools/check_tests.py
 
 A *replaced part* is a ``monkeypatch.setattr`` or something of `unittest.mock`. A *fixed wait* is a
 ``sleep`` that is in no loop: it waits for time and not for a condition. Both numbers only ever go
 down: who brings one down writes the new one here.
+
+A test file lies in the folder of `tests` that mirrors its source's: `tests/gateway/safety` for
+`src/talaia/gateway/safety`. How many are named after their module, too, only ever goes up.
 """
 
 from __future__ import annotations
@@ -19,6 +22,11 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 MOST = {"replaced parts": 99, "fixed waits": 38}
+# Tests of whole sites, and of what is no part of the package.
+NO_MIRROR = ("system", "docs", "tools")
+# File names that say nothing of what is held.
+SAY_NOTHING = {"test_whole", "test_pieces", "test_any", "test_parts", "test_misc", "test_all"}
+LEAST_NAMED_AFTER_MODULE = 0.77
 MOCKS = {"Mock", "MagicMock", "AsyncMock", "patch", "create_autospec"}
 
 
@@ -64,6 +72,34 @@ def find(node: ast.AST, *, in_loop: bool = False) -> Iterator[tuple[int, str]]:
         yield from find(child, in_loop=inside)
 
 
+def check_places() -> int:
+    """Print each test file that lies in no mirrored folder, or has an empty name; 1 if one does."""
+    tests, source = ROOT / "tests", ROOT / "src" / "talaia"
+    strays, mirrored, named = [], 0, 0
+    for path in sorted(tests.rglob("test_*.py")):
+        place = path.relative_to(tests)
+        if (
+            path.stem in SAY_NOTHING
+            and not (source / place.parent / f"{path.stem[5:]}.py").exists()
+        ):
+            strays.append(f"tests/{place.as_posix()} does not say what it holds")
+        if place.parts[0] in NO_MIRROR:
+            continue
+        mirrored += 1
+        module = source / place.parent / path.stem.removeprefix("test_")
+        named += module.with_suffix(".py").exists() or module.is_dir()
+        if not (source / place.parent).is_dir():
+            strays.append(
+                f"tests/{place.as_posix()}: no folder src/talaia/{place.parent.as_posix()}"
+            )
+    share = named / (mirrored or 1)
+    print(f"{share:.1%} of {mirrored} test files are named after their module")
+    print("\n".join(strays), end="\n" if strays else "")
+    if share < LEAST_NAMED_AFTER_MODULE:
+        print(f"at least {LEAST_NAMED_AFTER_MODULE:.0%} are to be")
+    return int(bool(strays) or share < LEAST_NAMED_AFTER_MODULE)
+
+
 def main() -> int:
     """Print each place of what is too often there; 1 when something is."""
     found: dict[str, list[str]] = {kind: [] for kind in MOST}
@@ -76,7 +112,7 @@ def main() -> int:
         )
         for line, kind in find(tree):
             found[kind].append(f"{path.relative_to(ROOT).as_posix()}:{line}")
-    wrong = 0
+    wrong = check_places()
     for kind, places in found.items():
         print(f"{len(places)} {kind} in {tests} tests; at most {MOST[kind]}")
         if len(places) > MOST[kind]:

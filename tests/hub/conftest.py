@@ -9,7 +9,7 @@ import re
 import shutil
 import socket
 import ssl
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 
 import fastapi.dependencies.models
@@ -49,6 +49,7 @@ from .databases import (  # noqa: F401 - fixtures of every test of the hub
     database_url,
     origin_of,
 )
+from .everyone.world import World
 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 # Less what watches it: each test says for itself what is watched.
@@ -440,3 +441,28 @@ def hub_parts(settings, history):
 def hub_that_stores(settings):
     """Start a hub on one data folder, with the history that it ships with."""
     return lambda: RunningHub(settings, None)
+
+
+@pytest.fixture
+async def world(settings):
+    """Two sites online, one person of each kind, nothing that is made up."""
+    async with begun(settings) as world:
+        yield world
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared_world(shared_settings):
+    """The same, for many tests of a file; they run in the file's event loop."""
+    async with begun(shared_settings) as world:
+        yield world
+
+
+@asynccontextmanager
+async def begun(settings):
+    async with RunningHub(settings, None) as hub:
+        world = World(hub)
+        try:
+            await world.begin()
+            yield world
+        finally:
+            await world.close()

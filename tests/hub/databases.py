@@ -4,7 +4,7 @@ SQLite always; a server's where one answers on this machine, or at the URL that
 TALAIA_TEST_POSTGRESQL or TALAIA_TEST_MARIADB holds.
 
 To make the tables takes longer than most tests: they are made once for each run, and copied. That
-they are made from nothing is `test_store`'s and `test_servers`'s to see.
+they are made from nothing is `test_database`'s and `test_run_on_databases`'s to see.
 
 A run that is killed drops nothing. So each run holds a lock on the server for as long as it lives,
 and has the lock's number in the names of its databases; what belongs to a lock that nobody holds

@@ -14,7 +14,7 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import CompressedImage, Image
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "gateway" / "pictures"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "gateway" / "video"))
 from scenes import packed, scene
 
 ENCODINGS = ("rgb8", "yuyv", "bayer_rggb8", "mono16")

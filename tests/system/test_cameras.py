@@ -13,8 +13,8 @@ import pytest
 from patience import PATIENCE_MS
 from PIL import Image
 from playwright.sync_api import Browser, Page as BrowserPage, expect
-from tests.gateway.pictures.scenes import packed, psnr, scene
-from tests.gateway.rtsp_camera import RtspCamera
+from tests.gateway.adapters.video.rtsp_camera import RtspCamera
+from tests.gateway.video.scenes import packed, psnr, scene
 
 from .conftest import missing
 from .pages import picture, visit

@@ -16,7 +16,7 @@ import pytest
 from patience import PATIENCE_MS, PATIENCE_S
 from PIL import Image
 from playwright.sync_api import Browser, Locator, Page as BrowserPage, expect
-from tests.gateway.pictures.scenes import number_in, numbered, psnr
+from tests.gateway.video.scenes import number_in, numbered, psnr
 
 from .conftest import missing
 from .pages import picture, visit
@@ -25,7 +25,7 @@ from .stack import PASSWORD, SITE, STEP_S, Process, Stack, finish
 pytest.importorskip("av")
 
 import av
-from tests.gateway.rtsp_camera import RtspCamera
+from tests.gateway.adapters.video.rtsp_camera import RtspCamera
 
 pytestmark = [pytest.mark.robot, pytest.mark.browser]
 

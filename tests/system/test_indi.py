@@ -17,7 +17,7 @@ from astropy.io import fits
 from astropy.wcs import WCS, FITSFixedWarning
 from patience import PATIENCE_S
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway" / "indi"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/adapters/indi"))
 from indi_server import server_of
 
 from talaia.clock import SystemClock

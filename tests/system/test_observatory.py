@@ -1,6 +1,6 @@
 """The observatory's own safety through the real chain: ROS servers, a gateway, and no hub.
 
-The same on INDI's simulators: `tests/gateway/indi/test_server.py`.
+The same on INDI's simulators: `tests/gateway/adapters/indi/test_adapter.py`.
 """
 
 from __future__ import annotations

@@ -18,7 +18,8 @@ import pytest
 from ports import free_port
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "gateway"))
-sys.path.insert(0, str(Path(__file__).parents[1] / "gateway" / "indi"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/adapters/indi"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/adapters/ros1"))
 import ros1_bench
 from indi_server import server_of
 

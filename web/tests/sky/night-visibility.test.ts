@@ -17,7 +17,7 @@ interface Moment {
   readonly vega_of_date: readonly [number, number];
 }
 
-// Written by astropy; tests/model/test_sky_vectors.py holds them to it.
+// Written by astropy; tests/model/units/test_sky_vectors.py holds them to it.
 const { place, moments } = JSON.parse(
   readFileSync(new URL("../../../tests/model/sky_vectors.json", import.meta.url), "utf8"),
 ) as { place: { latitude: number; longitude: number }; moments: readonly Moment[] };

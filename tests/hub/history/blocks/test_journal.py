@@ -1,0 +1,50 @@
+"""A journal row gives back what was packed, channel by channel, to the last bit."""
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from talaia.hub.history.blocks.journal import read_row, write_row
+from talaia.hub.history.errors import HistoryError
+from talaia.wire.columns import Columns
+
+from ..samples import batch
+
+pytestmark = pytest.mark.pure
+
+value = st.one_of(
+    st.floats(), st.text(st.characters(exclude_categories=["Cs"]), max_size=3), st.just(-0.0)
+)
+row = st.tuples(st.integers(0, 65_535), st.integers(-(2**62), 2**62), value)
+
+
+def of_channels(columns):
+    """Give each channel's samples, in order, with the values' bits."""
+    bits = columns.value.view(np.uint64).tolist()
+    found = {}
+    for at, channel in enumerate(columns.channel.tolist()):
+        text = columns.texts.get(at)
+        said = text if text is not None else bits[at]
+        found.setdefault(channel, []).append((int(columns.time_us[at]), said))
+    return found
+
+
+@given(st.lists(row, min_size=1, max_size=12), st.sampled_from([1, 20, 60]))
+def test_what_is_packed_comes_back_channel_by_channel(rows, times) -> None:
+    columns = batch(rows * times)
+    assert of_channels(read_row(write_row(columns))) == of_channels(columns)
+
+
+def test_a_large_batch_takes_a_fraction_of_its_bytes() -> None:
+    index = np.arange(1_000)
+    value = np.round(np.sin(index / 50), 3)
+    columns = Columns((index % 20).astype(np.uint16), 10**15 + index * 500, value, {})
+    assert len(write_row(columns)) < 5_000
+
+
+@pytest.mark.parametrize("count", [5, 500])
+def test_damage_is_told_and_never_taken_for_samples(count) -> None:
+    body = write_row(batch([(at % 3, at, float(at)) for at in range(count)]))
+    for junk in (b"", body[:9], body[: len(body) // 2], b"\x07" + body[1:], body[:-3]):
+        with pytest.raises(HistoryError):
+            read_row(junk)

@@ -1,0 +1,181 @@
+"""Files to take away: every sample, once, in order of time, whatever the store holds it in."""
+
+import asyncio
+import csv
+import io
+import tempfile
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+
+from talaia.hub.history.errors import HistoryBusy
+from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
+from talaia.wire.columns import Columns
+
+from ..conftest import SMALL, opened
+from ..samples import ALL, batch
+from ..test_store import START, moment, number
+
+SECOND = 1_000_000
+SPEED, MODE, STATE = (
+    ExportColumn("a/speed", "m/s"),
+    ExportColumn("a/mode", text=True),
+    ExportColumn("a/gear", states=("park", "drive")),
+)
+ADDRESSES = [column.address for column in (SPEED, MODE, STATE)]
+
+
+async def taken(store, columns, form=FileForm.ARROW, window=ALL, width=0):
+    return b"".join([piece async for piece in store.export("agv", columns, *window, form, width)])
+
+
+def table_of(form, body):
+    if form is FileForm.PARQUET:
+        return pa.parquet.read_table(io.BytesIO(body))
+    return pa.ipc.open_stream(body).read_all()
+
+
+@pytest.mark.parametrize("form", [FileForm.ARROW, FileForm.PARQUET])
+async def test_a_file_holds_every_sample_with_its_kind(url, form) -> None:
+    rows = [(0, START + i, i / 7) for i in range(400)]
+    rows += [(1, START + 2 * i, f"line {i}") for i in range(100)]
+    rows += [(2, START + 3 * i, float(i % 2)) for i in range(100)]
+    rows += [(0, START + 9, float("nan")), (2, START, 7.0)]
+    async with opened(url) as store:
+        for at in range(0, len(rows), 50):
+            await store.append("agv", "b1", at, ADDRESSES, batch(rows[at : at + 50]))
+        table = table_of(form, await taken(store, [SPEED, MODE, STATE], form))
+    found = table.to_pydict()
+    time_us = table.column("time").cast(pa.int64()).to_pylist()
+    assert time_us == sorted(time_us)
+    assert table.num_rows == 402
+    # Two samples at one time have a row each; what was not said is null, what was NaN is NaN.
+    at = [i for i, time in enumerate(time_us) if time == START + 9]
+    speeds = [found["a/speed"][i] for i in at]
+    assert speeds[0] == 9 / 7
+    assert np.isnan(speeds[1])
+    assert found["a/mode"][1] is None
+    assert found["a/mode"][-1] is None
+    at = [i for i, time in enumerate(time_us) if time == START]
+    assert [found["a/gear"][i] for i in at] == ["park", "7"]
+    assert [word for word in found["a/mode"] if word] == [f"line {i}" for i in range(100)]
+    assert table.schema.field("a/speed").metadata == {b"unit": b"m/s"}
+
+
+async def test_no_cell_of_a_csv_is_a_formula(url) -> None:
+    evil = ExportColumn("=cmd()/x", "m", text=True)
+    texts = ['=HYPERLINK("http://x")', "+1", "-1", "@x", "\t=1", "\r=1", 'say "hi", twice', "fine"]
+    async with opened(url) as store:
+        rows = [(0, START + i, text) for i, text in enumerate(texts)]
+        rows += [(1, START + i, -1.5) for i in range(8)]
+        await store.append("agv", "b1", 0, ["=cmd()/x", "a/speed"], batch(rows))
+        body = await taken(store, [evil, SPEED], FileForm.CSV)
+    table = list(csv.reader(io.StringIO(body.decode(), newline="")))
+    assert table[0] == ["time (UTC)", "'=cmd()/x (m)", "a/speed (m/s)"]
+    assert [row[1] for row in table[1:]] == [*("'" + text for text in texts[:6]), *texts[6:]]
+    assert {row[2] for row in table[1:]} == {"-1.5"}
+    assert table[1][0] == "2023-11-14 22:13:20.000000Z"
+
+
+row = st.tuples(st.integers(0, 1), moment, number)
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(row, min_size=1, max_size=40))
+def test_an_export_holds_what_went_in_for_any_order_of_times(some) -> None:
+    rows = [(channel, time + i, value) for i in range(8) for channel, time, value in some]
+
+    async def run(url) -> None:
+        async with opened(url, SMALL._replace(block=8, recent=4)) as store:
+            for at in range(0, len(rows), 20):
+                await store.append("agv", "b1", at, ["a/x", "a/y"], batch(rows[at : at + 20]))
+            columns = [ExportColumn("a/x"), ExportColumn("a/y")]
+            table = table_of(FileForm.ARROW, await taken(store, columns))
+        time_us = table.column("time").cast(pa.int64()).to_numpy()
+        assert (np.diff(time_us) >= 0).all()
+        for channel, name in enumerate(("a/x", "a/y")):
+            column = table.column(name)
+            there = np.array([cell.is_valid for cell in column])
+            times = time_us[there].tolist() if there.size else []
+            values = [cell.as_py() for cell in column if cell.is_valid]
+            # Equal times keep the order in which they came.
+            wanted = sorted(((t, v) for c, t, v in rows if c == channel), key=lambda r: r[0])
+            assert times == [t for t, _ in wanted]
+            np.testing.assert_array_equal(values, [v for _, v in wanted])
+
+    with tempfile.TemporaryDirectory() as folder:
+        asyncio.run(run(f"sqlite:///{Path(folder) / 'h.db'}"))
+
+
+async def test_what_is_shown_can_be_taken_away_too(url) -> None:
+    value = np.sin(np.arange(3_000) / 100)
+    columns = Columns(np.zeros(3_000, np.uint16), START + np.arange(3_000) * SECOND, value, {})
+    window = (START, START + 3_000 * SECOND)
+    async with opened(url) as store:
+        await store.append("agv", "b1", 0, ["a/speed"], columns)
+        table = table_of(FileForm.ARROW, await taken(store, [SPEED], window=window, width=50))
+        (series,) = await store.read("agv", ["a/speed"], *window, 50)
+    assert table.column("time").cast(pa.int64()).to_pylist() == series.time_us.tolist()
+    assert table.column("a/speed").to_pylist() == series.value.tolist()
+
+
+async def test_an_export_takes_no_more_memory_for_more_samples(tmp_path) -> None:
+    """Peaks of numpy and Python; what Arrow holds is its last piece."""
+    peaks = []
+    async with opened(f"sqlite:///{tmp_path}/h.db", SMALL._replace(block=4096)) as store:
+        for size in (300_000, 1_500_000):
+            first = 0 if size == 300_000 else 300_000
+            for at in range(first, size, 50_000):
+                time_us = START + np.arange(at, at + 50_000) * 10_000
+                columns = Columns(np.zeros(50_000, np.uint16), time_us, time_us % 977 / 7, {})
+                await store.append("agv", "b1", at, ["a/speed"], columns)
+            for form in FileForm:
+                tracemalloc.start()
+                total = 0
+                async for piece in store.export("agv", [SPEED], *ALL, form):
+                    total += len(piece)
+                peaks.append(tracemalloc.get_traced_memory()[1])
+                tracemalloc.stop()
+                assert total > size
+    small, large = peaks[:3], peaks[3:]
+    assert all(more < 1.3 * less + 1e6 for less, more in zip(small, large, strict=True)), peaks
+
+
+async def test_too_many_exports_at_once_are_told_to_wait(url) -> None:
+    async with opened(url) as store:
+        await store.append("agv", "b1", 0, ["a/speed"], batch([(0, START, 1.0)]))
+        going = [store.export("agv", [SPEED], *ALL, FileForm.CSV) for _ in range(5)]
+        for each in going[:4]:
+            await anext(each)
+        with pytest.raises(HistoryBusy, match="try again"):
+            await anext(going[4])
+        for each in going[:4]:
+            await each.aclose()
+        assert b"a/speed" in await taken(store, [SPEED], FileForm.CSV)
+
+
+async def test_a_state_is_drawn_as_what_held_last(url) -> None:
+    """Least and greatest alone would show state 3 for all the time after its burst."""
+    value = np.zeros(20_000)
+    value[1_000:1_003] = [3, 2, 1]
+    value[1_003:] = 1
+    time_us = START + np.arange(20_000) * SECOND // 100
+    async with opened(url, SMALL._replace(block=512, recent=512)) as store:
+        for at in range(0, 20_000, 500):
+            part = slice(at, at + 500)
+            columns = Columns(np.zeros(500, np.uint16), time_us[part], value[part], {})
+            await store.append("agv", "b1", at, ["a/gear"], columns)
+        for width in (1, 4, 15):
+            (series,) = await store.read(
+                "agv", ["a/gear"], START, int(time_us[-1]), width, {"a/gear"}
+            )
+            assert series.time_us.size <= 2 * width
+            assert series.value[-1] == 1
+            assert 3 in series.value or 0 in series.value
+        one = series.time_us < START + 11 * SECOND
+        assert 3 in series.value[one]
