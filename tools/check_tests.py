@@ -26,7 +26,7 @@ MOST = {"replaced parts": 99, "fixed waits": 38}
 NO_MIRROR = ("system", "docs", "tools")
 # File names that say nothing of what is held.
 SAY_NOTHING = {"test_whole", "test_pieces", "test_any", "test_parts", "test_misc", "test_all"}
-LEAST_NAMED_AFTER_MODULE = 0.77
+LEAST_NAMED_AFTER_MODULE = 0.7
 MOCKS = {"Mock", "MagicMock", "AsyncMock", "patch", "create_autospec"}
 
 
