@@ -18,7 +18,7 @@ from typing import Any, get_args
 import msgspec
 from wire_words import CHANNELS, CLOSE_CODES, limits, meaning
 
-from talaia.cli.main import WORDS
+from talaia.cli.main import COMMANDS
 from talaia.clock import SystemClock
 from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build
@@ -114,7 +114,7 @@ def wire_page() -> str:
 def commands_page() -> str:
     """Show the help of every word of the command line."""
     parts = [NOTE + "# The `talaia` command\n"]
-    for name in sorted([*WORDS, "gateway enrol"], key=ordered):
+    for name in sorted([*COMMANDS, "gateway enrol"], key=ordered):
         done = subprocess.run(
             [sys.executable, "-m", "talaia", *name.split(), "--help"],
             capture_output=True, text=True, check=True, env={**child_environment()},
@@ -149,7 +149,7 @@ def http_page() -> str:
 
 def ordered(name: str) -> tuple[int, str]:
     """Keep the order of the words, each with its own words after it."""
-    return list(WORDS).index(name.split()[0]), name
+    return list(COMMANDS).index(name.split()[0]), name
 
 
 def child_environment() -> dict[str, str]:

@@ -8,32 +8,34 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.main import WORDS, main
+from talaia.cli.main import COMMANDS, main
 from talaia.objects import here
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 
 
-def test_help_names_every_word(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--help"]) == 0
     said = capsys.readouterr().out
-    for name, word in WORDS.items():
+    for name, command in COMMANDS.items():
         assert name in said
-        assert word.summary in said
+        assert command.summary in said
 
 
-@pytest.mark.parametrize("name", WORDS)
-def test_every_word_has_a_main_and_its_own_help(
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_a_main_and_its_own_help(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert callable(importlib.import_module(WORDS[name].module).main)
+    assert callable(importlib.import_module(COMMANDS[name].module).main)
     with pytest.raises(SystemExit) as ended:
         main([name, "--help"])
     assert ended.value.code == 0
     assert f"talaia {name}" in capsys.readouterr().out
 
 
-def test_an_unknown_word_is_told_with_the_known_ones(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_command_is_named_with_the_known_ones(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     assert main(["hubb"]) == 2
     said = capsys.readouterr().err
     assert "'hubb'" in said
@@ -42,7 +44,7 @@ def test_an_unknown_word_is_told_with_the_known_ones(capsys: pytest.CaptureFixtu
 
 def test_check_says_right_of_the_example(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(EXAMPLE)]) == 0
-    assert "right; 4 devices" in capsys.readouterr().out
+    assert "valid; 4 devices" in capsys.readouterr().out
 
 
 def test_check_names_the_file_and_the_place_of_every_mistake(
@@ -74,7 +76,7 @@ def test_check_tells_whether_this_machine_could_see_objects(
     monkeypatch.setattr(here, "OWN_FILE", own)
     assert main(["check", str(path)]) == 0
     said = capsys.readouterr().out
-    assert f"c/one: objects cannot be seen on this machine: {own} is missing; make it:" in said
+    assert f"c/one: objects cannot be seen on this machine: {own} is missing; create it:" in said
     assert f"c/two: objects cannot be seen on this machine: {tmp_path / 'ours.onnx'} is" in said
     own.touch()
     assert main(["check", str(path)]) == 0

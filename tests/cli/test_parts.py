@@ -36,7 +36,7 @@ async def test_a_part_that_fails_at_the_start_is_told_with_its_last_words(tmp_pa
         with pytest.raises(PartStopped) as caught:
             await part.says("ready", 30)
         assert caught.value.code == 2
-        assert "unknown word 'nonsense'" in str(caught.value)
+        assert "unknown command 'nonsense'" in str(caught.value)
     finally:
         await end_all([part])
 
@@ -104,7 +104,7 @@ async def test_a_part_that_does_not_stay_is_told_with_its_last_words(
     await end_all([part])
     assert said.count("it is started again") == 1
     assert said.count("stops again and again") == 1
-    assert "unknown word 'nonsense'" in said
+    assert "unknown command 'nonsense'" in said
     assert part.process.returncode is not None
 
 

@@ -115,7 +115,7 @@ UP = """
     http://127.0.0.1:8470/setup#abc_D-1
 
   data and logs: x
-  Ctrl-C stops everything; what was stored stays.""".splitlines()
+  Ctrl-C stops everything; stored data is kept.""".splitlines()
 
 
 def started() -> Run:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.main import WORDS
+from talaia.cli.main import COMMANDS
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
@@ -30,7 +30,7 @@ def test_the_readme_gives_the_two_commands_and_a_picture_on_its_first_screen() -
 
 def test_every_word_of_the_command_line_is_in_the_reference() -> None:
     reference = (ROOT / "docs/reference/commands.md").read_text()
-    assert [name for name in WORDS if f"## talaia {name}\n" not in reference] == []
+    assert [name for name in COMMANDS if f"## talaia {name}\n" not in reference] == []
 
 
 def test_every_word_of_the_makefile_is_told_by_make_itself() -> None:

@@ -22,18 +22,20 @@ def main(argv: Sequence[str]) -> int:
     """Ask for the password (or read it from standard input) and make the account."""
     parser = argparse.ArgumentParser(
         "talaia account",
-        description="Make a person's account, or set its password (asked for, or read from stdin)."
+        description="Create an account, or set its password (from a prompt, or from stdin)."
         " TALAIA_DATABASE_URL says where the hub keeps its accounts, unless in the data folder.",
     )
-    parser.add_argument("name", help="what the person signs in with")
+    parser.add_argument("name", help="user name")
     parser.add_argument(
-        "--role", default="operator", help="guest, operator, admin or one of yours (operator)"
+        "--role",
+        default="operator",
+        help="guest, operator, admin or a role of your own (default: operator)",
     )
     parser.add_argument(
-        "--new-password", action="store_true", help="the person is there; only set the password"
+        "--new-password", action="store_true", help="the account exists; only set its password"
     )
     parser.add_argument(
-        "--remove-factor", action="store_true", help="the person has lost the second factor"
+        "--remove-factor", action="store_true", help="remove the account's second factor"
     )
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)

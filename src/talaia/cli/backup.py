@@ -24,7 +24,7 @@ def main(argv: Sequence[str]) -> int:
         description="Copy a hub's database and data folder into a new folder. The hub may run."
         " A server's database is named by TALAIA_DATABASE_URL, as for the hub.",
     )
-    parser.add_argument("folder", type=Path, help="where the backup goes; not there yet")
+    parser.add_argument("folder", type=Path, help="folder of the backup; must not exist yet")
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))

@@ -1,4 +1,4 @@
-"""``talaia check``: say whether a site description is right, and where it is not.
+"""``talaia check``: check a site description, and where it is not.
 
 Where cameras are to detect objects it says, too, whether this machine could: that is no mistake of
 the description, which may be for another one.
@@ -31,7 +31,7 @@ __all__ = ["main"]
 def main(argv: Sequence[str]) -> int:
     """Check each file; 0 when all are right, 1 when one is not."""
     parser = argparse.ArgumentParser(
-        "talaia check", description="Say whether site descriptions are right, and where not."
+        "talaia check", description="Check site descriptions and report what is wrong, and where."
     )
     parser.add_argument("file", type=Path, nargs="+", help="a site description (YAML)")
     options = parser.parse_args(argv)
@@ -50,7 +50,7 @@ def main(argv: Sequence[str]) -> int:
             wrong += 1
         else:
             channels = len(site.channels())
-            print(f"{path}: right; {len(site.devices)} devices, {channels} channels")
+            print(f"{path}: valid; {len(site.devices)} devices, {channels} channels")
             if notice := unguarded_notice(site):
                 print(f"{path}: note: {notice}")
             for line in _not_judged(site):

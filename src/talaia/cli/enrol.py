@@ -26,7 +26,8 @@ __all__ = ["main"]
 def main(argv: Sequence[str]) -> int:
     """Print a new key, or keep it in a file; the one the site had before is void from now on."""
     parser = argparse.ArgumentParser(
-        "talaia enrol", description="Make a gateway's key; the site's earlier key becomes void."
+        "talaia enrol",
+        description="Create a gateway's key; the site's earlier key becomes invalid.",
     )
     parser.add_argument("site", help="the short name in the site description")
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
@@ -34,7 +35,7 @@ def main(argv: Sequence[str]) -> int:
         "--to",
         type=Path,
         metavar="FILE",
-        help="write the gateway's key file; one that is there and still good is left alone",
+        help="write the gateway's key file; an existing, valid one is kept",
     )
     parser.add_argument("--hub", metavar="URL", help="with --to: wss://host:port of this hub")
     options = parser.parse_args(argv)
@@ -51,7 +52,7 @@ def _keep(settings: Settings, options: argparse.Namespace) -> int:
     now = dt.datetime.now(dt.UTC)
     address = HubAddress.checked(options.hub)
     if asyncio.run(is_good(settings, options.to, options.site)):
-        print(f"{options.to} is good already", file=sys.stderr)
+        print(f"{options.to} is valid already", file=sys.stderr)
         return 0
     pin = key_hash(own_certificate(settings, now).cert)
     content = KeyFile(key="", site=options.site, hub=address.url, fingerprint=pin)

@@ -71,7 +71,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         action="append",
         default=[],
         metavar="NAME",
-        help="a name under which the dashboard is reached; may repeat",
+        help="host name of the dashboard; may be repeated",
     )
     parser.add_argument(
         "--program",
@@ -84,7 +84,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument("--wheel", type=Path, help="Talaia's own wheel, to build the images from")
     parser.add_argument(
-        "--force", action="store_true", help="write over files of before; secrets are kept"
+        "--force", action="store_true", help="overwrite existing files; secrets are kept"
     )
     return parser.parse_args(argv)
 

@@ -43,7 +43,7 @@ def main(argv: Sequence[str]) -> int:
         default=Path("site.yaml"),
         help="the file to write; - for the screen (default: site.yaml)",
     )
-    parser.add_argument("--force", action="store_true", help="write over a file that is there")
+    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
     parser.add_argument("--found", help="what `talaia probe --json` printed, in a file or - ")
     parser.add_argument("--site", help="short name of the site (default: of this machine)")
     parser.add_argument("--name", help="what people call it (default: the machine's name)")
@@ -92,7 +92,7 @@ def _read(where: str) -> Found:
 def _head(found: Found, made: Proposal) -> list[str]:
     lines = [
         f"Made by talaia init from {found.where}. Change what you like: names, units, limits,",
-        "what is on the first page (primary). `talaia check` says whether it is right.",
+        "what is on the first page (primary). `talaia check` validates it.",
     ]
     if any(device.drive is not None for device in made.site.devices.values()):
         lines += [
@@ -101,7 +101,7 @@ def _head(found: Found, made: Proposal) -> list[str]:
             "(rad/s) to what your robot may do.",
         ]
     if made.left_out:
-        lines += ["", "Not in here:", *(f"  {reason}" for reason in made.left_out[:60])]
+        lines += ["", "Left out:", *(f"  {reason}" for reason in made.left_out[:60])]
         if len(made.left_out) > 60:
             lines.append(f"  and {len(made.left_out) - 60} more")
     return lines
@@ -116,7 +116,7 @@ def _print_summary(output: Path, made: Proposal, *, shown: bool) -> None:
     )
     print(f"{'found' if shown else f'{output}:'} {counts}", file=sys.stderr)
     if made.left_out:
-        print(f"{len(made.left_out)} things are not in it; the file says which", file=sys.stderr)
+        print(f"{len(made.left_out)} items were left out; the file lists them", file=sys.stderr)
     if notice := unguarded_notice(made.site):
         print(f"note: {notice}", file=sys.stderr)
     if not shown:

@@ -1,4 +1,4 @@
-"""``talaia <word> …``: one word for each thing a person wants to start or to ask."""
+"""The command line ``talaia <command> …``: finds and runs the subcommand."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from talaia.errors import TalaiaError
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-__all__ = ["WORDS", "main"]
+__all__ = ["COMMANDS", "main"]
 
 
-class Word(NamedTuple):
+class Subcommand(NamedTuple):
     """One subcommand: where its ``main(argv)`` is, what it does, the extra it needs."""
 
     module: str
@@ -24,37 +24,58 @@ class Word(NamedTuple):
     extra: str
 
 
-WORDS = {
-    "demo": Word("talaia.cli.demo.ros2", "simulated robots and the whole product", "hub,sim"),
-    "demo-indi": Word(
-        "talaia.cli.demo.indi", "INDI's own simulators and the whole product", "hub,observatory"
+COMMANDS = {
+    "demo": Subcommand(
+        "talaia.cli.demo.ros2", "simulated robots with hub, gateway and dashboard", "hub,sim"
     ),
-    "configure": Word(
+    "demo-indi": Subcommand(
+        "talaia.cli.demo.indi",
+        "INDI's simulators with hub, gateway and dashboard",
+        "hub,observatory",
+    ),
+    "configure": Subcommand(
         "talaia.cli.configure", "a window to describe a robot and start everything", "configurator"
     ),
-    "up": Word("talaia.cli.up", "hub and gateway of a site together, in your browser", "hub,ros2"),
-    "generate": Word("talaia.cli.generate", "a folder that runs a site for good", ""),
-    "hub": Word("talaia.hub.run", "the server: accounts, history, dashboard", "hub"),
-    "gateway": Word("talaia.gateway.run", "the process beside the robot", "ros2"),
-    "sim": Word("talaia.sim.run", "robots that are not there", "sim"),
-    "account": Word("talaia.cli.account", "make a person's account", "hub"),
-    "enrol": Word("talaia.cli.enrol", "make a gateway's key", "hub"),
-    "import": Word(
-        "talaia.cli.importing.main", "bring recordings and tables into a history", "hub,recording"
+    "up": Subcommand(
+        "talaia.cli.up", "hub and gateway of a site together, in your browser", "hub,ros2"
     ),
-    "backup": Word("talaia.cli.backup", "copy a hub's database and data while it runs", "hub"),
-    "restore": Word("talaia.cli.restore", "bring a backup back", "hub"),
-    "probe": Word("talaia.cli.probe", "list what a live robot offers", "ros2"),
-    "init": Word("talaia.cli.init", "write a site description of a live robot", ""),
-    "check": Word("talaia.cli.check", "say whether a site description is right", ""),
-    "upgrade": Word("talaia.cli.upgrade", "bring a site description to the newest format", ""),
-    "extensions": Word("talaia.cli.extensions", "list the parts that other packages bring", ""),
-    "schema": Word("talaia.cli.schema", "print the JSON schema of the site description", ""),
+    "generate": Subcommand(
+        "talaia.cli.generate", "write a deployment: compose project and systemd units", ""
+    ),
+    "hub": Subcommand("talaia.hub.run", "the server: accounts, history and dashboard", "hub"),
+    "gateway": Subcommand(
+        "talaia.gateway.run", "the process that connects a robot to the hub", "ros2"
+    ),
+    "sim": Subcommand("talaia.sim.run", "simulated robots", "sim"),
+    "account": Subcommand("talaia.cli.account", "create or change an account", "hub"),
+    "enrol": Subcommand("talaia.cli.enrol", "create a gateway's key", "hub"),
+    "import": Subcommand(
+        "talaia.cli.importing.main",
+        "import recordings and tables into the history",
+        "hub,recording",
+    ),
+    "backup": Subcommand(
+        "talaia.cli.backup", "copy a hub's database and data while it runs", "hub"
+    ),
+    "restore": Subcommand("talaia.cli.restore", "restore a backup", "hub"),
+    "probe": Subcommand("talaia.cli.probe", "list what a live robot offers", "ros2"),
+    "init": Subcommand("talaia.cli.init", "write a site description of a live robot", ""),
+    "check": Subcommand("talaia.cli.check", "check a site description", ""),
+    "upgrade": Subcommand(
+        "talaia.cli.upgrade", "upgrade a site description to the newest format", ""
+    ),
+    "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
+    "schema": Subcommand("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one word; gives the process's exit code: 0 done, 2 not as asked."""
+    """Run one subcommand.
+
+    Returns:
+        The process's exit code: 0 done, 2 refused or failed.
+
+    """
     arguments = list(sys.argv[1:] if argv is None else argv)
     first = arguments[0] if arguments else "--help"
     if first in ("-h", "--help", "help"):
@@ -63,13 +84,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     if first == "--version":
         print(f"talaia {__version__}")
         return 0
-    word = WORDS.get(first)
-    if word is None:
+    command = COMMANDS.get(first)
+    if command is None:
         # Last, where a terminal or a log still shows it.
-        print(f"{_help()}\n\ntalaia: unknown word {first!r}", file=sys.stderr)
+        print(f"{_help()}\n\ntalaia: unknown command {first!r}", file=sys.stderr)
         return 2
     try:
-        return _load(first, word)(arguments[1:])
+        return _load(first, command)(arguments[1:])
     except TalaiaError as error:
         print(f"talaia {first}: {error}", file=sys.stderr)
         return 2
@@ -78,18 +99,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _help() -> str:
-    rows = "\n".join(f"  {name:<10} {word.summary}" for name, word in WORDS.items())
+    rows = "\n".join(f"  {name:<10} {command.summary}" for name, command in COMMANDS.items())
     return (
-        f"usage: talaia WORD …    (talaia {__version__})\n\n{rows}\n\n"
-        "talaia WORD --help tells more about a word."
+        f"usage: talaia COMMAND …    (talaia {__version__})\n\n{rows}\n\n"
+        "talaia COMMAND --help shows the options of a command."
     )
 
 
-def _load(name: str, word: Word) -> Callable[[Sequence[str]], int]:
+def _load(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:
     try:
-        module = importlib.import_module(word.module)
+        module = importlib.import_module(command.module)
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith("talaia"):
             raise
-        raise PartMissing(f"talaia {name}", error.name, word.extra) from error
+        raise PartMissing(f"talaia {name}", error.name, command.extra) from error
     return cast("Callable[[Sequence[str]], int]", module.main)

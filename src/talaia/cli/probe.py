@@ -108,7 +108,7 @@ def probe_robot(options: argparse.Namespace) -> Found:
 
     """
     if options.connect and options.indi is None:
-        raise CliError("--connect is for --indi; whatever ROS has is there without it")
+        raise CliError("--connect is for --indi; ROS needs no such step")
     if options.indi is not None:
         return _look_at_indi(options.indi, options.seconds or INDI_SECONDS, options.connect)
     seconds = options.seconds or SECONDS
@@ -180,7 +180,7 @@ def _listening(seconds: float) -> None:
 
 def _as_text(found: Found, *, fields: bool) -> str:
     lines = [f"{found.where}, after {found.seconds:g} s"]
-    lines += ["", "topics that are published"]
+    lines += ["", "published topics"]
     for topic in found.topics:
         if topic.publishers:
             lines.append(_row(topic))
@@ -189,7 +189,7 @@ def _as_text(found: Found, *, fields: bool) -> str:
         lines.append("  none")
     heard = [topic for topic in found.topics if not topic.publishers]
     if heard:
-        lines += ["", "topics that somebody only listens to"]
+        lines += ["", "topics with subscribers only"]
         lines += [f"  {topic.topic:<36} {topic.type}" for topic in heard]
     for title, rows in (
         (

@@ -23,7 +23,7 @@ def main(argv: Sequence[str]) -> int:
     """Put the backup where the hub takes it over at its next start."""
     parser = argparse.ArgumentParser(
         "talaia restore",
-        description="Bring a backup back. It takes effect when the hub starts next, which may run"
+        description="Restore a backup. It takes effect when the hub starts next, which may run"
         " meanwhile; what was there before is kept aside in the data folder. If"
         " TALAIA_DATABASE_URL names a server's database, the rows go into that, which must be"
         " empty.",

@@ -61,7 +61,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia up",
         description="Start the hub and the gateway of a site on this machine, and open the "
-        "dashboard. Accounts and history are kept from one time to the next.",
+        "dashboard. Accounts and history are kept between runs.",
     )
     parser.add_argument("site", type=Path, help="site description (YAML)")
     parser.add_argument(
@@ -147,7 +147,7 @@ async def _key(settings: Settings, site: str, path: Path) -> Path:
 def _found(pattern: re.Pattern[str], line: str) -> str:
     match = pattern.search(line)
     if match is None:
-        raise CliError(f"the hub said something unexpected: {line}")
+        raise CliError(f"unexpected output of the hub: {line}")
     return match[1]
 
 
@@ -157,4 +157,4 @@ def _greet(up: _Up, site: Site, data: Path, took: float) -> None:
         print(f"  Nobody has an account yet. Make the first admin's here:\n    {up.setup}\n")
     if notice := unguarded_notice(site):
         print(f"  note: {notice}\n")
-    print(f"  data and logs: {data}\n  Ctrl-C stops everything; what was stored stays.", flush=True)
+    print(f"  data and logs: {data}\n  Ctrl-C stops everything; stored data is kept.", flush=True)

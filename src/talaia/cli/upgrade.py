@@ -31,8 +31,8 @@ def main(argv: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(
         "talaia upgrade",
-        description=f"Bring site descriptions to the newest format (version {FORMAT}), with their "
-        "comments. Shows what would change; --write changes it.",
+        description=f"Upgrade site descriptions to the newest format (version {FORMAT}). Comments "
+        "stay. Shows what would change; --write changes it.",
     )
     parser.add_argument("file", type=Path, nargs="+", help="a site description (YAML)")
     parser.add_argument("--write", action="store_true", help="change the file")

@@ -25,7 +25,7 @@ __all__ = ["MAX_STEPS", "Document", "Problem"]
 MAX_STEPS = 500
 _HEAD = (
     "Made by talaia configure, which opens it again; comments of yours stay.",
-    "`talaia check` says whether it is right.",
+    "`talaia check` validates it.",
 )
 
 

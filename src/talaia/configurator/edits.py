@@ -143,7 +143,7 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
 
     """
     if not new.kind.word and not new.name.strip():
-        raise ConfiguratorError("a sensor of your own needs a name")
+        raise ConfiguratorError("a custom sensor needs a name")
     if there := _taken(site).get(new.word):
         raise WordTaken(
             f"{there} is there already; number {free_number(site, new.kind, new.name)} is free"
@@ -308,7 +308,7 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
         drive = Drive(topic="/cmd_vel", max_speed=CAREFUL_SPEED, max_turn=CAREFUL_TURN)
         return with_value(site, (*path, key), drive), (*path, key)
     if not name.strip():
-        raise ConfiguratorError("a thing of your own needs a name")
+        raise ConfiguratorError("a custom item needs a name")
     name = name.strip()
     mapping = at(site, (*path, key))
     assert isinstance(mapping, dict)  # noqa: S101 - `groups_at` names mappings

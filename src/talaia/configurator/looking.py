@@ -57,7 +57,9 @@ def probe_command(
     if not 1 <= port <= 65535:
         raise BadHost(f"expected a port from 1 to 65535, found {port}")
     if not _PROGRAM.match(program):
-        raise BadHost(f"{program!r} is not a program's place; use letters, digits, dots, _ - and /")
+        raise BadHost(
+            f"{program!r} is not the path of a program; use letters, digits, dots, _ - and /"
+        )
     name = match["host"].strip("[]")
     target = f"{match['user']}@{name}" if match["user"] else name
     # Nobody sits at a prompt: a question is an error that says what to do.
@@ -162,7 +164,7 @@ _REMEDIES = (
     ("connection refused", "{where} runs no ssh server on that port"),
     ("timed out", "{where} does not answer; is it on, and on this network?"),
     ("no route to host", "{where} does not answer; is it on, and on this network?"),
-    ("network is unreachable", "this machine has no network that leads to {where}"),
+    ("network is unreachable", "this machine has no network route to {where}"),
     (
         "which is not installed",
         "there is no ROS 2 for Talaia at {where}; run there: pip install 'talaia[ros2]', "

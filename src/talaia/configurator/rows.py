@@ -93,7 +93,7 @@ _PARTS = frozenset({"detect"})
 _LABELS = {
     ("detect",): "Object detection",
     ("detect", "classes"): "Classes, one a line",
-    ("detect", "confidence"): "Sure from (0 to 1)",
+    ("detect", "confidence"): "Confidence from (0 to 1)",
     ("detect", "max_rate"): "At most per second",
     ("detect", "at"): "Looked at by",
     ("detect", "model"): "Detector",

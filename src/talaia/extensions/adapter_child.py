@@ -150,7 +150,7 @@ class _Session:
         self._acts.pop(number, None)
 
     async def _run_command(self, act: ActWords) -> None:
-        done = DoneWords(act.number, "unknown", "it was ended; look at the device")
+        done = DoneWords(act.number, "unknown", "it was cancelled; check the device")
         try:
             # Without commands there are no keys that fit.
             keys = msgspec.convert(act.keys, self._declared.command or ExtensionKeys)

@@ -233,5 +233,5 @@ def _wrong_shape(shape: object) -> str:
     info = msgspec.inspect.type_info(shape)
     for field in info.fields if isinstance(info, msgspec.inspect.StructType) else ():
         if not isinstance(field.type, _PLAIN):
-            return f"{shape.__name__}.{field.name} is no plain text, number or truth value"
+            return f"{shape.__name__}.{field.name} is not a plain string, number or boolean"
     return ""

@@ -44,7 +44,7 @@ __all__ = ["OWN_FILE", "Worker"]
 
 # Made by tools/make_detector.py; in an installed package it is there.
 OWN_FILE = Path(__file__).parent / "models" / "nanodet.onnx"
-OWN_REMEDY = "make it: python tools/make_detector.py"
+OWN_REMEDY = "create it: python tools/make_detector.py"
 # The child ends itself before this; the rest is for a machine that is busy.
 PATIENCE_S = LONGEST_LOAD_S + LONGEST_LOOK_S + 10.0
 END_S = 1.0
@@ -234,7 +234,7 @@ class _Child:
             ]
         except (KeyError, ValueError, TypeError, IndexError) as error:
             self.end()
-            raise DetectorError(f"the detector's process said nonsense: {error!r}") from error
+            raise DetectorError(f"invalid answer of the detector's process: {error!r}") from error
 
     def _told_of(self, *said: bytes | memoryview) -> dict[str, Any]:
         """Say something to the process and give its answer."""
@@ -261,7 +261,7 @@ class _Child:
                 env={**kept, **_ONE_THREAD},
             )
         except OSError as error:
-            raise DetectorError(f"no process could be begun: {error}") from error
+            raise DetectorError(f"the process could not be started: {error}") from error
         self._process = process
         if self.closed:
             process.kill()

@@ -54,7 +54,7 @@ class CameraEnded(SimError):
         """Say what to do."""
         return (
             f"the camera's process ended at its start (exit code {self.code}); "
-            "see its words above, or run with --no-camera"
+            "see its output above, or run with --no-camera"
         )
 
 

@@ -1,4 +1,4 @@
-"""``talaia sim``: robots that are not there, one word each."""
+"""``talaia sim``: runs a simulated robot by its name."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def main(argv: Sequence[str]) -> int:
     if name in ROBOTS:
         return ROBOTS[name][0](argv[1:])
     rows = "\n".join(f"  {name:<12} {what}" for name, (_, what) in ROBOTS.items())
-    usage = f"usage: talaia sim ROBOT …\n\n{rows}\n\ntalaia sim ROBOT --help tells more.\n"
+    usage = f"usage: talaia sim ROBOT …\n\n{rows}\n\ntalaia sim ROBOT --help shows its options.\n"
     if name in ("-h", "--help"):
         sys.stdout.write(usage)
         raise SystemExit(0)
-    sys.stderr.write(f"talaia sim: there is no robot {name!r}\n\n{usage}")
+    sys.stderr.write(f"talaia sim: unknown robot {name!r}\n\n{usage}")
     return 2

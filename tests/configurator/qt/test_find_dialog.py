@@ -52,7 +52,7 @@ def test_what_is_found_fills_the_description_as_one_step(scripted: Any, qt: Any)
     assert dialog.bar.isVisible()
     assert not dialog.start_button.isEnabled()
     wait(qt, lambda: finished(dialog))
-    assert dialog.told.text() == "Added 1 sensors, 1 cameras. Undo takes it back."
+    assert dialog.told.text() == "Added 1 sensors, 1 cameras. Undo reverts it."
     assert "/odd: the type is not known here" in dialog.left_out.toPlainText()
     assert check(window.editor.site) == []
     assert window.sensors.table.model().rowCount() == 1

@@ -344,7 +344,7 @@ async def test_an_import_beside_a_running_hub_is_taken_over_by_it(
     try:
         assert await asyncio.to_thread(imported, data, path) == 0
         said = capsys.readouterr()
-        assert "the hub runs and takes it over" in said.err
+        assert "the hub is running and imports it" in said.err
         assert "710 samples are in the history now" in said.out
         # Nothing else of the site is known to it; now it knows the description, too.
         assert await asyncio.to_thread(imported, data, path, "--site", "rover") == 0

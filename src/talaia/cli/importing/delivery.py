@@ -50,7 +50,7 @@ def deliver(
             ) from error
         except HubRuns:
             if not told:
-                say("the hub runs and takes it over")
+                say("the hub is running and imports it")
             told = True
         taken = _fetch(paths)
         if taken is not None:

@@ -102,7 +102,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "--data", type=Path, default=Path("talaia-data"), help="the hub's data folder (talaia-data)"
     )
     parser.add_argument(
-        "--dry-run", action="store_true", help="say what would be imported, and write nothing"
+        "--dry-run", action="store_true", help="show what would be imported, and write nothing"
     )
     parser.add_argument(
         "--column",
@@ -117,10 +117,10 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "--time-unit",
         default="auto",
         choices=[unit.value for unit in TimeUnit],
-        help="CSV: how times are written (auto: by the first of them)",
+        help="CSV: format of the times (auto: detected from the first)",
     )
     parser.add_argument(
-        "--zone", default="", help="CSV: the zone of times that say none, as Europe/Madrid"
+        "--zone", default="", help="CSV: the time zone of times without one, such as Europe/Madrid"
     )
     return parser.parse_args(argv)
 
@@ -189,9 +189,7 @@ def _kind(path: Path) -> str:
     if name := importer_of(path):
         return f"{_EXTENSION}{name}"
     if b"\0" in start or path.suffix.lower() in (".bag", ".mcap", ".db3"):
-        raise BadFile(
-            str(path), "byte 0", "it begins like none of rosbag 1, rosbag 2, MCAP and CSV"
-        )
+        raise BadFile(str(path), "byte 0", "its format is none of rosbag 1, rosbag 2, MCAP and CSV")
     return "CSV"
 
 

@@ -121,7 +121,7 @@ class Table:
         if self._times.doubtful:
             self.findings.notes.append(
                 f"{self._times.doubtful} times come twice by the zone's clock, when summer time"
-                " ends; they were told apart by their order"
+                " ends; they were distinguished by their order"
             )
 
     def close(self) -> None:

@@ -26,9 +26,7 @@ class AiPage(Page):
 
     def __init__(self, editor: Editor) -> None:
         """Show the open document."""
-        super().__init__(
-            "AI services", "What Talaia works out from the robot's data, beside showing it."
-        )
+        super().__init__("AI services", "What Talaia computes from the robot's data.")
         self._editor = editor
         card = Card()
         self.visualization = Switch("Visualization")
@@ -38,7 +36,7 @@ class AiPage(Page):
         self.objects = Switch("&Object detection")
         for switch, sentence in (
             (self.visualization, "Live charts, history, camera and map. Always on."),
-            (self.anomalies, "Marks readings that are out of the ordinary."),
+            (self.anomalies, "Marks unusual readings."),
             (self.objects, "Counts persons, vehicles and animals on every camera."),
         ):
             switch.setAccessibleName(switch.text().replace("&", ""))

@@ -115,7 +115,7 @@ class DevicesPage(Page):
     def _left(self) -> QWidget:
         self.tree = QTreeWidget(columnCount=2)
         self.tree.setHeaderLabels(["Thing", "Kind"])
-        self.tree.setAccessibleName("Devices and what they have")
+        self.tree.setAccessibleName("Devices and their parts")
         self.tree.setUniformRowHeights(True)
         self.tree.setMinimumHeight(260)
         header = self.tree.header()
@@ -124,7 +124,7 @@ class DevicesPage(Page):
         header.setSectionResizeMode(1, QHeaderView.ResizeMode.ResizeToContents)
         self.tree.currentItemChanged.connect(lambda *_: self._details())
         self.add_button = QPushButton("&Add")
-        self.add_button.setAccessibleName("Add to the selected thing")
+        self.add_button.setAccessibleName("Add to the selected item")
         self._menu = QMenu(self.add_button)
         self.add_button.setMenu(self._menu)
         self.remove_button = button("&Remove", self.remove)

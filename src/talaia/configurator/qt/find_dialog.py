@@ -215,4 +215,4 @@ def _summary(result: Merged) -> str:
     if any(path[-1] == "drive" for path in result.added):
         counts.append("driving (at a careful speed)")
     known = f" {result.known} were described already." if result.known else ""
-    return f"Added {', '.join(counts)}.{known} Undo takes it back."
+    return f"Added {', '.join(counts)}.{known} Undo reverts it."

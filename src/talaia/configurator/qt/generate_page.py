@@ -74,7 +74,7 @@ class GeneratePage(Page):
         self.body.addWidget(self._elsewhere())
         self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=MAX_LINES)
         self.log.setAccessibleName("Log")
-        self.log.setPlaceholderText("What was started says here what it does.")
+        self.log.setPlaceholderText("Output of the started programs.")
         self.log.setTabChangesFocus(True)
         self.log.setMinimumHeight(110)
         self.log.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
@@ -128,7 +128,7 @@ class GeneratePage(Page):
         for word, name in _DATABASES.items():
             self.database.addItem(name, word)
         self.database.setAccessibleName("Database of the deployment")
-        self.over = QCheckBox("&Write over files of before")
+        self.over = QCheckBox("&Overwrite existing files")
         self.over.setToolTip("secrets are kept")
         self.make_button = button("&Make deployment", self.make)
         grid = QGridLayout()
@@ -161,7 +161,7 @@ class GeneratePage(Page):
         self._begin(self.run, self._site, words)
 
     def stop(self) -> None:
-        """End hub and gateway; what was stored stays."""
+        """End hub and gateway; stored data is kept."""
         if self.run.phase in (RunPhase.STARTING, RunPhase.UP):
             self.run.stop()
             self._site.stop()
@@ -265,8 +265,8 @@ class GeneratePage(Page):
 _TOLD = {
     RunPhase.IDLE: "",
     RunPhase.STARTING: "Starting the hub and the gateway …",
-    RunPhase.UP: "Running: {}. Changes of the description are taken in by Stop and Generate.",
+    RunPhase.UP: "Running: {}. To apply changes of the description, press Stop and then Generate.",
     RunPhase.STOPPING: "Stopping …",
-    RunPhase.ENDED: "Stopped. What was stored stays.",
+    RunPhase.ENDED: "Stopped. Stored data is kept.",
     RunPhase.FAILED: "It is not running.",
 }

@@ -42,7 +42,7 @@ class SensorsPage(Page):
         """Show the open document."""
         super().__init__(
             "Sensors",
-            "Choose a type, or Others for one of your own. A sensor is heard on /metric under its "
+            "Choose a type, or Others for a custom one. A sensor is heard on /metric under its "
             "name and number, unless you say where else it comes from.",
         )
         self._editor = editor

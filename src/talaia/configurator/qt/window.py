@@ -267,7 +267,7 @@ class Window(QMainWindow):
         try:
             save(self.editor.document, file, over=over)
         except FileChanged as error:
-            sure = self._ask(f"{error}. Write over it?", QMessageBox.StandardButton.Save)
+            sure = self._ask(f"{error}. Overwrite it?", QMessageBox.StandardButton.Save)
             return sure is QMessageBox.StandardButton.Save and self._write(file, over=True)
         except (NotWritten, DescriptionError) as error:
             self._show_message(str(error))

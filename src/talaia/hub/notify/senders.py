@@ -97,7 +97,7 @@ async def _run(job: bytes) -> DeliveryResult:
             env=kept,
         )
     except OSError as error:
-        return DeliveryResult(Outcome.AGAIN, f"no process could be begun: {error}")
+        return DeliveryResult(Outcome.AGAIN, f"the process could not be started: {error}")
     try:
         async with asyncio.timeout(_LONGEST_S):
             said, wrong = await child.communicate(job)

@@ -221,7 +221,7 @@ class _Made:
             for place in places
         }
 
-    # ── topics that are published ──
+    # ── published topics ──
 
     def _topic(self, topic: TopicFound) -> None:
         if topic.problem:
