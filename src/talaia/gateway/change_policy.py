@@ -123,10 +123,10 @@ def _opened(before: Device | None, after: Device | None) -> bool:
     was = {"": before.visibility if before is not None else "view"}
     now = {"": after.visibility}
     for key in ("signals", "streams"):
-        for name, each in getattr(before, key, {}).items():
-            was[f"{key} {name}"] = each.visibility
-        for name, each in getattr(after, key).items():
-            now[f"{key} {name}"] = each.visibility
+        for name, part in getattr(before, key, {}).items():
+            was[f"{key} {name}"] = part.visibility
+        for name, part in getattr(after, key).items():
+            now[f"{key} {name}"] = part.visibility
     return any(value == "public" and was.get(key) == "view" for key, value in now.items())
 
 

@@ -56,7 +56,7 @@ def read_key_file(path: Path) -> KeyFile:
     except (OSError, UnicodeDecodeError) as error:
         raise SettingsError(f"--key-file {path}: {error}") from error
     found = _of_json(path, text) if text.startswith("{") else KeyFile(key=text)
-    if not found.key or any(ord(each) <= 32 or ord(each) > 126 for each in found.key):
+    if not found.key or any(ord(letter) <= 32 or ord(letter) > 126 for letter in found.key):
         raise SettingsError(
             f"--key-file {path}: expected the key on one line, or what talaia gateway enrol writes"
         )

@@ -195,14 +195,14 @@ def _is_good(own: Certificate, names: Iterable[str], now: dt.datetime) -> bool:
         return False
     if _public(found.public_key()) != _public(key.public_key()):
         return False
-    covered = {str(each.value).lower() for each in said}
+    covered = {str(name.value).lower() for name in said}
     return found.not_valid_after_utc - now > _RENEW and set(names) <= covered
 
 
 def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
     key = _key_of(own)
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "Talaia hub")])
-    alternatives = [_alternative(each) for each in sorted(names)]
+    alternatives = [_alternative(name) for name in sorted(names)]
     cert = (
         x509.CertificateBuilder()
         .subject_name(name)

@@ -61,9 +61,9 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
     scopes = []
     for name, connection in site.links().items():
         devices = {
-            each: _without_detections(site.devices[each])
-            for each in site.devices
-            if of[each] == name
+            device: _without_detections(site.devices[device])
+            for device in site.devices
+            if of[device] == name
         }
         channel = {
             f"{device_id}/{signal_id}": first[f"{device_id}/{signal_id}"]
@@ -76,10 +76,12 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
 
 def _without_detections(device: Device) -> Device:
     """Leave out what is seen."""
-    signals = {name: each for name, each in device.signals.items() if not is_seen(each.source)}
+    signals = {
+        name: signal for name, signal in device.signals.items() if not is_seen(signal.source)
+    }
     streams = {
-        name: each if each.detect is None else msgspec.structs.replace(each, detect=None)
-        for name, each in device.streams.items()
+        name: stream if stream.detect is None else msgspec.structs.replace(stream, detect=None)
+        for name, stream in device.streams.items()
     }
     if len(signals) == len(device.signals) and streams == device.streams:
         return device

@@ -131,9 +131,9 @@ class MultiAdapter:
             else:
                 self._lost.discard(name)
         self._of = of
-        for name in [each for each in adapters if each in gone or each not in before]:
+        for name in [adapter for adapter in adapters if adapter in gone or adapter not in before]:
             self._begin(name)
-        for name in [each for each in gone if each not in adapters]:
+        for name in [adapter for adapter in gone if adapter not in adapters]:
             if (task := self._tasks.pop(name, None)) is not None:
                 task.cancel()
         self.watch(self._streams)
@@ -144,7 +144,7 @@ class MultiAdapter:
         if (task := self._tasks.get(name)) is not None:
             task.cancel()
             self._ending.add(task)
-        self._ending = {each for each in self._ending if not each.done()}
+        self._ending = {task for task in self._ending if not task.done()}
         before = tuple(self._ending)
         self._tasks[name] = self._group.create_task(self._keep(name, *self._adapters[name], before))
 
@@ -197,7 +197,9 @@ class MultiAdapter:
         """See `Adapter.watch`."""
         self._streams = tuple(streams)
         for name, (adapter, _) in self._adapters.items():
-            adapter.watch([each for each in streams if self._of.get(each.split("/", 1)[0]) == name])
+            adapter.watch(
+                [stream for stream in streams if self._of.get(stream.split("/", 1)[0]) == name]
+            )
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`; what is not reached has none."""

@@ -99,7 +99,7 @@ class DevicePresence:
         """
         self._look += 1
         ask: set[str] = set()
-        there = [each for each in self._devices if offers.get(each, _NOTHING).nodes]
+        there = [device for device in self._devices if offers.get(device, _NOTHING).nodes]
         for device in self._devices:
             offer = offers.get(device, _NOTHING)
             if offer.there:
@@ -117,11 +117,11 @@ class DevicePresence:
                 self._set(device, self._silent(offer, now_ns, ask))
         for node in ask:
             self._open.setdefault(node, self._look)
-        words = [heard_ns.get(each, 0) for each in there]
-        words += [self._answered_ns.get(node, 0) for each in there for node in offers[each].nodes]
-        if there and all(each in self._away for each in there):
+        words = [heard_ns.get(topic, 0) for topic in there]
+        words += [self._answered_ns.get(node, 0) for topic in there for node in offers[topic].nodes]
+        if there and all(topic in self._away for topic in there):
             self._deaf = True
-        elif any(now_ns - each < SPOKEN_NS for each in words if each):
+        elif any(now_ns - word < SPOKEN_NS for word in words if word):
             self._deaf = False
         else:
             self._deaf = None

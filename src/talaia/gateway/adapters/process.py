@@ -370,8 +370,8 @@ class ProcessAdapter:
 
     def _report_device(self, line: _Line) -> None:
         """Say whether the device answers: one line that does is enough."""
-        lines = [each for each in self._lines.values() if each.device == line.device]
-        if any(each.good for each in lines):
+        lines = [other for other in self._lines.values() if other.device == line.device]
+        if any(line.good for line in lines):
             self._status.device(line.device, there=True)
-        elif all(each.good is False for each in lines):
+        elif all(line.good is False for line in lines):
             self._status.device(line.device, there=False, why=line.why[:200])

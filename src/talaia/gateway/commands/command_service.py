@@ -131,7 +131,7 @@ class CommandService:
     def runs(self, command: str) -> bool:
         """Tell whether a ``<device>/<command>`` is under way."""
         states = [self._book.get(command_id) for command_id in self._timers]
-        return any(f"{each.device}/{each.command}" == command for each in states if each)
+        return any(f"{state.device}/{state.command}" == command for state in states if state)
 
     def redescribe(self, site: Site) -> None:
         """Take commands by another description from here on."""

@@ -67,8 +67,8 @@ class DeviceHolders:
         What the same person asks for replaces what they asked for before.
         """
         found = [
-            each
-            for each in self._holders.values()
-            if each.device == device and (each.safety or each.who != who)
+            holder
+            for holder in self._holders.values()
+            if holder.device == device and (holder.safety or holder.who != who)
         ]
-        return max(found, key=lambda each: (each.safety, each.since_ns), default=None)
+        return max(found, key=lambda holder: (holder.safety, holder.since_ns), default=None)

@@ -156,7 +156,7 @@ class ObjectDetection:
         if self._running:
             self._begin(site)
         needed = {detect.model for _, detect in detecting(site) if detect.at is DetectAt.GATEWAY}
-        for model in [each for each in self._turns if each not in needed]:
+        for model in [turn for turn in self._turns if turn not in needed]:
             del self._turns[model]
             self._worker.rest(model)
 
@@ -237,15 +237,15 @@ class ObjectDetection:
 
     def boxes(self, look: CameraFrame, things: Sequence[Found]) -> None:
         """Take what is on a picture."""
-        told = [DetectedObject(**each._asdict()) for each in things]
+        told = [DetectedObject(**thing._asdict()) for thing in things]
         self._outlet.boxes(
             DetectedBoxes(stream=look.stream, seq=look.seq, time_us=look.time_us, things=told)
         )
 
     def report_sightings(self, name: str, news: Sequence[Told]) -> None:
         """Take news of sightings."""
-        for each in news:
-            self._outlet.sightings(name, each)
+        for sighting in news:
+            self._outlet.sightings(name, sighting)
 
 
 class _Camera:
@@ -268,11 +268,11 @@ class _Camera:
         before, self._counted = self._counted, counted
         self._samplers = {
             address: self._samplers[address]
-            if address in before and before[address].signal == each.signal
-            else _sampler(each.signal)
-            for address, each in counted.items()
+            if address in before and before[address].signal == count.signal
+            else _sampler(count.signal)
+            for address, count in counted.items()
         }
-        self._eyes.recount({address: each.signal.source for address, each in counted.items()})
+        self._eyes.recount({address: count.signal.source for address, count in counted.items()})
 
     async def run(self) -> None:
         """Look until cancelled; what is in sight then has ended."""
@@ -321,7 +321,7 @@ class _Camera:
     def _publish_detections(self, look: CameraFrame, things: Sequence[Found]) -> None:
         gathered = []
         readings = {}
-        sources = {address: each.signal.source for address, each in self._counted.items()}
+        sources = {address: count.signal.source for address, count in self._counted.items()}
         steady = self._steady.count(things, sources, look.mono_us)
         for address, count in self._eyes.count(things).items():
             counted = self._counted[address]

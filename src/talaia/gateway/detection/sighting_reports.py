@@ -92,7 +92,7 @@ class DetectionReporter:
         self._due: dict[_Key, None] = {}
         self._wake = asyncio.Event()
         self._complained = False
-        self._kept = {_key(each): _Kept(each) for each in _left(folder)}
+        self._kept = {_key(sighting): _Kept(sighting) for sighting in _left(folder)}
 
     def report_sighting(self, stream: str, told: Told) -> None:
         """Take news of a sighting on a stream (``device/stream``)."""

@@ -259,7 +259,7 @@ class DriveService:
 
     def silent(self, devices: Collection[str]) -> bool:
         """Tell whether all zeros of these devices have been published."""
-        controllers = [self.controllers[each] for each in devices if each in self.controllers]
+        controllers = [self.controllers[device] for device in devices if device in self.controllers]
         return all(controller.driving.silent for controller in controllers)
 
     def redescribe(self, site: Site, devices: Collection[str]) -> None:
@@ -269,7 +269,7 @@ class DriveService:
         """
         now = self._clock.monotonic_ns()
         # Whoever took a lease since then has driven nothing, for it was barred.
-        self.leave([each for each in devices if each in self.controllers])
+        self.leave([device for device in devices if device in self.controllers])
         before, self._site, self._changing = self.controllers, site, frozenset()
         self.controllers = {}
         for name, device in site.devices.items():

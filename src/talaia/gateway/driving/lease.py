@@ -193,7 +193,7 @@ class DeviceLease:
 
     def until_ns(self) -> int | None:
         """Give when it, or an ask for it, ends by itself; none while free."""
-        times = [each.until_ns for each in (self._holder, self._rival) if each is not None]
+        times = [holder.until_ns for holder in (self._holder, self._rival) if holder is not None]
         return min(times, default=None)
 
     def drop(self) -> LeaseHolder | None:

@@ -163,4 +163,4 @@ def _shown(value: Value) -> str:
 def _plain(text: str) -> str:
     """Only the characters that FITS allows: printable ASCII."""
     spelled = text.replace("°", "deg").replace("²", "2").replace("µ", "u")
-    return "".join(each if " " <= each <= "~" else "?" for each in spelled)
+    return "".join(letter if " " <= letter <= "~" else "?" for letter in spelled)

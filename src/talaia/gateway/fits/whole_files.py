@@ -61,7 +61,7 @@ def completed(header: bytes, site: str, device: str, place: Place | None) -> byt
         HeaderCard("ORIGIN", "Talaia", "control room that kept this file"),
         HeaderCard("TALAIADV", device, "site and device of the camera"),
     ]
-    return rewritten(header, [*ours, *(each for each in cards if each.key not in known)])
+    return rewritten(header, [*ours, *(card for card in cards if card.key not in known)])
 
 
 class _File(NamedTuple):

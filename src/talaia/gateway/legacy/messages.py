@@ -180,7 +180,7 @@ def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
     except ValueError as error:
         raise LegacyRequestError(f"{where}: {error}") from error
     if len(words) > len(arguments):
-        names = " ".join(each.upper() for each in arguments) or "nothing"
+        names = " ".join(argument.upper() for argument in arguments) or "nothing"
         raise LegacyRequestError(f"{where}: {len(words)} parameters; expected {names}")
     return {
         name: _typed(where, name, argument.type, word)

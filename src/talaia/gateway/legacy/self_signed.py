@@ -20,7 +20,7 @@ def self_signed() -> tuple[bytes, bytes]:
     host = socket.gethostname()
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, host[:64] or "localhost")])
     now = datetime.datetime.now(datetime.UTC)
-    names = [x509.DNSName(each) for each in dict.fromkeys(("localhost", host)) if each.isascii()]
+    names = [x509.DNSName(name) for name in dict.fromkeys(("localhost", host)) if name.isascii()]
     certificate = (
         x509.CertificateBuilder()
         .subject_name(name)

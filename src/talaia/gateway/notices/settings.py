@@ -96,7 +96,7 @@ def read_notice_settings(path: Path) -> NoticeSettings:
     for hook in found.webhook:
         if urlsplit(hook.url).scheme not in {"http", "https"}:
             raise SettingsError(f"the notices {path}: webhook: url: expected https://…")
-    if any(not each.words for each in found.command):
+    if any(not pattern.words for pattern in found.command):
         raise SettingsError(f"the notices {path}: command: words: expected a program")
     return found
 

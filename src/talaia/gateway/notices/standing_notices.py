@@ -87,19 +87,23 @@ class StandingNotices:
         if self._linked:
             # The hub has heard of all that stood; what stands on is counted anew.
             self._linked = False
-            for each in self._standing.values():
-                each.alone_ns, each.due_ns, each.wait_ns = now_ns, None, 0
+            for notice in self._standing.values():
+                notice.alone_ns, notice.due_ns, notice.wait_ns = now_ns, None, 0
         told, self._over = self._over, []
-        for what, each in self._standing.items():
-            if each.due_ns is None:
-                each.due_ns = each.alone_ns + round(self._settings.after * SECOND)
-            if now_ns < each.due_ns:
+        for what, notice in self._standing.items():
+            if notice.due_ns is None:
+                notice.due_ns = notice.alone_ns + round(self._settings.after * SECOND)
+            if now_ns < notice.due_ns:
                 continue
             longest = round(self._settings.longest * SECOND)
             first = round(self._settings.repeat * SECOND)
-            each.wait_ns = min(longest, 2 * each.wait_ns) if each.wait_ns else min(longest, first)
-            each.due_ns = now_ns + each.wait_ns
-            each.told += 1
-            key = f"{what}-{each.time_us}-{each.told}"
-            told.append(GatewayNotice(key, what, each.message, each.time_us, teller=self._teller))
+            notice.wait_ns = (
+                min(longest, 2 * notice.wait_ns) if notice.wait_ns else min(longest, first)
+            )
+            notice.due_ns = now_ns + notice.wait_ns
+            notice.told += 1
+            key = f"{what}-{notice.time_us}-{notice.told}"
+            told.append(
+                GatewayNotice(key, what, notice.message, notice.time_us, teller=self._teller)
+            )
         return told

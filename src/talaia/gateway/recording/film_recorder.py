@@ -128,12 +128,12 @@ class FilmRecorder:
         """Name the cameras that must be read for films."""
         with self._wake:
             held = self._cameras if self._plan.before > 0 else frozenset()
-            return held | {name for name, each in self._reels.items() if each.rolling}
+            return held | {name for name, reel in self._reels.items() if reel.rolling}
 
     def rolling(self) -> list[str]:
         """Name the cameras that are being filmed."""
         with self._wake:
-            return sorted(name for name, each in self._reels.items() if each.rolling)
+            return sorted(name for name, reel in self._reels.items() if reel.rolling)
 
     def begin(self, who: str, why: str, for_s: float, stream: str = "") -> None:
         """Film one camera, or all that are filmed with each recording."""
@@ -250,15 +250,15 @@ class FilmRecorder:
                 return
 
     def _active(self) -> bool:
-        return any(each.rolling or each.file is not None for each in self._reels.values())
+        return any(reel.rolling or reel.file is not None for reel in self._reels.values())
 
     def _over(self) -> list[_Reel]:
         """End what has lasted long enough. Under the lock."""
         now_ns = self._clock.monotonic_ns()
         over = [
-            each
-            for each in self._reels.values()
-            if each.rolling and (self._ending or each.until_ns <= now_ns)
+            reel
+            for reel in self._reels.values()
+            if reel.rolling and (self._ending or reel.until_ns <= now_ns)
         ]
         for reel in over:
             reel.rolling, reel.wants_key = False, True
@@ -272,7 +272,7 @@ class FilmRecorder:
         """End all films while there is still room to finish them."""
         now_ns = self._clock.monotonic_ns()
         if now_ns - self._looked_ns < SECOND or not any(
-            each.file is not None for each in self._reels.values()
+            reel.file is not None for reel in self._reels.values()
         ):
             return
         self._looked_ns = now_ns

@@ -59,4 +59,4 @@ class FilmRing:
         return taken
 
     def _drop(self) -> None:
-        self.bytes -= sum(len(each.data) + _OVERHEAD for each in self._runs.popleft())
+        self.bytes -= sum(len(packet.data) + _OVERHEAD for packet in self._runs.popleft())

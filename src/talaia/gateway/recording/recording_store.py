@@ -190,7 +190,7 @@ class RecordingStore:
         self.check_room()
         gone = []
         waiting = self.waiting(refused=True)
-        while waiting and sum(each.size for each in waiting) + size > self._max_bytes:
+        while waiting and sum(waiter.size for waiter in waiting) + size > self._max_bytes:
             gone.append(waiting.pop(0))
             self.remove(gone[-1].id)
         self._write(kept)
@@ -220,7 +220,7 @@ class RecordingStore:
 
     def offers(self) -> list[FileOffer | FilmOffer]:
         """Say of each that waits what it is, oldest first."""
-        return [offer_of(each) for each in self.waiting()]
+        return [offer_of(waiter) for waiter in self.waiting()]
 
     def refuse(self, name: str) -> None:
         """Do not offer it again in this run."""

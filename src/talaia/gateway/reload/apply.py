@@ -82,7 +82,7 @@ class DescriptionReload:
 
         """
         self._current = current
-        self.scopes = {each.name: each for each in scopes_of(current.now.site, parts.numbering)}
+        self.scopes = {scope.name: scope for scope in scopes_of(current.now.site, parts.numbering)}
         self._parts = parts
         self._say = say
         self._begin_again = begin_again
@@ -175,7 +175,7 @@ class DescriptionReload:
     def _adapters(self, after: Site, of: dict[str, str]) -> None:
         parts = self._parts
         adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
-        scopes = {each.name: each for each in scopes_of(after, parts.numbering)}
+        scopes = {scope.name: scope for scope in scopes_of(after, parts.numbering)}
         for name, scope in scopes.items():
             known = self.scopes.get(name)
             pair = parts.adapters.get(name)

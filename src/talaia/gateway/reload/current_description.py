@@ -19,7 +19,7 @@ __all__ = ["CurrentDescription", "PreparedDescription", "catalogue_of", "prepare
 
 def catalogue_of(site: Site) -> str:
     """Name the channel list: the same list has the same name, in every run."""
-    listed = "\n".join(f"{each.address} {each.text:d}" for each in site.channels())
+    listed = "\n".join(f"{channel.address} {channel.text:d}" for channel in site.channels())
     return hashlib.sha256(listed.encode()).hexdigest()[:16]
 
 
@@ -71,7 +71,7 @@ class PreparedDescription(NamedTuple):
 
 def prepared(site: Site, source: str) -> PreparedDescription:
     """Make ready what takes long; any thread."""
-    addresses = [each.address for each in site.channels()]
+    addresses = [channel.address for channel in site.channels()]
     return PreparedDescription(site, source, dump_site(site), catalogue_of(site), addresses)
 
 

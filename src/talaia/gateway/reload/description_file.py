@@ -92,7 +92,7 @@ class DescriptionFile:
         self._seen = self._settled = self._marks()
 
     def _marks(self) -> list[_Mark]:
-        return [_mark(each) for each in (self.path, *self._beside)]
+        return [_mark(path) for path in (self.path, *self._beside)]
 
 
 def _mark(path: Path) -> _Mark:

@@ -60,9 +60,11 @@ class ChangeRefused(NamedTuple):
             message=self.message[:2000],
             problems=[
                 DescriptionProblem(
-                    where=each.where[:2000], problem=each.problem[:2000], remedy=each.remedy[:2000]
+                    where=problem.where[:2000],
+                    problem=problem.problem[:2000],
+                    remedy=problem.remedy[:2000],
                 )
-                for each in self.problems[:MOST_PROBLEMS]
+                for problem in self.problems[:MOST_PROBLEMS]
             ],
         )
 
@@ -157,7 +159,7 @@ class ChangeRequests:
 
     def _complain(self, refused: ChangeRefused) -> None:
         """Say once what is wrong with the file; what counted before goes on."""
-        said = "; ".join(str(each) for each in refused.problems[:1]) or refused.message
+        said = "; ".join(str(problem) for problem in refused.problems[:1]) or refused.message
         more = len(refused.problems) - 1
         said += f" (and {more} more: run talaia check)" if more > 0 else ""
         log.warning("the changed description is not used: %s", said)
@@ -189,7 +191,7 @@ class ChangeRequests:
             self._report_state(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
             return
         self._report_state(refused.state(asked.id))
-        said = "; ".join(str(each) for each in refused.problems[:1]) or refused.message
+        said = "; ".join(str(problem) for problem in refused.problems[:1]) or refused.message
         self._events.report_event("change_refused", said, who=asked.who)
 
     def _report_state(self, state: ChangeState) -> None:

@@ -80,7 +80,7 @@ class ConditionHolds:
         holding = self.holding(now_ns)
         if holding:
             return holding[0]
-        return max(self._held, key=lambda each: self._held[each].until_ns, default="")
+        return max(self._held, key=lambda name: self._held[name].until_ns, default="")
 
     def problem(self, name: str, now_ns: int) -> str:
         """Say why a condition may not be overridden while the interlock is locked, if so."""
@@ -94,7 +94,7 @@ class ConditionHolds:
             return f"{label} locks nothing now; {self._labels[locking[0]]} does"
         if self._never[name]:
             return f"{label}: {self._never[name]}"
-        others = [each for each in locking if each != name]
+        others = [other for other in locking if other != name]
         if others:
             return (
                 f"{self._labels[others[0]]} locks as well as {label}, "
@@ -108,5 +108,5 @@ class ConditionHolds:
         """Say why the override of a condition has to end, if so."""
         if not self.measured(name):
             return f"{self._labels[name]} is unknown"
-        others = [each for each in self.holding(now_ns) if each != name]
+        others = [other for other in self.holding(now_ns) if other != name]
         return f"{self._labels[others[0]]} locks as well" if others else ""

@@ -133,13 +133,14 @@ class ConditionJudge:
         before, self._site = self._site, site
         had = before.guarded()
         fresh = {
-            each
-            for each in site.guarded()
-            if each not in had or _signal_origin(before, each) != _signal_origin(site, each)
+            command
+            for command in site.guarded()
+            if command not in had
+            or _signal_origin(before, command) != _signal_origin(site, command)
         }
         self._began_ns = {
-            each: now_ns if each in fresh else self._began_ns.get(each, now_ns)
-            for each in site.guarded()
+            command: now_ns if command in fresh else self._began_ns.get(command, now_ns)
+            for command in site.guarded()
         }
 
     def observe_values(self, now_ns: int) -> None:
@@ -158,7 +159,7 @@ class ConditionJudge:
         """Say what has not been heard since a standstill of our own: nothing opens by its leave."""
         if not self._credit.settling(now_ns):
             return ""
-        for condition in [part for each in rule.when for part in (each, *each.all_of)]:
+        for condition in [part for outer in rule.when for part in (outer, *outer.all_of)]:
             device, _, name = condition.signal.partition("/")
             reading = self._readings.latest(condition.signal) if condition.signal else None
             if reading is None:

@@ -242,8 +242,8 @@ class EnclosureGuard:
             if self._tries > 1:
                 times = f"asked for the {self._tries}. time"
                 acts.append(self._event("enclosure_retry", f"{times}: {_words(seen)}", good=False))
-            parts = [each for name, each in rule.parts().items() if name in seen.open_parts]
-            acts += [self._act("close", each.close) for each in parts if each.close is not None]
+            parts = [part for name, part in rule.parts().items() if name in seen.open_parts]
+            acts += [self._act("close", part.close) for part in parts if part.close is not None]
             acts.append(self._act("close", rule.close))
         if self._tries > rule.retries:
             tries = "1 try" if rule.retries == 1 else f"{rule.retries} tries"

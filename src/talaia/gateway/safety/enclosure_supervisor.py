@@ -107,13 +107,15 @@ class EnclosureSupervisor:
             follow = rule.follow
             if follow is None or f"{device}/{command}" not in follow.before:
                 continue
-            still = not any(self._judge.sighting_holds(each, now_ns) for each in rule.moving)
+            still = not any(self._judge.sighting_holds(sensor, now_ns) for sensor in rule.moving)
             tracks = self._judge.sighting_holds(follow.when, now_ns)
             apart = apart_of(
                 self._judge.fresh_value(follow.target, now_ns),
                 self._judge.fresh_value(follow.azimuth, now_ns),
             )
-            if any(self._before_its_end(each) for each in (follow.when.signal, follow.azimuth)):
+            if any(
+                self._before_its_end(address) for address in (follow.when.signal, follow.azimuth)
+            ):
                 # What is known is older than the last motion's end.
                 apart = tracks = None
             held = hold_of(
@@ -146,7 +148,8 @@ class EnclosureSupervisor:
         self, rule: Enclosure, closed: ClosedVerdict, now_ns: int
     ) -> EnclosureReadings:
         opening = any(
-            self._judge.sighting_holds(each, now_ns) for each in opening_of(self._site, rule)
+            self._judge.sighting_holds(sighting, now_ns)
+            for sighting in opening_of(self._site, rule)
         )
         return EnclosureReadings(
             closed=None if closed.closed is None else closed.closed and not opening,
@@ -155,7 +158,7 @@ class EnclosureSupervisor:
             opening=opening,
             # Not every sensor has spoken since the end of the motion: none is asked to begin anew.
             moving=closed.settling
-            or any(self._judge.sighting_holds(each, now_ns) for each in rule.moving),
+            or any(self._judge.sighting_holds(sensor, now_ns) for sensor in rule.moving),
             parked=rule.parked is not None
             and self._judge.sighting_holds(rule.parked, now_ns) is True,
         )
@@ -168,12 +171,12 @@ class EnclosureSupervisor:
         conditions = [
             part
             for interlock in rule.unsafe
-            for each in self._site.interlocks[interlock].when
-            for part in (each, *each.all_of)
+            for condition in self._site.interlocks[interlock].when
+            for part in (condition, *condition.all_of)
             if part.signal
         ]
         if conditions and all(
-            self._judge.judge_condition(each, now_ns).unknown for each in conditions
+            self._judge.judge_condition(condition, now_ns).unknown for condition in conditions
         ):
             return "nothing is known of what makes it unsafe"
         return ""
@@ -225,9 +228,9 @@ class EnclosureSupervisor:
 
     def _closed_verdict(self, rule: Enclosure, now_ns: int) -> ClosedVerdict:
         def sensors(sightings: tuple[Sighting, ...]) -> list[RoofSensor]:
-            return [self._roof_sensor(each, now_ns) for each in sightings]
+            return [self._roof_sensor(sighting, now_ns) for sighting in sightings]
 
-        segments = {name: sensors(each.closed) for name, each in rule.segments.items()}
+        segments = {name: sensors(segment.closed) for name, segment in rule.segments.items()}
         flap = {} if rule.flap is None else {"flap": sensors(rule.flap.closed)}
         return closed_by(sensors(rule.closed), segments, flap, now_ns=now_ns)
 

@@ -73,7 +73,7 @@ class InterlockMonitor:
         self._state = InterlockStateMachine(name, self.rule, now_ns)
         self._state.why = why
         # Limits with hysteresis and a time to last, each with its own memory.
-        self._conditions = [DebouncedCondition(each) for each in self.rule.when]
+        self._conditions = [DebouncedCondition(condition) for condition in self.rule.when]
         # Which of the conditions holds it locked: only one at a time may be overridden.
         self._holds = ConditionHolds(site, self.rule, now_ns)
         # What was last told of overriding: the condition that locks, and why it may not be.
@@ -190,18 +190,20 @@ class InterlockMonitor:
         """
         judged = [
             (
-                condition_id(each.condition),
-                each.judge_condition(lambda one: self._judge.judge_condition(one, now_ns), now_ns),
+                condition_id(condition.condition),
+                condition.judge_condition(
+                    lambda one: self._judge.judge_condition(one, now_ns), now_ns
+                ),
             )
-            for each in self._conditions
+            for condition in self._conditions
         ]
         self._holds.update_verdicts(judged, now_ns)
         verdicts = [verdict for _, verdict in judged if verdict.why]
         if not verdicts:
             return InterlockVerdict()
         own = self.rule.dwell
-        longest = max(own if each.dwell is None else each.dwell for each in verdicts)
-        first = next((each for each in verdicts if each.certain), verdicts[0])
+        longest = max(own if verdict.dwell is None else verdict.dwell for verdict in verdicts)
+        first = next((verdict for verdict in verdicts if verdict.certain), verdicts[0])
         return first._replace(dwell=longest)
 
     def _record_event(self, kind: str, message: str, *, good: bool, who: str = "") -> None:

@@ -142,7 +142,7 @@ class Interlocks:
             device=device,
             command=command,
             args=args,
-            sighted=lambda each: self.conditions.sighting_holds(each, now_ns),
+            sighted=lambda sighting: self.conditions.sighting_holds(sighting, now_ns),
         )
 
     def share(self, device: str, now_ns: int) -> float:
@@ -250,7 +250,9 @@ class Interlocks:
 
 def _means_other(before: Site, after: Site, rule: Interlock) -> bool:
     """Tell whether what an interlock looks at is described as something else than before."""
-    watched = {address for each in rule.when for address in each.signals()}
-    sun = any(part.sun for each in rule.when for part in (each, *each.all_of))
-    changed = any(signal_meaning(before, each) != signal_meaning(after, each) for each in watched)
+    watched = {address for condition in rule.when for address in condition.signals()}
+    sun = any(part.sun for condition in rule.when for part in (condition, *condition.all_of))
+    changed = any(
+        signal_meaning(before, address) != signal_meaning(after, address) for address in watched
+    )
     return changed or (sun and before.place != after.place)

@@ -61,9 +61,9 @@ def _needed(rule: Enclosure, need: Need, sighted: Sighted) -> str:
     if not need.roof:
         parked = None if rule.parked is None else sighted(rule.parked)
         return "" if parked else f"it is {_sure(parked)} parked"
-    if any(sighted(each) for each in rule.moving):
+    if any(sighted(sensor) for sensor in rule.moving):
         return f"{rule.name} moves"
-    closed = [sighted(each) for each in rule.closed]
+    closed = [sighted(sensor) for sensor in rule.closed]
     if closed and all(closed):
         return ""
     return f"{rule.name} is {_sure(None if None in closed else False)} closed"

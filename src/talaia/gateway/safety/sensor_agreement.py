@@ -85,11 +85,11 @@ def closed_by(
 
     """
     parts = {**segments, **others}
-    apart = [each for each in (whole, *parts.values()) if {True, False} <= _sensor_words(each)]
-    disputes = [(each, each) for each in apart]
+    apart = [part for part in (whole, *parts.values()) if {True, False} <= _sensor_words(part)]
+    disputes = [(part, part) for part in apart]
     together, shells = _together(whole), _flat(segments)
-    each = [_together(one) for one in segments.values()]
-    if segments and together is not None and None not in each and together != all(each):
+    verdicts = [_together(one) for one in segments.values()]
+    if segments and together is not None and None not in verdicts and together != all(verdicts):
         apart.append([*whole, *shells])
         disputes.append((whole, shells))
     settling = [_settles(one, other, now_ns) for one, other in disputes]
@@ -110,7 +110,7 @@ def _flat(parts: Mapping[str, Sequence[RoofSensor]]) -> list[RoofSensor]:
 
 
 def _sensor_words(sensors: Sequence[RoofSensor]) -> set[bool | None]:
-    return {each.closed for each in sensors}
+    return {sensor.closed for sensor in sensors}
 
 
 def _together(sensors: Sequence[RoofSensor]) -> bool | None:
@@ -128,14 +128,14 @@ def _settles(one: Sequence[RoofSensor], other: Sequence[RoofSensor], now_ns: int
         now_ns: monotonic.
 
     """
-    turned = max((*one, *other), key=lambda each: each.since_ns)
+    turned = max((*one, *other), key=lambda sensor: sensor.since_ns)
     against = [
-        each
-        for each in (other if turned in one else one)
-        if each.closed is not None and each.closed != turned.closed
+        sensor
+        for sensor in (other if turned in one else one)
+        if sensor.closed is not None and sensor.closed != turned.closed
     ]
     recent = now_ns - turned.since_ns <= SETTLE_NS
-    return recent and all(each.said_ns < turned.since_ns for each in against)
+    return recent and all(sensor.said_ns < turned.since_ns for sensor in against)
 
 
 class SensorTurns:

@@ -159,8 +159,8 @@ class Supervision:
             if stands:
                 log.error("interlocks are not being judged: nobody is told that all is well")
         if well:
-            for each in self._watched:
-                each()
+            for watched in self._watched:
+                watched()
             self._heartbeats.send_due(now)
         return well
 

@@ -91,14 +91,14 @@ def _batches(data: bytes) -> Iterator[SampleRecord]:
 
 def _as_told(boot: str, catalogue: str, found: dict[str, _Found], now_us: int) -> FormerNewest:
     rows = sorted(found.items(), key=lambda row: row[1].sequence)
-    times = np.array([each.time_us for _, each in rows], np.int64)
+    times = np.array([row.time_us for _, row in rows], np.int64)
     columns = Columns(
         np.arange(len(rows), dtype=np.uint16),
         times,
-        np.array([each.value for _, each in rows], np.float64),
-        {at: each.text for at, (_, each) in enumerate(rows) if each.text},
+        np.array([row.value for _, row in rows], np.float64),
+        {at: row.text for at, (_, row) in enumerate(rows) if row.text},
     )
-    sequence = np.array([each.sequence for _, each in rows], np.int64)
+    sequence = np.array([row.sequence for _, row in rows], np.int64)
     ages = np.maximum(0, now_us - times) / 1e3
     return FormerNewest(
         boot,

@@ -131,8 +131,8 @@ class Spool:
             log.warning("the spool %s cannot be used now: %s", folder, error)
         if self.former is not None:
             tell_torn(self.former, self._segments, self._gaps)
-        self._next_number = 1 + max((each.number for each in self._segments), default=0)
-        self._ran_s = max((each.head.ran_s for each in self._segments), default=0.0) - now()
+        self._next_number = 1 + max((segment.number for segment in self._segments), default=0)
+        self._ran_s = max((segment.head.ran_s for segment in self._segments), default=0.0) - now()
         self._head = head
         self._current = self._begin()
 
@@ -178,8 +178,8 @@ class Spool:
     def redescribe(self, head: SegmentHead) -> None:
         """Keep what comes from here on by another channel list, in a segment of its own."""
         # What waits in memory goes to disk behind the new head: each says its addresses itself.
-        self._memory = deque(_alone(each, self._head.addresses) for each in self._memory)
-        self._memory_bytes = sum(len(each.body) for each in self._memory)
+        self._memory = deque(_alone(record, self._head.addresses) for record in self._memory)
+        self._memory_bytes = sum(len(record.body) for record in self._memory)
         old, closed = self._file, self._current
         self._head = head
         self._begin()
@@ -280,7 +280,7 @@ class Spool:
         beside = segment.path.with_suffix(".new")
         try:
             kept = [record for _, record in records(segment.path.read_bytes())]
-            whole = b"".join(pack_record(each) for each in [kept[0], *packed(kept[1:])])
+            whole = b"".join(pack_record(record) for record in [kept[0], *packed(kept[1:])])
             with beside.open("wb") as file:
                 file.write(whole)
                 file.flush()
@@ -368,9 +368,9 @@ class Spool:
 
     def _trim(self) -> None:
         for segment in [
-            each
-            for each in self._segments
-            if each.end <= self._acked.get(each.head.boot, 0) and each is not self._current
+            segment
+            for segment in self._segments
+            if segment.end <= self._acked.get(segment.head.boot, 0) and segment is not self._current
         ]:
             self._remember_acked()
             self._remove(segment)
@@ -451,7 +451,7 @@ class Spool:
                 return found, place
         last = self._segments[-1].number + 1
         if self._memory and place.number < last:
-            return [StoredRecord(self._head, each) for each in self._memory], SpoolPosition(
+            return [StoredRecord(self._head, record) for record in self._memory], SpoolPosition(
                 last, 0, 0
             )
         return [], place
@@ -459,7 +459,7 @@ class Spool:
     def former_segments(self) -> list[int]:
         """Give the numbers of the segments that former runs left, the newest first."""
         boot = self._head.boot
-        return [each.number for each in reversed(self._segments) if each.head.boot != boot]
+        return [segment.number for segment in reversed(self._segments) if segment.head.boot != boot]
 
     def newest_in(self, number: int, known: set[str], now_us: int) -> FormerNewest | None:
         """Give the newest samples of a segment (`former_runs`), or none when it is gone."""
@@ -525,7 +525,9 @@ class Spool:
             return []
         try:
             return [
-                StoredRecord(segment.head, each) for each in unpacked(record) if each.end > acked
+                StoredRecord(segment.head, record)
+                for record in unpacked(record)
+                if record.end > acked
             ]
         except PeerError as error:
             self.lose(record, str(error), segment.head.boot)

@@ -59,10 +59,10 @@ def take_up(folder: Path, gaps: SpoolGaps, former: ProgressMark | None = None) -
 
 def tell_torn(former: ProgressMark, segments: list[Segment], gaps: SpoolGaps) -> None:
     """Tell what the run before had heard, and the hub has not stored, and is nowhere now."""
-    mine = [each for each in segments if each.head.boot == former.boot]
-    first = max([former.acked, *(each.end for each in mine)])
+    mine = [segment for segment in segments if segment.head.boot == former.boot]
+    first = max([former.acked, *(segment.end for segment in mine)])
     if first < former.end:
-        from_us = max((each.to_us for each in mine), default=former.began_us)
+        from_us = max((gap.to_us for gap in mine), default=former.began_us)
         gaps.add_unknown(
             SampleGap(
                 boot=former.boot,

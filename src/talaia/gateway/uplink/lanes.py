@@ -130,10 +130,10 @@ class SendLanes:
             return
         lane = self._lanes[SendPriority.LIVE]
         if self._live_bytes + len(data) > self.MAX_LIVE and lane:
-            begin = min(each.first for each in lane)
+            begin = min(message.first for message in lane)
             if self.overflowed is not None:
                 begin = min(begin, self.overflowed[0])
-            numbered = [each.end for each in lane if each.end != _NONE]
+            numbered = [message.end for message in lane if message.end != _NONE]
             self.overflowed = (min(begin, first), max(numbered, default=first))
             lane.clear()
             self._live_bytes = 0

@@ -41,7 +41,7 @@ class LinkCapacity:
         sent_us = self._under.pop(n, None)
         if sent_us is None:
             return
-        for older in [each for each in self._under if each < n]:
+        for older in [sequence for sequence in self._under if sequence < n]:
             del self._under[older]
         took = now_us - sent_us
         if not self._least_us:

@@ -187,7 +187,7 @@ async def keep_files(
         await send_files(hub.settings, hub.trust, files, sending)
 
     def waiting() -> bool:
-        return any(each.source.offers() for each in files)
+        return any(file.source.offers() for file in files)
 
     async def waited() -> None:
         await to_send.wait()

@@ -56,15 +56,15 @@ class NewestSamplesSender:
             former: list[FormerNewest] = []
             known = self._heard(addresses())
             now_us = self._clock.wall_ns() // 1000
-            async for each in self._spool.former_newest(known, now_us):
-                former.append(each)
-                self._tell_one(each, addresses())
+            async for batch in self._spool.former_newest(known, now_us):
+                former.append(batch)
+                self._tell_one(batch, addresses())
                 if known.issuperset(addresses()):
                     break
             self._former = former
             return
-        for each in self._former:
-            self._tell_one(each, addresses())
+        for batch in self._former:
+            self._tell_one(batch, addresses())
 
     def _heard(self, addresses: list[str]) -> set[str]:
         return {addresses[at] for at in self._newest().columns.channel.tolist()}

@@ -76,7 +76,8 @@ class PictureUplink:
         with self._lock:
             self._boxed = frozenset(boxes)
             self._asked = {
-                each: frozenset(forms[each]) if each in forms else _FOR_OLD_HUB for each in streams
+                stream: frozenset(forms[stream]) if stream in forms else _FOR_OLD_HUB
+                for stream in streams
             }
             self._tells_trouble = bool(forms)
 

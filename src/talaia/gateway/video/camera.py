@@ -277,7 +277,7 @@ class PictureStream:
         rung = self._rungs.get(form)
         if rung is None:
             rung = self._rungs[form] = _Rung(_rate(form, self._stream.max_rate))
-        asked = any([sink.key_due(self.address, each) for each in served])  # noqa: C419 - each is asked
+        asked = any([sink.key_due(self.address, picture_form) for picture_form in served])  # noqa: C419 - each is asked
         if share <= 0 or not rung.is_due(stamp.mono_us, _slower(share)):
             # One who has just come waits no longer than need be.
             if asked:

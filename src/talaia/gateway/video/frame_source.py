@@ -39,7 +39,7 @@ class FrameSource:
     def held(self) -> frozenset[str]:
         """Name the streams that somebody holds."""
         with self._lock:
-            return frozenset(name for name, each in self._of.items() if each.holders)
+            return frozenset(name for name, reader in self._of.items() if reader.holders)
 
     def hold(self, stream: str) -> Callable[[], None]:
         """See `Pictures.hold`."""

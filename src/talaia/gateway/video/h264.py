@@ -130,8 +130,8 @@ class Encoder:
             raise FieldError("data", f"it cannot be encoded ({error})") from error
         if not packets:
             return None
-        data = b"".join(bytes(each) for each in packets)
-        is_key = any(each.is_keyframe for each in packets)
+        data = b"".join(bytes(packet) for packet in packets)
+        is_key = any(packet.is_keyframe for packet in packets)
         if is_key and not self.codec:
             self.codec = _codec_in(data)
         return Encoded(data, is_key)

@@ -251,7 +251,7 @@ class Closing:
             await asyncio.gather(joining, return_exceptions=True)
 
     def _reached(self) -> bool:
-        return all(self._adapter.latest(each) is not None for each in self._site.guarded())
+        return all(self._adapter.latest(command) is not None for command in self._site.guarded())
 
     def _settled(self, now_ns: int) -> bool:
         """Tell whether all is closed, and the telescopes are parked or had their time."""
@@ -263,10 +263,10 @@ class Closing:
         if self._closed_ns is None:
             self._closed_ns = now_ns
         waited = (now_ns - self._closed_ns) / SECOND
-        patience = max(each.mount_within for each in rules.values())
+        patience = max(rule.mount_within for rule in rules.values())
         parked = all(
-            each.park is None or seen.parked
-            for each, seen in zip(rules.values(), states, strict=True)
+            rule.park is None or seen.parked
+            for rule, seen in zip(rules.values(), states, strict=True)
         )
         return waited >= STEADY_S and (parked or waited >= patience)
 

@@ -163,7 +163,11 @@ class WatchdogClient:
 
     def describe(self, site: Site, said: str) -> None:
         """Watch for this description (and its text) from here on."""
-        times = [each.watchdog_after for each in site.enclosures.values() if each.watchdog_after]
+        times = [
+            enclosure.watchdog_after
+            for enclosure in site.enclosures.values()
+            if enclosure.watchdog_after
+        ]
         self._after_s = min(times, default=0.0)
         job = ClosingJob(
             description=said,

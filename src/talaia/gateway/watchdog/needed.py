@@ -26,9 +26,9 @@ GONE_WORDS = f"{GONE_NAME}: the hub has been out of reach for 0 s"
 def closing_site(site: Site) -> Site:
     """Give the part of a site that closing needs, with one interlock: the gateway is gone."""
     enclosures = {
-        name: msgspec.structs.replace(each, unsafe=(GONE,), follow=None)
-        for name, each in site.enclosures.items()
-        if each.watchdog_after
+        name: msgspec.structs.replace(enclosure, unsafe=(GONE,), follow=None)
+        for name, enclosure in site.enclosures.items()
+        if enclosure.watchdog_after
     }
     gone = Interlock(name=GONE_NAME, when=(Condition(link_lost=0.0),))
     site = msgspec.structs.replace(
@@ -39,7 +39,7 @@ def closing_site(site: Site) -> Site:
         alarms={},
         services=None,
         ros2=None,
-        connections={name: _under_own_name(each) for name, each in site.links().items()},
+        connections={name: _under_own_name(link) for name, link in site.links().items()},
         devices={
             name: msgspec.structs.replace(
                 device,
@@ -53,22 +53,24 @@ def closing_site(site: Site) -> Site:
             for name, device in site.devices.items()
         },
     )
-    steps = [step for each in enclosures.values() for step in _steps(each)]
-    commands = {step.command for step in steps} | {each.stop for each in enclosures.values()}
-    wanted = {each.partition("/")[0] for each in (*site.guarded(), *commands) if each}
+    steps = [step for enclosure in enclosures.values() for step in _steps(enclosure)]
+    commands = {step.command for step in steps} | {
+        enclosure.stop for enclosure in enclosures.values()
+    }
+    wanted = {address.partition("/")[0] for address in (*site.guarded(), *commands) if address}
     return msgspec.structs.replace(
         site,
         devices={
             name: msgspec.structs.replace(
                 device,
                 signals={
-                    key: each
-                    for key, each in device.signals.items()
+                    key: signal
+                    for key, signal in device.signals.items()
                     if f"{name}/{key}" in site.guarded()
                 },
                 commands={
-                    key: each
-                    for key, each in device.commands.items()
+                    key: command
+                    for key, command in device.commands.items()
                     if f"{name}/{key}" in commands
                 },
             )

@@ -81,7 +81,7 @@ class AlarmCondition:
             self.happening = (alarm.signal, "")
         elif alarm.kind is AlarmKind.DETECTION:
             self.happening = (alarm.stream, alarm.label)
-        self._signals = {each: addresses.signals[each] for each in self.channels}
+        self._signals = {channel: addresses.signals[channel] for channel in self.channels}
         self._expression: Expression | None = None
         if alarm.kind is AlarmKind.EXPRESSION:
             self._expression = parse(alarm.expression, addresses.kinds)
@@ -170,7 +170,7 @@ class AlarmCondition:
         if not isinstance(value, float):
             return self._unknown(address, readings)
         slack = alarm.hysteresis if held else 0.0
-        limits = [each for each in (alarm.above, alarm.below) if each is not None]
+        limits = [limit for limit in (alarm.above, alarm.below) if limit is not None]
         name, unit = self._signals[address].name, self._signals[address].unit
         said = f"{name} is {_with(unit, format_number(value, limits))}"
         if alarm.above is not None and value > alarm.above - slack:
@@ -208,19 +208,23 @@ class AlarmCondition:
     ) -> ConditionVerdict:
         address = self.alarm.signal
         name = self._signals[address].name
-        for each in seen:
-            if each.score >= self.alarm.score:
-                return ConditionVerdict(Truth.HOLDS, f"{name} is unusual: {each.why}".rstrip(": "))
+        for anomaly in seen:
+            if anomaly.score >= self.alarm.score:
+                return ConditionVerdict(
+                    Truth.HOLDS, f"{name} is unusual: {anomaly.why}".rstrip(": ")
+                )
         if self.value(address, readings) is None:
             return self._unknown(address, readings)
         return ConditionVerdict(Truth.FALSE, f"{name} is as usual")
 
     def _detection(self, seen: tuple[DetectedThing, ...], *, online: bool) -> ConditionVerdict:
         alarm = self.alarm
-        for each in seen:
-            if each.many >= alarm.count and each.confidence >= alarm.confidence:
-                many = f"{each.many} × {alarm.label}" if each.many > 1 else alarm.label
-                return ConditionVerdict(Truth.HOLDS, f"{many} seen ({each.confidence:.0%} sure)")
+        for sighting in seen:
+            if sighting.many >= alarm.count and sighting.confidence >= alarm.confidence:
+                many = f"{sighting.many} × {alarm.label}" if sighting.many > 1 else alarm.label
+                return ConditionVerdict(
+                    Truth.HOLDS, f"{many} seen ({sighting.confidence:.0%} sure)"
+                )
         if not online:
             return ConditionVerdict(Truth.UNKNOWN, "the site is away")
         return ConditionVerdict(Truth.FALSE, f"no {alarm.label} seen")
@@ -240,7 +244,7 @@ class AlarmCondition:
         values = {address: self.value(address, readings) for address in self.channels}
         found = self._expression.judge(values) if self._expression else None
         if found is None:
-            missing = next((each for each in self.channels if values[each] is None), None)
+            missing = next((channel for channel in self.channels if values[channel] is None), None)
             if missing is not None:
                 return self._unknown(missing, readings)
             return ConditionVerdict(Truth.UNKNOWN, "it has no outcome: a division by zero?")
@@ -265,7 +269,7 @@ def format_number(value: float, limits: Sequence[float] = ()) -> str:
         said = float(text)
         if abs(value) < _PLAIN and "e+" in text:
             continue
-        if all((said > each, said < each) == (value > each, value < each) for each in limits):
+        if all((said > limit, said < limit) == (value > limit, value < limit) for limit in limits):
             break
     return text
 

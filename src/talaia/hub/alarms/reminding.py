@@ -21,7 +21,7 @@ def first_told(alarm: Alarm) -> tuple[str, ...]:
     if not alarm.escalate:
         return ()
     soonest = alarm.escalate[0].after
-    return tuple(each.who for each in alarm.escalate if each.after <= max(0.0, soonest))
+    return tuple(stage.who for stage in alarm.escalate if stage.after <= max(0.0, soonest))
 
 
 class Reminding:
@@ -67,4 +67,4 @@ class Reminding:
             return ()
         passed = (now_us - state.raised_us) / _SECOND_US
         soonest = alarm.escalate[0].after
-        return tuple(each.who for each in alarm.escalate if each.after <= max(passed, soonest))
+        return tuple(stage.who for stage in alarm.escalate if stage.after <= max(passed, soonest))

@@ -60,7 +60,8 @@ class ConditionWatch:
     def running(self) -> bool:
         """Whether time alone may turn it: a delay runs."""
         return any(
-            each is not None for each in (self._true_since, self._false_since, self._unknown_since)
+            since is not None
+            for since in (self._true_since, self._false_since, self._unknown_since)
         )
 
     def update_verdict(self, verdict: ConditionVerdict, now_ns: int) -> Edge | None:

@@ -60,7 +60,7 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
 
     def why(self) -> str:
         """Name the pace at which the change is rarest."""
-        at = max(range(len(_PACES)), key=lambda each: self.scores[each])
+        at = max(range(len(_PACES)), key=lambda pace: self.scores[pace])
         pace = _PACES[at]
         if self.end < (_BEFORE + 1) * pace:
             return "too few samples yet"

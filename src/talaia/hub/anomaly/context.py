@@ -64,9 +64,9 @@ class Context(AnomalyDetector, kw_only=True):
         low, high = self.recent.quantile(0.01), self.recent.quantile(0.99)
         reach = max(high - low, 1e-9)
         inner, outside = _LEVELS - 4, (-1.0, -0.1, 1.1, 2.0)
-        parts = [each / inner for each in range(1, inner)]
+        parts = [step / inner for step in range(1, inner)]
         cuts = sorted([*outside, *parts])
-        edges = [low + reach * each for each in cuts]
+        edges = [low + reach * cut for cut in cuts]
         # Contexts of other levels mean other things; small changes leave the cut as it is.
         moved = max((abs(a - b) for a, b in zip(edges, self.edges, strict=False)), default=reach)
         if moved > 0.5 * reach:
@@ -100,7 +100,7 @@ class Context(AnomalyDetector, kw_only=True):
         self.before = [*self.before[-_DEPTHS:], level]
         if len(self.followed) > _MOST_CONTEXTS:
             # The rarest go; what is usual comes again soon.
-            kept = sorted(self.followed.items(), key=lambda each: -sum(each[1]))
+            kept = sorted(self.followed.items(), key=lambda followed: -sum(followed[1]))
             self.followed = dict(kept[: _MOST_CONTEXTS // 2])
 
     def why(self) -> str:

@@ -29,8 +29,8 @@ class Together(AnomalyDetector, kw_only=True):
 
     def __post_init__(self) -> None:
         """Pass the unit on."""
-        for each in (self.change, self.nearest, self.season):
-            each.unit = self.unit
+        for member in (self.change, self.nearest, self.season):
+            member.unit = self.unit
 
     def see(self, time_us: int, value: float) -> float:
         """Score the newest sample."""
@@ -51,5 +51,5 @@ class Together(AnomalyDetector, kw_only=True):
 
     def forgive(self) -> bool:
         """Let all three learn."""
-        learned = [each.forgive() for each in (self.change, self.nearest, self.season)]
+        learned = [member.forgive() for member in (self.change, self.nearest, self.season)]
         return all(learned)

@@ -60,8 +60,8 @@ class Season(AnomalyDetector, kw_only=True):
         """Go on to a slot; those in between had no samples. Times that go back stay where it is."""
         if self.slot < 0:
             self.slot = slot
-        for each in range(max(self.slot + 1, slot - _KEPT + 1), slot + 1):
-            self.means[each % _KEPT], self.counts[each % _KEPT] = np.nan, 0.0
+        for index in range(max(self.slot + 1, slot - _KEPT + 1), slot + 1):
+            self.means[index % _KEPT], self.counts[index % _KEPT] = np.nan, 0.0
         self.slot = max(self.slot, slot)
 
     def _compare(self) -> None:

@@ -63,7 +63,7 @@ def score_channels(site: Site, beside: int) -> tuple[Channel, ...]:
     found = []
     for wish in wanted(site)[0]:
         device, _, signal = wish.address.partition("/")
-        for each in wish.watches:
-            address = score_address(wish.address, each.word())
+        for watch in wish.watches:
+            address = score_address(wish.address, watch.word())
             found.append(Channel(address, device, signal, "", text=False))
     return tuple(found[: max(0, _MOST_CHANNELS - beside)])

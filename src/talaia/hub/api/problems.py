@@ -76,7 +76,8 @@ async def _invalid(_request: Request, error: Exception) -> Response:
         raise error
     # Only where and what: the input itself may be a password.
     said = [
-        f"{'.'.join(str(step) for step in each['loc'])}: {each['msg']}" for each in error.errors()
+        f"{'.'.join(str(step) for step in problem['loc'])}: {problem['msg']}"
+        for problem in error.errors()
     ]
     return problem(422, "invalid", "; ".join(said)[:1000])
 

@@ -106,13 +106,13 @@ def facts_of(path: Path) -> Facts:
         first, header = hdus[0].header, hdu.header
 
         def word(*keys: str) -> str:
-            found = (_get(each, key) for key in keys for each in (header, first))
-            return next((str(each).strip()[:200] for each in found if each not in (None, "")), "")
+            found = (_get(part, key) for key in keys for part in (header, first))
+            return next((str(text).strip()[:200] for text in found if text not in (None, "")), "")
 
         def number(*keys: str) -> float:
             for key in keys:
-                for each in (header, first):
-                    value = _get(each, key)
+                for part in (header, first):
+                    value = _get(part, key)
                     if isinstance(value, int | float) and math.isfinite(value):
                         return float(value)
             return math.nan
@@ -142,20 +142,20 @@ def looks_of(path: Path) -> Looks:
     with _opened(path) as hdus:
         hdu = _picture(hdus)
         values = _sample(_plane(hdu))
-        cards = [card for each in ([hdu] if hdu is hdus[0] else [hdus[0], hdu])
-                 for card in each.header.cards]  # fmt: skip
+        cards = [card for unit in ([hdu] if hdu is hdus[0] else [hdus[0], hdu])
+                 for card in unit.header.cards]  # fmt: skip
         shown = tuple(
             (str(card.keyword), "" if card.is_blank else str(card.value)[:200], str(card.comment))
             for card in cards[:_MOST_CARDS]
         )
     if not values.size:
         return Looks(*(math.nan,) * 6, (), shown)
-    low, high = (float(each) for each in np.percentile(values, (0.1, 99.9)))
+    low, high = (float(percentile) for percentile in np.percentile(values, (0.1, 99.9)))
     high = high if high > low else low + 1.0
     counts, _ = np.histogram(values, BINS, (low, high))
     return Looks(
         float(values.min()), float(values.max()), float(np.median(values)), float(values.std()),
-        low, high, tuple(int(each) for each in counts), shown,
+        low, high, tuple(int(count) for count in counts), shown,
     )  # fmt: skip
 
 
@@ -226,8 +226,8 @@ def _verified(hdus: Any) -> list[str]:  # noqa: ANN401 - astropy ships no types
 
 
 def _sentences(caught: list[warnings.WarningMessage]) -> list[str]:
-    said = [" ".join(str(each.message).split())[:300] for each in caught]
-    return [each for each in said if not each.startswith(("Verification reported", "Note:"))]
+    said = [" ".join(str(warning.message).split())[:300] for warning in caught]
+    return [line for line in said if not line.startswith(("Verification reported", "Note:"))]
 
 
 def _get(header: Any, key: str) -> object:  # noqa: ANN401
@@ -286,7 +286,7 @@ def _limits(values: NDArray[np.float64], stretch: str) -> tuple[float, float]:
         return 0.0, 1.0
     from astropy.visualization import ZScaleInterval
 
-    low, high = (float(each) for each in ZScaleInterval().get_limits(finite))
+    low, high = (float(limit) for limit in ZScaleInterval().get_limits(finite))
     if stretch != "linear":
         # Stars stand far above what zscale shows; these stretches have room for them.
         high = max(high, float(np.percentile(finite, 99.8)))

@@ -188,7 +188,7 @@ class Archive:
         async with self._database.read() as connection:
             found = [_frame(row) for row in (await connection.execute(query)).mappings()]
         if cone is not None:
-            found = [each for each in found if _within(each, cone)]
+            found = [frame for frame in found if _within(frame, cone)]
         return found[:limit], len(found) > limit
 
     async def get(self, site: str, frame: int) -> ArchivedFrame | None:

@@ -77,7 +77,7 @@ class Grants:
 
     def may(self, right: Right, site: str, device: str = ANY) -> bool:
         """Tell whether a person has ``right`` on one device, or (``*``) on the whole site."""
-        return any(each.covers(right, site, device) for each in self.permissions)
+        return any(permission.covers(right, site, device) for permission in self.permissions)
 
     def covers(self, asked: Permission) -> bool:
         """Tell whether a person could give ``asked`` away, since they have all of it."""
@@ -86,14 +86,15 @@ class Grants:
     def limited(self, to: frozenset[Permission]) -> Grants:
         """Give what of these ``to`` leaves: never more than either."""
         met = (_meet(ours, theirs) for ours in self.permissions for theirs in to)
-        found = {each for each in met if each is not None}
+        found = {match for match in met if match is not None}
         # What another one includes is left out, so that people read as few as there are.
         return Grants(
             frozenset(
-                each
-                for each in found
+                permission
+                for permission in found
                 if not any(
-                    other != each and other.covers(each.right, each.site, each.device)
+                    other != permission
+                    and other.covers(permission.right, permission.site, permission.device)
                     for other in found
                 )
             )
@@ -107,7 +108,9 @@ class Grants:
         if self.may(right, site):
             return None
         return frozenset(
-            each.device for each in self.permissions if each.covers(right, site, each.device)
+            permission.device
+            for permission in self.permissions
+            if permission.covers(right, site, permission.device)
         )
 
     def rights(self, site: str, device: str) -> list[Right]:

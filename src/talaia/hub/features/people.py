@@ -117,7 +117,7 @@ class PeopleFeature(Feature):
             ),
             RolePages(roles=Roles(database), seats=self.seats, audit=audit),
         )
-        self.routers = [each.router() for each in pages]
+        self.routers = [page.router() for page in pages]
         self.tasks = [BackgroundTask(name="check sessions", run=self._check_sessions)]
 
     async def open(self) -> None:

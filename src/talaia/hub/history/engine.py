@@ -153,9 +153,9 @@ def _write_out(
     For a parameter pg8000 looks through the statement character by character, and asks the server
     twice and waits twice; times and block numbers are most of what we ever ask by.
     """
-    if many or not parameters or not all(type(each) is int for each in parameters):
+    if many or not parameters or not all(type(parameter) is int for parameter in parameters):
         return statement, parameters
-    return statement % tuple(f"'{each}'" for each in parameters), ()
+    return statement % tuple(f"'{parameter}'" for parameter in parameters), ()
 
 
 def _gather_long(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:

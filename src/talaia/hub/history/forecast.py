@@ -123,10 +123,12 @@ def forecast(room: StorageRoom, growing: Sequence[Growth], now_us: int) -> Forec
     kept_us = None
     if room.limit:
         # In the long run every channel has as much as it keeps, or as the limit leaves it.
-        reach = _reached(room.limit, [(each.rate, each.keep_us or None) for each in growing])
+        reach = _reached(
+            room.limit, [(channel.rate, channel.keep_us or None) for channel in growing]
+        )
         kept_us = None if reach is None else round(reach)
     return Forecast(
-        round(sum(each.rate for each in growing) * DAY_US * room.share),
+        round(sum(channel.rate for channel in growing) * DAY_US * room.share),
         full_us,
         by_limit,
         None if full_us is None else _oldest(growing, full_us),
@@ -138,8 +140,11 @@ def forecast(room: StorageRoom, growing: Sequence[Growth], now_us: int) -> Forec
 def _left(growing: Iterable[Growth], now_us: int) -> list[tuple[float, int | None]]:
     """Give each channel's rate, and for how long (µs) it goes on growing."""
     return [
-        (each.rate, max(0, each.first_us + each.keep_us - now_us) if each.keep_us else None)
-        for each in growing
+        (
+            channel.rate,
+            max(0, channel.first_us + channel.keep_us - now_us) if channel.keep_us else None,
+        )
+        for channel in growing
     ]
 
 
@@ -165,8 +170,8 @@ def _reached(size: float, pieces: Sequence[tuple[float, int | None]]) -> float |
 def _oldest(growing: Iterable[Growth], at_us: int) -> int | None:
     return min(
         (
-            max(each.first_us, at_us - each.keep_us) if each.keep_us else each.first_us
-            for each in growing
+            max(channel.first_us, at_us - channel.keep_us) if channel.keep_us else channel.first_us
+            for channel in growing
         ),
         default=None,
     )

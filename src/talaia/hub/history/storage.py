@@ -90,7 +90,7 @@ def read_storage(engine: Engine, now_us: int) -> Storage:
         ChannelStorage(site, address, *(int(number) for number in numbers))
         for site, address, *numbers in rows
     ]
-    blocks = sum(each.bytes for each in channels)
+    blocks = sum(channel.bytes for channel in channels)
     place = _place(engine)
     free, size = _disk(engine)
     return Storage(kind, place, total, spare, free, size, blocks, channels)

@@ -456,7 +456,7 @@ class HistoryStore:
         if width:
             steps = {column.address for column in columns if column.states}
             shown = self._reader.read(site, addresses, from_us, to_us, width, steps)
-            flows = [iter([SampleChunk(each.samples(), FARTHEST_US + 1)]) for each in shown]
+            flows = [iter([SampleChunk(series.samples(), FARTHEST_US + 1)]) for series in shown]
         else:
             flows = [
                 flow(self._reading, self._ledger, site, address, from_us, to_us)

@@ -56,7 +56,7 @@ def main() -> None:
     """Do the job that stands on the input."""
     job: Job = json.load(sys.stdin)
     left = _watch(_words_of(job))
-    _guard([ipaddress.ip_network(each) for each in job["networks"]], left)
+    _guard([ipaddress.ip_network(network) for network in job["networks"]], left)
     try:
         outcome = _WAYS[job["kind"]](job, left)
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
@@ -80,7 +80,7 @@ def _guard(networks: list[ipaddress.IPv4Network | ipaddress.IPv6Network], left: 
 
     def guarded(host: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401 - as it is there
         found = resolve(host, *args, **kwargs)
-        allowed = [each for each in found if may_reach(str(each[4][0]), networks)]
+        allowed = [info for info in found if may_reach(str(info[4][0]), networks)]
         if found and not allowed:
             left.refused = AddressRefused(str(host), str(found[0][4][0]))
             raise left.refused
@@ -304,7 +304,9 @@ def _push(job: Job, left: _Left) -> Outcome:
             outcomes.add("unsure" if left.yes else "again")
             problems.append(_describe_error(error))
     # One browser that has it is enough; else what may have arrived is not sent again.
-    best = next((each for each in ("sent", "unsure", "again") if each in outcomes), "failed")
+    best = next(
+        (outcome for outcome in ("sent", "unsure", "again") if outcome in outcomes), "failed"
+    )
     problem = "; ".join(problems) or "no browser of yours takes messages yet"
     outcome = _went(best, "" if best == "sent" else problem)
     return {**outcome, "gone": ",".join(str(number) for number in gone)}
@@ -317,7 +319,9 @@ def _extension(job: Job, left: _Left) -> Outcome:
     name = job["extension"]
     known = installed().notifiers().get(name)
     if known is None:
-        said = "; ".join(str(each) for each in installed().broken() if each.name == name)
+        said = "; ".join(
+            str(extension) for extension in installed().broken() if extension.name == name
+        )
         return _went("failed", said or f"the extension {name!r} is not installed at this hub")
     message = NotifierMessage(
         job["key"], job["title"], job["body"], job["severity"], tuple(job["sites"]), job["open"]

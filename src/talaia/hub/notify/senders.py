@@ -79,7 +79,7 @@ class Sender:
             "kind": way.kind.value,
             "target": target,
             "networks": list(_NETWORKS_OF_PUSH) if push else self._networks,
-            "browsers": [(each.id, dict(each.subscription)) for each in browsers],
+            "browsers": [(browser.id, dict(browser.subscription)) for browser in browsers],
         }
         return await _run(json.dumps(job).encode())
 
@@ -111,7 +111,7 @@ async def _run(job: bytes) -> DeliveryResult:
             await child.wait()
     try:
         told = json.loads(said)
-        gone = tuple(int(each) for each in told.get("gone", "").split(",") if each)
+        gone = tuple(int(browser) for browser in told.get("gone", "").split(",") if browser)
         return DeliveryResult(Outcome(told["outcome"]), told["problem"], gone)
     except (ValueError, KeyError):
         last = wrong.decode("utf-8", "replace").strip().splitlines()[-1:]

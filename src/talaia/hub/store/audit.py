@@ -89,14 +89,14 @@ class AuditFilter:
     def conditions(self) -> list[ColumnElement[bool]]:
         """Say it in SQL."""
         said = [
-            audit.c[each.name] == getattr(self, each.name)
-            for each in fields(self)
-            if each.name in {"who", "site", "device", "good"}
-            and getattr(self, each.name) is not None
+            audit.c[field.name] == getattr(self, field.name)
+            for field in fields(self)
+            if field.name in {"who", "site", "device", "good"}
+            and getattr(self, field.name) is not None
         ]
         if self.kind is not None:
-            kinds = [each for each in self.kind.split(",") if each] or [self.kind]
-            said.append(or_(*(audit.c.kind.startswith(each, autoescape=True) for each in kinds)))
+            kinds = [kind for kind in self.kind.split(",") if kind] or [self.kind]
+            said.append(or_(*(audit.c.kind.startswith(kind, autoescape=True) for kind in kinds)))
         if self.from_us is not None:
             said.append(audit.c.time_us >= self.from_us)
         if self.to_us is not None:
@@ -109,7 +109,7 @@ class AuditFilter:
             wanted = self.text.lower()
             columns = (audit.c.kind, audit.c.who, audit.c.device, audit.c.message)
             said.append(
-                or_(*(func.lower(each).contains(wanted, autoescape=True) for each in columns))
+                or_(*(func.lower(column).contains(wanted, autoescape=True) for column in columns))
             )
         return said
 

@@ -199,15 +199,15 @@ def _version(connection: Connection) -> str:
 
 
 def _copy_rest(data: Path, target: Path) -> None:
-    for each in sorted(data.iterdir()):
-        ours = each.name.startswith((DATABASE, WAITING, "before-restore-"))
-        ours = ours or each.name in _NOT_KEPT
-        if ours or each.resolve() in {target.resolve(), *target.resolve().parents}:
+    for path in sorted(data.iterdir()):
+        ours = path.name.startswith((DATABASE, WAITING, "before-restore-"))
+        ours = ours or path.name in _NOT_KEPT
+        if ours or path.resolve() in {target.resolve(), *target.resolve().parents}:
             continue
-        if each.is_dir():
-            shutil.copytree(each, target / each.name, copy_function=_copy)
-        elif each.is_file():
-            shutil.copy2(each, target / each.name)
+        if path.is_dir():
+            shutil.copytree(path, target / path.name, copy_function=_copy)
+        elif path.is_file():
+            shutil.copy2(path, target / path.name)
 
 
 def _copy(source: str, target: str) -> str:

@@ -121,7 +121,7 @@ class IndiAdapter:
         self._site = context.site
         self.book = IndiDeviceTree()
         self._plans = _plans(scope)
-        self._devices = {name: each.indi for name, each in scope.devices.items() if each.indi}
+        self._devices = {name: device.indi for name, device in scope.devices.items() if device.indi}
         self._last = {plan.address: _Last() for plan in self._plans}
         self._latest: dict[str, ChannelReading] = {}
         self._under: list[_Under] = []
@@ -129,7 +129,7 @@ class IndiAdapter:
         self._began_ns = 0
         self._pinged_ns = 0
         self._changed_ns = 0
-        setups = {each.indi: each.setup for each in scope.devices.values() if each.setup}
+        setups = {device.indi: device.setup for device in scope.devices.values() if device.setup}
         self._connections = DriverConnections(setups, connect=self._connection.connect)
         self._silent: set[str] = set()
         self._asked_blobs: set[str] = set()
@@ -350,7 +350,7 @@ class IndiAdapter:
             self._send(ask_properties())
 
     def _record_event(self, kind: str, name: str, message: str, *, good: bool) -> None:
-        ours = next((each for each, indi in self._devices.items() if indi == name), "")
+        ours = next((device for device, indi in self._devices.items() if indi == name), "")
         self._events.report_event(kind, f"{name}: {message}", device=ours, good=good)
 
     def _connect(self, now_ns: int) -> None:
@@ -398,9 +398,9 @@ class IndiAdapter:
             )
         ]
         new = devices_of(
-            [each for each in found if each.name not in named], self._scope.name, self._devices
+            [other for other in found if other.name not in named], self._scope.name, self._devices
         )
-        grown = self._grown([each for each in found if each.name in named])
+        grown = self._grown([other for other in found if other.name in named])
         told = {**new, **grown}
         if told and told != self._told:
             self._told = told
@@ -451,8 +451,8 @@ class IndiAdapter:
             self._send(under.goal.cancel(self.book))
 
     def _answer_waiting(self, now_ns: int) -> None:
-        for each in list(self._waiting):
-            name, due_ns, done = each
+        for waiter in list(self._waiting):
+            name, due_ns, done = waiter
             device = self.book.devices.get(name)
             if device is not None and device.connected:
                 done(CommandOutcome(CommandPhase.SUCCEEDED, f"the driver of {name} is connected"))
@@ -461,7 +461,7 @@ class IndiAdapter:
                 done(CommandOutcome(CommandPhase.FAILED, f"the driver of {name} {problem}"))
             else:
                 continue
-            self._waiting.remove(each)
+            self._waiting.remove(waiter)
 
     # ── pictures ──
 
@@ -471,7 +471,7 @@ class IndiAdapter:
             self._send(ask_blobs(device))
 
     async def _shoot(self, head: BlobHead) -> None:
-        ours = next((each for each, indi in self._devices.items() if indi == head.device), "")
+        ours = next((device for device, indi in self._devices.items() if indi == head.device), "")
         self._shooting = ""
         if self._frames is not None and ours and head.size > 0:
             self._shooting = head.device

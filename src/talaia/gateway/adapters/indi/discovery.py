@@ -356,7 +356,7 @@ def _fits(word: str) -> bool:
 
 
 def _shown(name: str) -> str:
-    seen = "".join(each if each.isprintable() else " " for each in name)
+    seen = "".join(letter if letter.isprintable() else " " for letter in name)
     return " ".join(seen.split())[:100] or "unnamed"
 
 
@@ -443,7 +443,7 @@ def _filters(device: IndiDevice) -> tuple[str, ...]:
     held = device.vectors.get("FILTER_NAME")
     if held is None:
         return ()
-    names = [_shown(str(each.value)) for each in held.elements.values()][:50]
+    names = [_shown(str(element.value)) for element in held.elements.values()][:50]
     return tuple(
         name if names.count(name) == 1 else f"{name} {at}" for at, name in enumerate(names, 1)
     )
@@ -461,7 +461,7 @@ def _is_shown(held: StoredVector, device: IndiDevice) -> bool:
 
 def _add_generic(made: dict[str, Signal], held: StoredVector, max_age: float) -> None:
     title = _shown(held.label or held.name)
-    sources = {(each.source.property, each.source.element) for each in made.values()}
+    sources = {(signal.source.property, signal.source.element) for signal in made.values()}
     if held.kind is VectorKind.SWITCH and held.rule is not SwitchRule.ANY:
         if len(held.elements) < 2:
             return
@@ -492,10 +492,10 @@ def _add_generic(made: dict[str, Signal], held: StoredVector, max_age: float) ->
 
 
 def _states(held: StoredVector) -> tuple[str, ...]:
-    labels = [_shown(each.label or each.name) for each in held.elements.values()]
+    labels = [_shown(element.label or element.name) for element in held.elements.values()]
     unique = tuple(
-        label if labels.count(label) == 1 else _shown(each.name)
-        for label, each in zip(labels, held.elements.values(), strict=True)
+        label if labels.count(label) == 1 else _shown(element.name)
+        for label, element in zip(labels, held.elements.values(), strict=True)
     )
     return (*unique, "none") if held.rule is SwitchRule.AT_MOST_ONE else unique
 
@@ -668,7 +668,7 @@ def _expose(device: IndiDevice) -> Command:
 def _add_setting(made: dict[str, Command], held: StoredVector) -> None:
     """Let any other property be set by its own labels."""
     title = _shown(held.label or held.name)
-    elements = [each for each in held.elements.values() if _fits(each.name)]
+    elements = [element for element in held.elements.values() if _fits(element.name)]
     if (
         held.kind is VectorKind.SWITCH
         and len(held.elements) == 1
@@ -683,7 +683,7 @@ def _add_setting(made: dict[str, Command], held: StoredVector) -> None:
         return
     arguments: dict[str, Argument] = {}
     if held.kind is VectorKind.SWITCH and held.rule is not SwitchRule.ANY:
-        words = ", ".join(_shown(each.label or each.name) for each in elements)
+        words = ", ".join(_shown(element.label or element.name) for element in elements)
         arguments["choice"] = Argument(
             type=ArgumentType.TEXT, field=CHOICE, name=f"One of {words}"[:100], max_length=64
         )

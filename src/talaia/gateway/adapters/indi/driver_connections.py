@@ -100,7 +100,7 @@ class DriverConnections:
 
     def restart(self) -> None:
         """Begin with a server anew. Who was left by a person stays so."""
-        kept = {name: _Driver(left=True) for name, each in self._drivers.items() if each.left}
+        kept = {name: _Driver(left=True) for name, driver in self._drivers.items() if driver.left}
         self._drivers = kept
 
     def redefine(self, device: str) -> None:

@@ -102,7 +102,7 @@ def circumstances(
         cards.append(HeaderCard("TELESCOP", telescope.name, "mount"))
         cards += _pointing(telescope, device, header, unix_s)
     cards += _state(book, device, header)
-    weather = [each for each in book if each.interface & Interface.WEATHER]
+    weather = [device for device in book if device.interface & Interface.WEATHER]
     if weather:
         cards += _weather(weather[0], unix_s)
     return cards
@@ -113,7 +113,7 @@ def _used(book: IndiDeviceTree, camera: IndiDevice, role: str, bit: int) -> Indi
     named = book.devices.get(str(camera.value("ACTIVE_DEVICES", role) or ""))
     if named is not None and named.interface & bit:
         return named
-    fitting = [each for each in book if each.interface & bit]
+    fitting = [device for device in book if device.interface & bit]
     return fitting[0] if len(fitting) == 1 else None
 
 
@@ -219,7 +219,7 @@ def _state(
         position = _number(focuser, "ABS_FOCUS_POSITION", "FOCUS_ABSOLUTE_POSITION")
         if position is not None:
             cards.append(HeaderCard("FOCUSPOS", round(position), "[steps] focuser"))
-    return [each for each in cards if each.value is not None]
+    return [card for card in cards if card.value is not None]
 
 
 def _weather(device: IndiDevice, unix_s: float) -> list[HeaderCard]:

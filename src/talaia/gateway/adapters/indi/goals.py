@@ -107,7 +107,7 @@ def begin(
         before, _, element = field.rpartition("/")
         wanted.setdefault(before or target, {})[element] = value
     asks: list[_Ask] = []
-    for name in [*(each for each in wanted if each != target), target]:
+    for name in [*(value for value in wanted if value != target), target]:
         ask = _asked(found, name, wanted.get(name, {}))
         if isinstance(ask, str):
             return ask
@@ -132,7 +132,9 @@ def _asked(device: IndiDevice, name: str, values: dict[str, Value]) -> _Ask | st
         if element == CHOICE:
             chosen = _chosen(held, str(value))
             if chosen is None:
-                known = ", ".join(each.label or each.name for each in held.elements.values())
+                known = ", ".join(
+                    element.label or element.name for element in held.elements.values()
+                )
                 return f"{value!r} is none of: {known}"
             filled[chosen] = True
             continue
@@ -151,7 +153,9 @@ def _chosen(held: StoredVector, word: str) -> str | None:
     for element in held.elements.values():
         if asked in (element.name.lower(), element.label.lower()):
             return element.name
-    tails = [each for each in held.elements if asked and each.lower().endswith(f"_{asked}")]
+    tails = [
+        element for element in held.elements if asked and element.lower().endswith(f"_{asked}")
+    ]
     return tails[0] if len(tails) == 1 else None
 
 
@@ -164,13 +168,13 @@ def _beyond(held: StoredVector, element: str, value: Value) -> str:
         return f"{label}: expected a finite number"
     # Equal limits mean none.
     if known.minimum < known.maximum and not known.minimum <= value <= known.maximum:
-        low, high = (formatted(each, "%g") for each in (known.minimum, known.maximum))
+        low, high = (formatted(limit, "%g") for limit in (known.minimum, known.maximum))
         return f"{label}: {value:g} is not within {low} and {high}"
     return ""
 
 
 def _barred(device: IndiDevice, asks: list[_Ask]) -> str:
-    names = [each.held.name for each in asks]
+    names = [ask.held.name for ask in asks]
     if _POINTING in names and device.value("TELESCOPE_PARK", "PARK") is True:
         return f"{device.name} is parked; unpark it first"
     if "ABS_DOME_POSITION" in names and device.value("DOME_PARK", "PARK") is True:
@@ -190,9 +194,9 @@ class IndiGoal:
         self.target = target
         self._asks = asks
         self._began_ns = now_ns
-        self._sets = {each.held.name: each.held.sets for each in asks}
+        self._sets = {ask.held.name: ask.held.sets for ask in asks}
         # Under way already: asked once more, a mount aborts its parking. It is waited for instead.
-        self._under_way = {each.held.name for each in asks if _is_under_way(each)}
+        self._under_way = {ask.held.name for ask in asks if _is_under_way(ask)}
         self._rest_ns: int | None = None
         self._start = self._distance(device)
         self._picture: str | None = None
@@ -208,7 +212,7 @@ class IndiGoal:
             filled = dict(values)
             now = book.get(held.device, held.name)
             if held.kind is not VectorKind.SWITCH and now is not None:
-                rest = {each.name: each.value for each in now.elements.values()}
+                rest = {element.name: element.value for element in now.elements.values()}
                 filled = {
                     name: values.get(name, value)
                     for name, value in rest.items()
@@ -246,7 +250,7 @@ class IndiGoal:
             return CommandOutcome(
                 CommandPhase.SUCCEEDED, self._words(device) or "the picture has come"
             )
-        if not all(self._later(device, each.held.name) for each in self._asks):
+        if not all(self._later(device, ask.held.name) for ask in self._asks):
             return None
         words = self._words(device)
         # Drivers call the abort of a motion an Alert: that nothing moves any more is what counts.
@@ -279,7 +283,9 @@ class IndiGoal:
     def _moves(self, device: IndiDevice, held: StoredVector) -> bool:
         others = (device.vectors.get(name) for name in _MOVES_WITH.get(self.target, ()))
         busy = held.state is PropertyState.BUSY and not self._settled_while_busy(held)
-        return busy or any(each is not None and each.state is PropertyState.BUSY for each in others)
+        return busy or any(
+            vector is not None and vector.state is PropertyState.BUSY for vector in others
+        )
 
     def _settled_while_busy(self, held: StoredVector) -> bool:
         """A switch of which any may be on is as it is asked for at once, whatever its state."""
@@ -319,7 +325,7 @@ class IndiGoal:
         )
 
     def _reached(self, device: IndiDevice) -> bool:
-        return all(self._there(device, each) for each in self._asks)
+        return all(self._there(device, ask) for ask in self._asks)
 
     def _there(self, device: IndiDevice, ask: _Ask) -> bool:
         name = ask.held.name
@@ -349,7 +355,7 @@ class IndiGoal:
     def _distance(self, device: IndiDevice) -> float | None:
         """How far it is from the goal: degrees on the sky, or in the property's unit."""
         if self.target == _POINTING:
-            ra, dec = (device.value(_POINTING, each) for each in ("RA", "DEC"))
+            ra, dec = (device.value(_POINTING, element) for element in ("RA", "DEC"))
             asked = (self._number(_POINTING, "RA"), self._number(_POINTING, "DEC"))
             if not isinstance(ra, float) or not isinstance(dec, float) or None in asked:
                 return None
@@ -373,24 +379,29 @@ class IndiGoal:
 
     def _words(self, device: IndiDevice) -> str:
         """Give the driver's newest sentence since the command began."""
-        said = [each.message for each in device.said if each.mono_ns >= self._began_ns]
+        said = [message.message for message in device.said if message.mono_ns >= self._began_ns]
         return _plain(said[-1]) if said else ""
 
     def _problem(self, device: IndiDevice) -> str:
-        said = [each.message for each in device.said if each.mono_ns >= self._began_ns]
-        bad = [each for each in said if each.startswith(("[WARNING]", "[ERROR]"))]
+        said = [message.message for message in device.said if message.mono_ns >= self._began_ns]
+        bad = [text for text in said if text.startswith(("[WARNING]", "[ERROR]"))]
         return _plain(bad[-1]) if bad else ""
 
     def _shown(self, held: StoredVector) -> str:
         if held.kind is VectorKind.SWITCH:
-            on = [each.label or each.name for each in held.elements.values() if each.value is True]
+            on = [
+                element.label or element.name
+                for element in held.elements.values()
+                if element.value is True
+            ]
             return ", ".join(on) or str(held.state)
         if held.kind is VectorKind.NUMBER:
             return ", ".join(
-                f"{each.label or each.name} {formatted(float(each.value), each.format).strip()}"
-                for each in held.elements.values()
+                f"{element.label or element.name} "
+                f"{formatted(float(element.value), element.format).strip()}"
+                for element in held.elements.values()
             )
-        return ", ".join(str(each.value) for each in held.elements.values())
+        return ", ".join(str(element.value) for element in held.elements.values())
 
 
 def _is_under_way(ask: _Ask) -> bool:

@@ -127,9 +127,9 @@ class _Look:
         for event in words.feed(data):
             if isinstance(event, BlobHead | BlobPart | BlobEnd):
                 continue
-            before = sum(len(each.vectors) for each in self.book)
+            before = sum(len(device.vectors) for device in self.book)
             held = self.book.apply(event, time.monotonic_ns())
-            news |= sum(len(each.vectors) for each in self.book) != before
+            news |= sum(len(device.vectors) for device in self.book) != before
             if held is not None and held.name == "CONNECTION":
                 # It answers at once or after a while; in between nothing comes.
                 news |= held.state is PropertyState.BUSY or self._ask(held)
@@ -148,7 +148,7 @@ class _Look:
 def _devices_found(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
     found = []
     words: set[str] = set()
-    for device in sorted(book, key=lambda each: each.name):
+    for device in sorted(book, key=lambda device: device.name):
         described = devices_of([device], "", words)
         word, one = next(iter(described.items()), (word_of(device.name, words, "device"), None))
         words.add(word)
@@ -158,7 +158,7 @@ def _devices_found(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
                 device.name,
                 _driver(device),
                 there,
-                tuple(_property(each) for each in device.vectors.values()),
+                tuple(_property(vector) for vector in device.vectors.values()),
                 word,
                 one if there else None,
             )
@@ -168,8 +168,8 @@ def _devices_found(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
 
 def _driver(device: IndiDevice) -> str:
     """Name the program and its version, as ``DRIVER_INFO`` has them."""
-    words = (device.value("DRIVER_INFO", each) for each in ("DRIVER_EXEC", "DRIVER_VERSION"))
-    return " ".join(str(each) for each in words if each)
+    words = (device.value("DRIVER_INFO", element) for element in ("DRIVER_EXEC", "DRIVER_VERSION"))
+    return " ".join(str(word) for word in words if word)
 
 
 def _property(held: StoredVector) -> PropertyFound:
@@ -180,7 +180,7 @@ def _property(held: StoredVector) -> PropertyFound:
         held.group,
         held.state.value,
         held.perm is not PropertyPermission.READ,
-        tuple(_element(held.kind, each) for each in held.elements.values()),
+        tuple(_element(held.kind, element) for element in held.elements.values()),
     )
 
 

@@ -371,9 +371,9 @@ def _element(tag: str, attributes: dict[str, str], text: str) -> Element | None:
     return Element(name, value, label, attributes.get("format", "")[:MAX_NAME], *limits)
 
 
-_STATES = frozenset(each.value for each in PropertyState)
-_PERMS = frozenset(each.value for each in PropertyPermission)
-_RULES = frozenset(each.value for each in SwitchRule)
+_STATES = frozenset(state.value for state in PropertyState)
+_PERMS = frozenset(permission.value for permission in PropertyPermission)
+_RULES = frozenset(rule.value for rule in SwitchRule)
 
 
 def _event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -> Event | None:

@@ -159,10 +159,10 @@ def _place(held: StoredVector, element: str, states: tuple[str, ...]) -> float:
         return _by_word(place_of(value), LIGHTS.index(value) if value in LIGHTS else None, states)
     if held.kind is not VectorKind.SWITCH:
         return _by_word(place_of(held.state), LIGHTS.index(held.state), states)
-    on = [each for each in held.elements.values() if each.value is True]
+    on = [element for element in held.elements.values() if element.value is True]
     ways = _WORDS.get(held.name)
     if ways is not None:
-        at = place_of(_way(held, [each.name for each in on], ways))
+        at = place_of(_way(held, [element.name for element in on], ways))
         if at is not None:
             return float(at)
     if not on:
@@ -181,7 +181,7 @@ def _by_word(at: int | None, index: int | None, states: tuple[str, ...]) -> floa
 def _way(held: StoredVector, on: list[str], ways: dict[str, tuple[str, str]]) -> str:
     if held.state is PropertyState.ALERT:
         return "error"
-    known = [each for each in on if each in ways]
+    known = [name for name in on if name in ways]
     if len(known) != 1:
         return "unknown"
     return ways[known[0]][0 if held.state is PropertyState.BUSY else 1]
@@ -203,7 +203,11 @@ def read_text(book: IndiDeviceTree, device: str, name: str, element: str) -> Pro
             return None
         text = value if isinstance(value, str) else f"{float(value):g}"
     elif held.kind is VectorKind.SWITCH:
-        on = [each.label or each.name for each in held.elements.values() if each.value is True]
+        on = [
+            element.label or element.name
+            for element in held.elements.values()
+            if element.value is True
+        ]
         text = ", ".join(on)
     else:
         text = str(held.state)

@@ -184,7 +184,7 @@ class IndiDeviceTree:
     def _define(
         self, device: IndiDevice, held: StoredVector | None, event: Vector, now_ns: int
     ) -> StoredVector:
-        elements = {each.name: each for each in event.elements}
+        elements = {element.name: element for element in event.elements}
         if held is not None and held.kind is event.kind:
             # Defined once more: the answer to our question, or to another client's.
             held.elements = elements

@@ -255,8 +255,8 @@ class Ros1Adapter:
         if node is None or described is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
-        sources = {each.source.topic for each in described.signals.values()}
-        topics = {each for each in sources if each}
+        sources = {signal.source.topic for signal in described.signals.values()}
+        topics = {source for source in sources if source}
         for number, wanted in self._wanted.items():
             apart = (*self._streams.values(), *self._frames.values())
             if wanted.topic in topics and number not in apart:
@@ -414,7 +414,7 @@ class Ros1Adapter:
             self._listen(node, number)
         for address in sorted(self._watched & self._streams.keys()):
             self._listen(node, self._streams[address])
-        node.send_frame(op="parameters", names=[each.topic for each in self._parameters])
+        node.send_frame(op="parameters", names=[parameter.topic for parameter in self._parameters])
 
     def _offer(self, node: NodeProcess, address: str, command: Command) -> None:
         match command.kind:

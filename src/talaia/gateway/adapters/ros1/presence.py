@@ -46,12 +46,14 @@ class Ros1Presence:
         self._master, self._clock = master, clock
         self.heard_ns: dict[str, int] = {}
         self._topics = {
-            name: {each.source.topic for each in device.signals.values() if each.source.topic}
+            name: {signal.source.topic for signal in device.signals.values() if signal.source.topic}
             for name, device in scope.devices.items()
         }
         self._services = {
             name: {
-                each.target for each in device.commands.values() if each.kind is CommandKind.SERVICE
+                command.target
+                for command in device.commands.values()
+                if command.kind is CommandKind.SERVICE
             }
             for name, device in scope.devices.items()
         }

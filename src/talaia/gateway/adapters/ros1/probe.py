@@ -218,10 +218,10 @@ class _Look:
         self, node: NodeProcess, types: dict[str, str], kinds: dict[str, str]
     ) -> None:
         """Ask this machine's packages for what nobody has told yet."""
-        silent = {types[each.topic] for each in self._heard if not each.type}
+        silent = {types[topic.topic] for topic in self._heard if not topic.type}
         goals = {_goal_type(types.get(f"{name}/goal", "")) for name in _actions(types)}
         for what, wanted in (("msg", silent | goals), ("srv", set(kinds.values()))):
-            for name in sorted(each for each in wanted if "/" in each):
+            for name in sorted(type_name for type_name in wanted if "/" in type_name):
                 self._asked.add((what, name))
                 node.send_frame(op="describe", what=what, type=name)
         await self._until(lambda: self._asked <= self._described.keys(), DESCRIBE_S)
@@ -247,7 +247,7 @@ class _Look:
     def _topics(
         self, system: GraphState, types: dict[str, str], parts: set[str]
     ) -> Iterator[TopicFound]:
-        heard = {each.topic: each for each in self._heard}
+        heard = {topic.topic: topic for topic in self._heard}
         for topic in sorted({*system.published, *system.heard} - PLUMBING - parts):
             publishers = len(system.published.get(topic, ()))
             subscribers = len(system.heard.get(topic, frozenset()) - {self._name})
@@ -305,8 +305,8 @@ class _Look:
             shape = _shape(text, named, None)
         except FieldError as error:
             return (), str(error)
-        lists = [each.split(":", 1)[0] for each in shape.left_out]
-        fields = tuple(each for each in shape.fields if "[" not in each.path)
+        lists = [field.split(":", 1)[0] for field in shape.left_out]
+        fields = tuple(field for field in shape.fields if "[" not in field.path)
         return fields, f"its request holds lists ({', '.join(lists)})" if lists else ""
 
 
@@ -324,7 +324,7 @@ def _shape(text: str, kind: str, message: object) -> ReadableFields:
 def _actions(types: dict[str, str]) -> list[str]:
     """Find the names under which there is a status of goals and a topic that takes them."""
     names = (topic.removesuffix("/status") for topic, kind in types.items() if kind == STATUS)
-    return sorted(each for each in names if types.get(f"{each}/goal", "").endswith("ActionGoal"))
+    return sorted(name for name in names if types.get(f"{name}/goal", "").endswith("ActionGoal"))
 
 
 def _goal_type(goal: str) -> str:

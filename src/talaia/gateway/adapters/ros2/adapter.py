@@ -297,10 +297,10 @@ class Ros2Adapter:
             device, _, stream = key.removeprefix("stream ").partition("/")
             if _stream_of(before, device, stream) != _stream_of(scope, device, stream):
                 self._end_listening(key)
-        for device in [each for each in before.devices if _frames_of(before, each)]:
+        for device in [device for device in before.devices if _frames_of(before, device)]:
             if _frames_of(before, device) != _frames_of(scope, device):
                 self._end_listening(f"frames {device}")
-        for address in [each for each in self._latest if _moved(before, scope, each)]:
+        for address in [key for key in self._latest if _moved(before, scope, key)]:
             del self._latest[address]
         if self._commands is not None:
             self._commands.redescribe(scope)
@@ -395,7 +395,7 @@ class Ros2Adapter:
             done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
         described = self._scope.devices[device]
-        sources = [each.source for each in described.signals.values()]
+        sources = [signal.source for signal in described.signals.values()]
         wanted = {_key(source.topic, source.type) for source in sources if source.topic}
         for plan in self._plans:
             if _key(plan.topic, plan.type_name) in wanted - self._listening.keys():
@@ -482,9 +482,13 @@ class Ros2Adapter:
 
     def _look_at_recorded(self, sink: RawSink) -> None:
         """Hear topics that are recorded and that nothing else reads; the graph tells their type."""
-        heard = {each.topic for key, each in self._listening.items() if key[:7] not in _APART}
+        heard = {
+            listener.topic for key, listener in self._listening.items() if key[:7] not in _APART
+        }
         for topic in sink.topics - heard:
-            offered = [each.topic_type for each in self._node.get_publishers_info_by_topic(topic)]
+            offered = [
+                publisher.topic_type for publisher in self._node.get_publishers_info_by_topic(topic)
+            ]
             kind = self._class(offered[0], topic) if offered else None
             if kind is not None:
                 self._listening[f"raw {topic}"] = _Listening(

@@ -53,7 +53,7 @@ def parameters_of(fields: Mapping[str, Scalar]) -> list[Any]:
 
 def as_set(response: Any) -> CommandOutcome:  # noqa: ANN401 - ROS's packages are untyped
     """Read the answer of ``set_parameters``: a node says for each whether it took it."""
-    refused = [each.reason for each in response.results if not each.successful]
+    refused = [result.reason for result in response.results if not result.successful]
     if refused:
         reason = "; ".join(refused)[:2000]
         return CommandOutcome(CommandPhase.FAILED, reason or "the node does not take it")

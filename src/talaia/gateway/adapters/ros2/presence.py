@@ -54,7 +54,7 @@ class Ros2Presence:
         self._node, self._thread, self._clock, self._commands = node, thread, clock, commands
         self.heard_ns: dict[str, int] = {}
         self._topics = {
-            name: {each.source.topic for each in device.signals.values() if each.source.topic}
+            name: {signal.source.topic for signal in device.signals.values() if signal.source.topic}
             for name, device in scope.devices.items()
         }
         self._clients: dict[str, Any] = {}
@@ -94,7 +94,7 @@ class Ros2Presence:
             for info in self._node.get_publishers_info_by_topic(topic)
         )
         return DeviceEndpoints(
-            bool(nodes), nodes, frozenset(each for each in nodes if self._askable(each))
+            bool(nodes), nodes, frozenset(node for node in nodes if self._askable(node))
         )
 
     def _askable(self, node: str) -> bool:

@@ -258,7 +258,7 @@ def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[Readable
         message=asked(),
         comment_of=comment_of,
     )
-    lists = [each.split(":", 1)[0] for each in shape.left_out]
-    fields = tuple(each for each in shape.fields if "[" not in each.path)
+    lists = [field.split(":", 1)[0] for field in shape.left_out]
+    fields = tuple(field for field in shape.fields if "[" not in field.path)
     problem = f"its request holds lists ({', '.join(lists)})" if lists else ""
     return ReadableFields(fields, shape.left_out), problem

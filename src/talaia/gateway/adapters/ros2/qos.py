@@ -20,8 +20,8 @@ class QosProfile(NamedTuple):
 def quality_for(offered: Collection[QosProfile]) -> QosProfile:
     """Ask for the most that every publisher offers; a subscription that asks more hears nothing."""
     return QosProfile(
-        reliable=all(each.reliable for each in offered),
-        latched=all(each.latched for each in offered),
+        reliable=all(offer.reliable for offer in offered),
+        latched=all(offer.latched for offer in offered),
     )
 
 
@@ -31,6 +31,6 @@ def fits(asked: QosProfile, offered: Collection[QosProfile]) -> bool:
     One that asks for less than it could is left alone: changing it would lose messages.
     """
     return all(
-        (each.reliable or not asked.reliable) and (each.latched or not asked.latched)
-        for each in offered
+        (offer.reliable or not asked.reliable) and (offer.latched or not asked.latched)
+        for offer in offered
     )

@@ -133,11 +133,11 @@ class Ros2Commands:
 
     def offered(self, device: str) -> bool:
         """Tell whether anybody offers one of a device's services or actions now."""
-        names = [f"{device}/{each}" for each in self._scope.devices[device].commands]
+        names = [f"{device}/{command}" for command in self._scope.devices[device].commands]
         return any(
-            (each in self._clients and self._clients[each].entity.service_is_ready())
-            or (each in self._actions and self._actions[each].ready)
-            for each in names
+            (name in self._clients and self._clients[name].entity.service_is_ready())
+            or (name in self._actions and self._actions[name].ready)
+            for name in names
         )
 
     def absent(self, device: str) -> list[str]:

@@ -303,7 +303,7 @@ class RosbridgeAdapter:
         if not self._connected or described is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
-        topics = {each.source.topic for each in described.signals.values()}
+        topics = {signal.source.topic for signal in described.signals.values()}
         for plan in self._plans.values():
             if plan.topic in topics:
                 self._send_operation("unsubscribe", topic=plan.topic, id=f"signal {plan.topic}")

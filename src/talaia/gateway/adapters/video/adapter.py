@@ -122,7 +122,7 @@ class VideoAdapter:
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Open the device's cameras anew."""
-        for address in [each for each in self._cameras if each.split("/", 1)[0] == device]:
+        for address in [camera for camera in self._cameras if camera.split("/", 1)[0] == device]:
             self._cameras.pop(address).end()
         self._update_cameras()
         done(CommandOutcome(CommandPhase.SUCCEEDED))

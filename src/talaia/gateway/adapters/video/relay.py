@@ -49,7 +49,7 @@ def addresses_of(host: str, port: int, *, here: bool) -> list[str]:
 
     """
     found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-    addresses = list(dict.fromkeys(str(each[4][0]) for each in found))
+    addresses = list(dict.fromkeys(str(found_address[4][0]) for found_address in found))
     for address in addresses:
         why = why_no_camera(address, here=here)
         if why:
@@ -105,12 +105,12 @@ class CameraResponseFilter:
                 "write that address into the description if it is the camera"
             )
         sizes, kept = [], [first]
-        for each in lines:
-            key, _, value = each.partition(":")
+        for line in lines:
+            key, _, value = line.partition(":")
             word = key.strip().lower()
             if word == "content-length":
                 sizes.append(value.strip())
-            kept.append(self._transport(each) if word == "transport" else each)
+            kept.append(self._transport(line) if word == "transport" else line)
         size = int(sizes[0]) if sizes and re.fullmatch(r"[0-9]{1,7}", sizes[0]) else 0
         if len(sizes) > 1 or (sizes and str(size) != sizes[0]) or size > _MAX_BODY:
             raise CameraRefused("it does not say how long its answer is")
@@ -187,8 +187,8 @@ class CameraRelay:
     def _carry(self, near: socket.socket) -> None:
         playing = False
         with selectors.DefaultSelector() as ready:
-            for each in (near, self._far, self._ended):
-                ready.register(each, selectors.EVENT_READ)
+            for connection in (near, self._far, self._ended):
+                ready.register(connection, selectors.EVENT_READ)
             while True:
                 speaking = [key.fileobj for key, _ in ready.select()]
                 if self._ended in speaking:

@@ -88,8 +88,8 @@ class OwnPages:
         who = who_of(request)
         return SessionList(
             sessions=[
-                SessionShape(**each._asdict(), this=each.id == who.session)
-                for each in await self._sessions.list_open(who.user)
+                SessionShape(**session._asdict(), this=session.id == who.session)
+                for session in await self._sessions.list_open(who.user)
             ]
         )
 

@@ -60,7 +60,7 @@ class PeoplePages:
 
     async def overview(self) -> PersonList:
         """List everyone."""
-        return PersonList(people=[_shape(each) for each in await self._roster.all()])
+        return PersonList(people=[_shape(account) for account in await self._roster.all()])
 
     async def add(self, asked: PersonAsk, request: Request) -> PersonShape:
         """Add a person."""

@@ -46,7 +46,7 @@ class RolePages:
 
     async def overview(self) -> RoleList:
         """List every role with its permissions."""
-        return RoleList(roles=[_shape(each) for each in await self._roles.all()])
+        return RoleList(roles=[_shape(role) for role in await self._roles.all()])
 
     async def add(self, asked: RoleAsk, request: Request) -> RoleShape:
         """Make a role."""
@@ -87,13 +87,18 @@ class RolePages:
 
 def read_permissions(asked: Iterable[PermissionShape]) -> list[Permission]:
     """Read permissions, each once."""
-    found = (Permission(Right(each.right), each.site, each.device) for each in asked)
+    found = (
+        Permission(Right(permission.right), permission.site, permission.device)
+        for permission in asked
+    )
     return list(dict.fromkeys(found))
 
 
 def in_words(given: Iterable[Permission]) -> str:
     """Write permissions for the audit log: ``use agv/base, view agv/*``."""
-    said = sorted(f"{each.right.value} {each.site}/{each.device}" for each in given)
+    said = sorted(
+        f"{permission.right.value} {permission.site}/{permission.device}" for permission in given
+    )
     return ", ".join(said) or "no permission"
 
 

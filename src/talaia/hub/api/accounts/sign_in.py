@@ -96,11 +96,18 @@ class Accounts:
 def permissions_of(grants: Grants) -> list[PermissionShape]:
     """List permissions in one order: by site, device and right."""
     ordered = sorted(
-        grants.permissions, key=lambda each: (each.site, each.device, list(Right).index(each.right))
+        grants.permissions,
+        key=lambda permission: (
+            permission.site,
+            permission.device,
+            list(Right).index(permission.right),
+        ),
     )
     return [
-        PermissionShape(right=each.right.value, site=each.site, device=each.device)
-        for each in ordered
+        PermissionShape(
+            right=permission.right.value, site=permission.site, device=permission.device
+        )
+        for permission in ordered
     ]
 
 

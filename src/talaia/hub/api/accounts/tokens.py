@@ -52,14 +52,14 @@ class TokenPages:
         return TokenList(
             tokens=[
                 TokenShape(
-                    id=str(each.id),
-                    name=each.name,
-                    permissions=permissions_of(each.grants),
-                    created_us=each.created_us,
-                    ends_us=each.ends_us,
-                    used_us=each.used_us,
+                    id=str(token.id),
+                    name=token.name,
+                    permissions=permissions_of(token.grants),
+                    created_us=token.created_us,
+                    ends_us=token.ends_us,
+                    used_us=token.used_us,
                 )
-                for each in await self._tokens.of(who_of(request).user)
+                for token in await self._tokens.of(who_of(request).user)
             ]
         )
 
@@ -74,11 +74,13 @@ class TokenPages:
         if not now_us < asked.ends_us <= now_us + _LONGEST_US:
             raise ApiProblem(422, "invalid", "a token ends after now and within a year")
         wanted = read_permissions(asked.permissions)
-        for each in wanted:
-            if each.right is Right.ADMIN:
+        for permission in wanted:
+            if permission.right is Right.ADMIN:
                 raise ApiProblem(422, "invalid", "a token cannot manage; take view or use")
-            if not who.grants.covers(each):
-                raise ApiProblem(403, "forbidden", f"you do not have {in_words([each])} yourself")
+            if not who.grants.covers(permission):
+                raise ApiProblem(
+                    403, "forbidden", f"you do not have {in_words([permission])} yourself"
+                )
         made = await self._tokens.add(who.user, asked.name, asked.ends_us, wanted)
         if made is None:
             raise ApiProblem(409, "busy", f"you have {MOST} tokens; revoke some first")

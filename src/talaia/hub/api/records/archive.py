@@ -85,10 +85,10 @@ class ArchivePages:
             if not (0 <= ra <= 360 and -90 <= dec <= 90):
                 raise ApiProblem(422, "invalid", "expected ra 0 to 360 and dec -90 to 90 degrees")
             cone = Cone(ra, dec, radius)
-        cameras = [each for each in _cameras(request) if not device or each == device]
+        cameras = [camera for camera in _cameras(request) if not device or camera == device]
         wanted = Wanted(night, target, filter, kind, from_us, to_us, cone)
         found, more = await self._archive.find(site, cameras, wanted, limit)
-        return FrameList(frames=[_shape(each) for each in found], more=more)
+        return FrameList(frames=[_shape(frame) for frame in found], more=more)
 
     async def one(self, request: Request, site: str, frame: str) -> FrameDetail:
         """Give a picture's facts, its header, and how its values lie."""

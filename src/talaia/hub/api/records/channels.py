@@ -70,7 +70,7 @@ def asked_channels(
             some = [] if former is None else [former]
         if not some:
             raise NoChannel(address)
-        found.update({each.address: each for each in some})
+        found.update({channel.address: channel for channel in some})
     return list(found.values())
 
 

@@ -105,8 +105,8 @@ class HistoryPages:
         """
         asked = self._asked(request, [*channel, *signal])
         _check(from_us, to_us)
-        site, addresses = live_of(request).name, [each.address for each in asked]
-        steps = frozenset(each.address for each in asked if each.states)
+        site, addresses = live_of(request).name, [channel.address for channel in asked]
+        steps = frozenset(channel.address for channel in asked if channel.states)
         found = await self._history.read(site, addresses, from_us, to_us, width, steps)
         if format == "arrow" or (not format and _ARROW in request.headers.get("accept", "")):
             # Arrow takes 40 MB of memory, which a hub that is not asked for it need not carry.
@@ -114,7 +114,7 @@ class HistoryPages:
 
             return Response(series_to_arrow(found), media_type=_ARROW)
         # Encoded by msgspec: whole columns at a time, and NaN becomes null.
-        body = msgspec.json.encode({"series": [_series(each) for each in found]})
+        body = msgspec.json.encode({"series": [_series(statistics) for statistics in found]})
         return Response(body, media_type="application/json")
 
     async def last(
@@ -126,7 +126,7 @@ class HistoryPages:
     ) -> ValueList:
         """Give the last value of some channels before a time; those that have none are left out."""
         asked = self._asked(request, [*channel, *signal])
-        addresses = [each.address for each in asked]
+        addresses = [channel.address for channel in asked]
         found = await self._history.last(live_of(request).name, addresses, before_us - 1)
         return ValueList(
             values=[
@@ -148,9 +148,9 @@ class HistoryPages:
         """Sum up a window of some channels."""
         asked = self._asked(request, [*channel, *signal])
         _check(from_us, to_us)
-        addresses = [each.address for each in asked]
+        addresses = [channel.address for channel in asked]
         found = await self._history.statistics(live_of(request).name, addresses, from_us, to_us)
-        return StatisticsList(statistics=[_statistics(each) for each in found])
+        return StatisticsList(statistics=[_statistics(statistics) for statistics in found])
 
     async def outliers(
         self,
@@ -169,8 +169,8 @@ class HistoryPages:
         asked = self._asked(request, [*channel, *signal])
         _check(from_us, to_us)
         site, found = live_of(request).name, []
-        for each in asked:
-            looking = self._history.outliers(site, each.address, from_us, to_us, k)
+        for asked_channel in asked:
+            looking = self._history.outliers(site, asked_channel.address, from_us, to_us, k)
             async with aclosing(looking) as steps:
                 async for step in steps:
                     if step is not None:
@@ -190,10 +190,10 @@ class HistoryPages:
         found = await self._history.channels(live.name, described if former else ())
         return StoredList(
             channels=[
-                _stored(each, self._history.kind_of(live.name, each.address), described)
-                for each in found
+                _stored(stored, self._history.kind_of(live.name, stored.address), described)
+                for stored in found
                 # Scores stand beside their signal, and are not a signal of before.
-                if SCORES not in each.address and may_read(live, grants, each.address)
+                if SCORES not in stored.address and may_read(live, grants, stored.address)
             ]
         )
 
@@ -216,8 +216,10 @@ class HistoryPages:
         _check(from_us, to_us)
         site, form = live_of(request).name, FileForm(format)
         columns = [
-            ExportColumn(each.address, each.unit, each.states, await self._is_text(site, each))
-            for each in asked
+            ExportColumn(
+                channel.address, channel.unit, channel.states, await self._is_text(site, channel)
+            )
+            for channel in asked
         ]
         pieces = self._history.export(site, columns, from_us, to_us, form, width)
         try:
@@ -237,7 +239,7 @@ class HistoryPages:
             raise ApiProblem(422, "invalid", "name at least one channel or signal")
         live = live_of(request)
 
-        scores = {each.address for each in live.every[len(live.channels) :]}
+        scores = {channel.address for channel in live.every[len(live.channels) :]}
 
         def stored(address: str) -> Asked | None:
             if address in scores:

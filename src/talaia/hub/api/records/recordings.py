@@ -88,7 +88,7 @@ class RecordingPages:
                 may_record=grants.may(Right.USE, site),
                 may_delete=grants.may(Right.ADMIN, site),
             ),
-            recordings=[_shape(each) for each in found],
+            recordings=[_shape(recording) for recording in found],
         )
 
     async def record(self, asked: RecordAskShape, request: Request) -> None:
@@ -120,16 +120,16 @@ class RecordingPages:
         """List films that have something of a time, of the cameras that you may see."""
         live, grants = live_of(request), who_of(request).grants
         found = await self._recordings.between(site, from_us, to_us)
-        films = [each for each in found if _sees(grants, live, each)]
+        films = [recording for recording in found if _sees(grants, live, recording)]
         why_not = _why_no_film(live, may=grants.may(Right.USE, site))
         now = live.recorder
         rolling = now.films if live.online and now is not None else ()
         unfilmed = _unfilmed(live, found) if grants.may(Right.VIEW, site) else []
         return FilmListShape(
-            films=[_film(each) for each in films[:_MOST_FILMS]],
+            films=[_film(film) for film in films[:_MOST_FILMS]],
             more=len(films) > _MOST_FILMS,
             unfilmed=unfilmed[:_MOST_FILMS],
-            filming=[each for each in rolling if _sees_camera(grants, live, each)],
+            filming=[recording for recording in rolling if _sees_camera(grants, live, recording)],
             may_film=not why_not,
             why_not=why_not,
         )
@@ -210,21 +210,21 @@ def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
         if stream.source.topic
     }
     shapes = []
-    for each in found:
-        if each.stream or each.state is not RecordingState.COMPLETE:
+    for recording in found:
+        if recording.stream or recording.state is not RecordingState.COMPLETE:
             continue
-        for stream in (topics[topic] for topic in each.topics if topic in topics):
+        for stream in (topics[topic] for topic in recording.topics if topic in topics):
             filmed = any(
                 film.stream == stream
-                and film.begin_us <= each.end_us
-                and film.end_us >= each.begin_us
+                and film.begin_us <= recording.end_us
+                and film.end_us >= recording.begin_us
                 for film in found
             )
             if not filmed:
                 shapes.append(
                     UnfilmedShape(
-                        recording=each.id, stream=stream, begin_us=each.begin_us,
-                        end_us=each.end_us,
+                        recording=recording.id, stream=stream, begin_us=recording.begin_us,
+                        end_us=recording.end_us,
                     )
                 )  # fmt: skip
     return shapes

@@ -60,15 +60,17 @@ class SightingPages:
         """
         seen = await self._store.seen(site)
         cameras = {
-            each for each, _ in seen if (not camera or each == camera) and _may_see(request, each)
+            address
+            for address, _ in seen
+            if (not camera or address == camera) and _may_see(request, address)
         }
         asked = SightingsAsked(
             from_us=from_us, to_us=to_us, cameras=cameras, label=label, open=open, before=before
         )
         found, more = await self._store.find(site, asked, limit)
         # A database may compare names without regard to case; a right does not.
-        mine = [each for each in found if each.sighted.camera in cameras]
-        return SightingList(sightings=[seen_shape(each) for each in mine], more=more)
+        mine = [sighting for sighting in found if sighting.sighted.camera in cameras]
+        return SightingList(sightings=[seen_shape(sighting) for sighting in mine], more=more)
 
     async def labels(self, request: Request, site: str) -> SightingLabels:
         """List what was seen by which camera, of all that is kept."""

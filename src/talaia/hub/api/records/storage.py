@@ -64,7 +64,7 @@ class StoragePages:
             kept_days=None if said.kept_us is None else said.kept_us / DAY_US,
             warn=said.warn.value,
             trouble=self._history.trouble,
-            channels=[self._channel(each, now_us) for each in found.channels],
+            channels=[self._channel(channel, now_us) for channel in found.channels],
         )
 
     async def outlook(self) -> OutlookShape:
@@ -99,7 +99,7 @@ class StoragePages:
         room = StorageRoom(
             found.blocks_bytes, self._history.most_bytes, free, found.disk_bytes, share
         )
-        return forecast(room, [self._growth(each, now_us) for each in found.channels], now_us)
+        return forecast(room, [self._growth(channel, now_us) for channel in found.channels], now_us)
 
     def _growth(self, stored: ChannelStorage, now_us: int) -> Growth:
         keep_us = self._history.kept_us(stored.site, stored.address)

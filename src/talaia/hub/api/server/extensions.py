@@ -38,15 +38,17 @@ class ExtensionPages:
         return ExtensionList(
             extensions=[
                 ExtensionShape(
-                    group=each.group,
-                    name=each.name,
-                    package=each.package,
-                    summary=each.declared.summary,
-                    keys=_keys(each.declared),
+                    group=extension.group,
+                    name=extension.name,
+                    package=extension.package,
+                    summary=extension.declared.summary,
+                    keys=_keys(extension.declared),
                 )
-                for each in every
+                for extension in every
             ],
-            broken=[BrokenExtensionShape(**each._asdict()) for each in installed().broken()],
+            broken=[
+                BrokenExtensionShape(**extension._asdict()) for extension in installed().broken()
+            ],
         )
 
 
@@ -63,6 +65,5 @@ def _keys(declared: Declared) -> list[ExtensionKeyShape]:
         case _:
             pass
     return [
-        ExtensionKeyShape(**each._asdict(), secret=each.name in secret)
-        for each in keys_shown(shape)
+        ExtensionKeyShape(**key._asdict(), secret=key.name in secret) for key in keys_shown(shape)
     ]

@@ -94,15 +94,16 @@ class AlarmPages:
             may_manage=grants.may(Right.ADMIN, site),
             alarms=[
                 AlarmShape(
-                    alarm=each.about.alarm,
-                    device=each.about.device,
-                    definition=_shape(each.alarm),
-                    made=each.made,
-                    problem=each.problem,
-                    may_use=grants.may(Right.USE, site, each.about.device or ANY),
+                    alarm=live_alarm.about.alarm,
+                    device=live_alarm.about.device,
+                    definition=_shape(live_alarm.alarm),
+                    made=live_alarm.made,
+                    problem=live_alarm.problem,
+                    may_use=grants.may(Right.USE, site, live_alarm.about.device or ANY),
                 )
-                for each in self._alarms.of(site)
-                if each.alarm is not None and grants.may(Right.VIEW, site, each.about.device or ANY)
+                for live_alarm in self._alarms.of(site)
+                if live_alarm.alarm is not None
+                and grants.may(Right.VIEW, site, live_alarm.about.device or ANY)
             ],
         )
 
@@ -121,14 +122,14 @@ class AlarmPages:
             more=len(found) > limit,
             past=[
                 AlarmPast(
-                    id=str(each.id),
-                    what=each.happened.what.value,
-                    episode=each.happened.episode,
-                    time_us=each.happened.time_us,
-                    who=each.happened.who,
-                    message=each.happened.message,
+                    id=str(record.id),
+                    what=record.happened.what.value,
+                    episode=record.happened.episode,
+                    time_us=record.happened.time_us,
+                    who=record.happened.who,
+                    message=record.happened.message,
                 )
-                for each in found[:limit]
+                for record in found[:limit]
             ],
         )
 
@@ -151,7 +152,10 @@ class AlarmPages:
         if alarm in live.description.alarms:
             raise ApiProblem(409, "described", "the site description has it; change it there")
         known = self._alarms.find(site, alarm)
-        if known is None and sum(each.made for each in self._alarms.of(site)) >= _MOST_MADE:
+        if (
+            known is None
+            and sum(live_alarm.made for live_alarm in self._alarms.of(site)) >= _MOST_MADE
+        ):
             raise ApiProblem(409, "too_many", f"a site has at most {_MOST_MADE} alarms made here")
         definition = _alarm(asked)
         finding = next(iter(alarm_findings(Addresses(live.description), "$", definition)), None)
@@ -197,8 +201,10 @@ class AlarmPages:
         found = await self._history.read(site, condition.channels, from_us, to_us, _WIDTH)
         step = (to_us - from_us) // _WIDTH
         tracks = {
-            each.address: Track(each.time_us, each.value, each.texts, 0 if each.exact else 2 * step)
-            for each in found
+            series.address: Track(
+                series.time_us, series.value, series.texts, 0 if series.exact else 2 * step
+            )
+            for series in found
         }
         said = preview(condition, tracks, from_us, to_us)
         return PreviewShape(

@@ -46,9 +46,9 @@ class AnomalyPages:
         live, grants = live_of(request), who_of(request).grants
         return AnomalyList(
             detectors=[
-                _shape(each)
-                for each in self._watching.of(site)
-                if sees_signal(grants, live.description, *each.address.split("/", 1))
+                _shape(runner)
+                for runner in self._watching.of(site)
+                if sees_signal(grants, live.description, *runner.address.split("/", 1))
             ],
             may_forgive=grants.may(Right.USE, site),
             skipped=self._watching.skipped,

@@ -99,8 +99,8 @@ class DescriptionPages:
             editable=live.online and bool(live.source) and live.accepts not in ("", "no"),
             digest=digest_of(live.source) if live.source else "",
             versions=[
-                VersionShape(**each._asdict(), current=each.number == newest)
-                for each in found[:_PAGE]
+                VersionShape(**version._asdict(), current=version.number == newest)
+                for version in found[:_PAGE]
             ],
             more=len(found) > _PAGE,
             problem=problem.message if problem is not None else "",
@@ -192,7 +192,9 @@ class DescriptionPages:
 
     async def _answer(self, state: ChangeState, text: str) -> ChangeAnswer:
         phase: Any = _PHASE[state.phase]
-        findings = [Finding(each.where, each.problem, each.remedy) for each in state.problems]
+        findings = [
+            Finding(problem.where, problem.problem, problem.remedy) for problem in state.problems
+        ]
         shapes = await self._read(_placed, findings, text) if findings else []
         return ChangeAnswer(phase=phase, message=state.message, findings=shapes)
 
@@ -222,16 +224,18 @@ def _check(text: str) -> list[FindingShape]:
 def _placed(findings: Iterable[Finding], text: str) -> list[FindingShape]:
     places = SourcePositions(text)
     shapes = []
-    for each in list(findings)[:_MOST_FINDINGS]:
-        line, column = places.of(each.where)
-        shapes.append(FindingShape(**each._asdict(), line=line, column=column))
+    for finding in list(findings)[:_MOST_FINDINGS]:
+        line, column = places.of(finding.where)
+        shapes.append(FindingShape(**finding._asdict(), line=line, column=column))
     return shapes
 
 
 def _problem_shapes(problems: Iterable[DescriptionProblem]) -> list[FindingShape]:
     return [
-        FindingShape(where=each.where, problem=each.problem, remedy=each.remedy, line=0, column=0)
-        for each in problems
+        FindingShape(
+            where=problem.where, problem=problem.problem, remedy=problem.remedy, line=0, column=0
+        )
+        for problem in problems
     ]
 
 
@@ -255,8 +259,8 @@ def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
         # Kept by a version that knew other words: the lines say it all the same.
         parts = []
     return [
-        DifferenceShape(kind=each.kind.value, path=each.path, before=each.before, after=each.after)
-        for each in parts
+        DifferenceShape(kind=part.kind.value, path=part.path, before=part.before, after=part.after)
+        for part in parts
     ], lines
 
 

@@ -96,19 +96,19 @@ class GatewayPages:
         return GatewayList(
             gateways=[
                 GatewayShape(
-                    **{**each._asdict(), "id": str(each.id)},
-                    online=each.id in online,
+                    **{**gateway._asdict(), "id": str(gateway.id)},
+                    online=gateway.id in online,
                 )
-                for each in known
+                for gateway in known
             ],
             codes=[
                 OpenCodeShape(
-                    id=str(each.id),
-                    site=each.site,
-                    created_us=each.created_us,
-                    expires_us=each.expires_us,
+                    id=str(code.id),
+                    site=code.site,
+                    created_us=code.created_us,
+                    expires_us=code.expires_us,
                 )
-                for each in codes
+                for code in codes
             ],
         )
 

@@ -151,7 +151,7 @@ class NotifyPages:
         """Send a test by one of your rules."""
         number = number_of(rule, "rule")
         mine = await self._store.rules(who_of(request).user)
-        wanted = next((each for each in mine if each.id == number), None)
+        wanted = next((channel for channel in mine if channel.id == number), None)
         found = await self._store.way(wanted.way) if wanted else None
         if wanted is None or found is None:
             raise ApiProblem(404, "unknown", "you have no such rule")
@@ -166,8 +166,10 @@ class NotifyPages:
         return PushList(
             key=ways[0].settings["public_key"] if ways else "",
             browsers=[
-                PushBrowserShape(id=str(each.id), agent=each.agent, created_us=each.created_us)
-                for each in await self._store.browsers(who_of(request).user)
+                PushBrowserShape(
+                    id=str(browser.id), agent=browser.agent, created_us=browser.created_us
+                )
+                for browser in await self._store.browsers(who_of(request).user)
             ],
         )
 

@@ -46,8 +46,8 @@ def describe_pointing(pointing: Pointing) -> PointingShape:
     """Say where a telescope may not point, and by which commands it is pointed."""
     return PointingShape(
         commands=[
-            SlewShape(command=name, ra=each.ra, dec=each.dec, alt=each.alt, az=each.az)
-            for name, each in pointing.commands.items()
+            SlewShape(command=name, ra=command.ra, dec=command.dec, alt=command.alt, az=command.az)
+            for name, command in pointing.commands.items()
         ],
         horizon=pointing.horizon,
         sun=pointing.sun,
@@ -58,18 +58,20 @@ def describe_rules(site: Site, grants: Grants) -> list[RuleShape]:
     """Say when each interlock is unsafe, by the signals that the person sees."""
     made = []
     for name, rule in site.interlocks.items():
-        seen = [each for each in rule.when if _sees_all(site, grants, each.signals())]
-        targets = [each for each in rule.refuse if _sees(site, grants, each)]
+        seen = [
+            condition for condition in rule.when if _sees_all(site, grants, condition.signals())
+        ]
+        targets = [command for command in rule.refuse if _sees(site, grants, command)]
         if not seen and not targets:
             continue
         made.append(
             RuleShape(
                 id=name,
                 name=rule.name,
-                conditions=[_condition(each) for each in seen],
+                conditions=[_condition(address) for address in seen],
                 hidden=len(rule.when) - len(seen),
                 targets=targets,
-                dwell=max([rule.dwell, *(each.dwell or 0.0 for each in rule.when)]),
+                dwell=max([rule.dwell, *(condition.dwell or 0.0 for condition in rule.when)]),
             )
         )
     return made
@@ -81,13 +83,13 @@ def describe_enclosures(site: Site, grants: Grants) -> list[EnclosureShape]:
         EnclosureShape(
             id=name,
             name=roof.name,
-            closed=[_sighting(each) for each in roof.closed],
-            moving=[_sighting(each) for each in roof.moving],
+            closed=[_sighting(sensor) for sensor in roof.closed],
+            moving=[_sighting(sensor) for sensor in roof.moving],
             close=roof.close.command,
             stop=roof.stop,
             unsafe=list(roof.unsafe),
             position=roof.position,
-            segments=[_part(key, each) for key, each in roof.segments.items()],
+            segments=[_part(key, segment) for key, segment in roof.segments.items()],
             flap=None if roof.flap is None else _part("flap", roof.flap),
             can=CapabilitiesShape(**capabilities_of(site, roof)._asdict()),
         )
@@ -98,15 +100,15 @@ def describe_enclosures(site: Site, grants: Grants) -> list[EnclosureShape]:
 
 def _signals(roof: Enclosure) -> list[str]:
     """Name all signals that say how a roof stands."""
-    found = [each.signal for each in (*roof.closed, *roof.moving)]
+    found = [sensor.signal for sensor in (*roof.closed, *roof.moving)]
     for part in roof.parts().values():
-        found += [each.signal for each in part.closed]
+        found += [sensor.signal for sensor in part.closed]
         found += [part.position] if part.position else []
     return [*found, *([roof.position] if roof.position else [])]
 
 
 def _part(key: str, part: EnclosurePart) -> EnclosurePartShape:
-    closed = [_sighting(each) for each in part.closed]
+    closed = [_sighting(sensor) for sensor in part.closed]
     return EnclosurePartShape(id=key, name=part.name, closed=closed, position=part.position)
 
 
@@ -120,7 +122,7 @@ def _sighting(sighting: Sighting) -> SightingShape:
 
 
 def _sees_all(site: Site, grants: Grants, signals: Iterable[str]) -> bool:
-    places = (each.partition("/") for each in signals)
+    places = (signal.partition("/") for signal in signals)
     return all(sees_signal(grants, site, device, signal) for device, _, signal in places)
 
 
@@ -132,7 +134,7 @@ def _condition(condition: Condition) -> ConditionShape:
     alone = condition.signal or condition.sun is not None
     limits = condition.all_of or ((condition,) if alone else ())
     return ConditionShape(
-        limits=[_limit(each) for each in limits],
+        limits=[_limit(limit) for limit in limits],
         lasting=condition.lasting,
         link_lost=condition.link_lost,
         sun=condition.sun or "",

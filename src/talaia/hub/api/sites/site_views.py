@@ -152,7 +152,7 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
             for stream_id, stream in device.streams.items()
             if sees_stream(grants, site, device_id, stream_id)
         ],
-        commands=[_command(*each) for each in device.commands.items()] if uses else [],
+        commands=[_command(*command) for command in device.commands.items()] if uses else [],
         drive=_drive(device.drive) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",

@@ -75,7 +75,7 @@ class SitePages:
         """List all devices that are open to you, with how each is."""
         grants, now = who_of(request).grants, self._clock.monotonic_ns()
         return DeviceList(
-            devices=[each for live in self._sites for each in list_devices(live, grants, now)]
+            devices=[device for live in self._sites for device in list_devices(live, grants, now)]
         )
 
     async def one(self, request: Request, site: str) -> SiteShape:
@@ -136,6 +136,6 @@ class SitePages:
         times = {row.entry.time_us for row in rows if row.entry.kind == SIGHTING}
         found = await self._sightings.noted(site, times)
         return {
-            (each.noted_us, each.sighted.camera.partition("/")[0]): seen_shape(each)
-            for each in found
+            (sighting.noted_us, sighting.sighted.camera.partition("/")[0]): seen_shape(sighting)
+            for sighting in found
         }

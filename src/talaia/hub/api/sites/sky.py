@@ -32,14 +32,14 @@ class SkyPages:
             available=sky_names.is_there(),
             objects=[
                 SkyObject(
-                    name=each.name,
-                    also=list(each.also),
-                    kind=each.kind,
-                    constellation=each.constellation,
-                    ra_deg=each.ra_deg,
-                    dec_deg=each.dec_deg,
-                    magnitude=None if math.isnan(each.magnitude) else each.magnitude,
+                    name=sky_object.name,
+                    also=list(sky_object.also),
+                    kind=sky_object.kind,
+                    constellation=sky_object.constellation,
+                    ra_deg=sky_object.ra_deg,
+                    dec_deg=sky_object.dec_deg,
+                    magnitude=None if math.isnan(sky_object.magnitude) else sky_object.magnitude,
                 )
-                for each in found
+                for sky_object in found
             ],
         )

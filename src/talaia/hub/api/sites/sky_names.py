@@ -56,8 +56,8 @@ def look_up(name: str) -> list[CatalogObject]:
     exact = catalogue.get(words)
     rows = [exact] if exact is not None else catalogue.listObjects(cname=words)
     found = [_found(row) for row in rows if row.type not in _NOTHING]
-    there = [each for each in found if each is not None]
-    return sorted(there, key=lambda each: (math.isnan(each.magnitude), each.magnitude))[:MOST]
+    there = [sky_object for sky_object in found if sky_object is not None]
+    return sorted(there, key=lambda found: (math.isnan(found.magnitude), found.magnitude))[:MOST]
 
 
 def _found(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the package has no types
@@ -70,7 +70,7 @@ def _found(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the package has 
     measured = visual if visual is not None else blue
     return CatalogObject(
         name=row.name,
-        also=tuple(each for each in (messier, *(common or ())) if each),
+        also=tuple(name for name in (messier, *(common or ())) if name),
         kind=row.type,
         constellation=row.constellation or "",
         ra_deg=(hour + minute / 60 + second / 3600) * 15,

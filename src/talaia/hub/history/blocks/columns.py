@@ -39,12 +39,14 @@ def columns_of(connection: Connection, query: Query) -> list[NDArray[Any]]:
     inner = query.subquery()
     columns = list(inner.c)
     if dialect == "postgresql":
-        texts = [func.string_agg(func.coalesce(cast(each, Text), "nan"), ",") for each in columns]
+        texts = [
+            func.string_agg(func.coalesce(cast(column, Text), "nan"), ",") for column in columns
+        ]
         return _read(connection.execute(select(*texts)).one())
     # MariaDB shortens a number that it turns into a text before it is gathered, so NULL cannot
     # become a word there; buckets of nothing but NaN are rare enough to ask again for all.
-    without = case((or_(*(each.is_(None) for each in columns[1::2])), 1), else_=0)
-    texts = [func.group_concat(func.ifnull(each, 0)) for each in columns]
+    without = case((or_(*(column.is_(None) for column in columns[1::2])), 1), else_=0)
+    texts = [func.group_concat(func.ifnull(column, 0)) for column in columns]
     *found, empty = connection.execute(select(*texts, func.sum(without))).one()
     return _arrays(connection.execute(query).all()) if empty else _read(found)
 

@@ -20,18 +20,18 @@ METADATA_KEY = "talaia"
 
 def series_to_arrow(found: list[Series]) -> bytes:
     """Write ``t_us`` (µs since the epoch), ``v`` and ``text`` of each series in turn."""
-    time_us = np.concatenate([np.empty(0, np.int64), *(each.time_us for each in found)])
-    value = np.concatenate([np.empty(0), *(each.value for each in found)])
-    texts = [each.texts.get(at) for each in found for at in range(each.time_us.size)]
+    time_us = np.concatenate([np.empty(0, np.int64), *(series.time_us for series in found)])
+    value = np.concatenate([np.empty(0), *(series.value for series in found)])
+    texts = [series.texts.get(at) for series in found for at in range(series.time_us.size)]
     about = {
         "series": [
             {
-                "address": each.address,
-                "kind": "exact" if each.exact else "minmax",
-                "rows": int(each.time_us.size),
-                "gaps": [gap._asdict() for gap in each.gaps],
+                "address": series.address,
+                "kind": "exact" if series.exact else "minmax",
+                "rows": int(series.time_us.size),
+                "gaps": [gap._asdict() for gap in series.gaps],
             }
-            for each in found
+            for series in found
         ]
     }
     schema = pa.schema(

@@ -104,7 +104,7 @@ class _Gathered:
 
     def write(self, table: pa.Table) -> None:
         self._held.append(table)
-        if sum(each.num_rows for each in self._held) >= _ROW_GROUP:
+        if sum(batch.num_rows for batch in self._held) >= _ROW_GROUP:
             self._flush()
 
     def close(self) -> None:

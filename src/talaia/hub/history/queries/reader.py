@@ -213,7 +213,7 @@ def _rolled(
     if inside:
         listed = list(zip(*inside, strict=True))
         values = [to_float(column) for column in listed[1::2]]
-        parts.append(_points([np.array(each, np.int64) for each in listed[0::2]], values))
+        parts.append(_points([np.array(times, np.int64) for times in listed[0::2]], values))
     parts += [
         read[number].between(piece.from_us, piece.past_us - 1)
         for number, piece in cut

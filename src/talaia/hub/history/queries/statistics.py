@@ -83,7 +83,7 @@ def read_statistics(
     to_us: int,
 ) -> list[Statistics]:
     """Sum up a window of several channels; see `HistoryStore.statistics`."""
-    asked = [(each, window_of(ledger, site, each, from_us, to_us)) for each in addresses]
+    asked = [(address, window_of(ledger, site, address, from_us, to_us)) for address in addresses]
     with engine.begin() as connection:
         gap_us = covered_us(gaps_of(connection, site, from_us, to_us), from_us, to_us)
         return [

@@ -59,16 +59,16 @@ def joined(flows: Sequence[Iterator[SampleChunk]]) -> Iterator[Rows]:
 
 def _together(parts: list[BlockSamples]) -> Rows:
     times = [part.time_us for part in parts]
-    turns = [_turns(each) for each in times]
+    turns = [_turns(own_times) for own_times in times]
     most = max(int(turn.max(initial=0)) for turn in turns)
     if most == 0:
         time_us = np.unique(np.concatenate(times))
-        return Rows(time_us, [np.searchsorted(time_us, each) for each in times], parts)
+        return Rows(time_us, [np.searchsorted(time_us, own_times) for own_times in times], parts)
     # The n-th sample of a channel at a time goes into the n-th row of that time.
     rank = np.unique(np.concatenate(times))
     keys = [
-        np.searchsorted(rank, each) * (most + 1) + turn
-        for each, turn in zip(times, turns, strict=True)
+        np.searchsorted(rank, own_times) * (most + 1) + turn
+        for own_times, turn in zip(times, turns, strict=True)
     ]
     rows = np.unique(np.concatenate(keys))
     return Rows(rank[rows // (most + 1)], [np.searchsorted(rows, key) for key in keys], parts)

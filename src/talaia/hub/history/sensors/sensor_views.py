@@ -63,10 +63,14 @@ class StoredSensorKind(NamedTuple):
 def kinds_of(sensors: list[SensorView]) -> dict[str, StoredSensorKind]:
     """Give what signals are, by their addresses."""
     return {
-        each.address: StoredSensorKind(
-            each.shown[:_LONGEST_NAME], each.unit, each.type.value, each.states, each.decimals
+        sensor.address: StoredSensorKind(
+            sensor.shown[:_LONGEST_NAME],
+            sensor.unit,
+            sensor.type.value,
+            sensor.states,
+            sensor.decimals,
         )
-        for each in sensors
+        for sensor in sensors
     }
 
 
@@ -89,24 +93,24 @@ def remember_sensors(engine: Engine, site: str, sensors: list[SensorView]) -> li
     known = {row.address: row for row in rows}
     kinds = kinds_of(sensors)
     other = [
-        each
-        for each in sensors
-        if each.address not in known or _kind(known[each.address]) != kinds[each.address]
+        sensor
+        for sensor in sensors
+        if sensor.address not in known or _kind(known[sensor.address]) != kinds[sensor.address]
     ]
     for first in range(0, len(other), _ROWS_AT_ONCE):
         with engine.begin() as connection:
             taken = set(inspect(connection).get_table_names())
             taken |= set(connection.scalars(select(_sensor.c.view_name)))
-            for each in other[first : first + _ROWS_AT_ONCE]:
-                name = known[each.address].view_name if each.address in known else ""
+            for sensor in other[first : first + _ROWS_AT_ONCE]:
+                name = known[sensor.address].view_name if sensor.address in known else ""
                 if not name:
-                    name = view_name(site, each.address, each.channels[0], taken)
+                    name = view_name(site, sensor.address, sensor.channels[0], taken)
                     taken.add(name)
-                _remember(connection, site, each, name)
+                _remember(connection, site, sensor, name)
     return [
-        each
-        for each in sensors
-        if each.address not in known or known[each.address].made_of != _made_of(each)
+        sensor
+        for sensor in sensors
+        if sensor.address not in known or known[sensor.address].made_of != _made_of(sensor)
     ]
 
 
@@ -141,7 +145,7 @@ def show_sensors(
         rows = connection.execute(select(_sensor).where(_sensor.c.site == site)).all()
     names = {row.address: row.view_name for row in rows}
     made = {row.address for row in rows if row.made_of}
-    room = max(0, MOST_VIEWS - len(made - {each.address for each in sensors}))
+    room = max(0, MOST_VIEWS - len(made - {sensor.address for sensor in sensors}))
     if len(sensors) > room:
         _LOG.warning("%s has many signals; of each further one there is no view for SQL", site)
     wanted = sensors[:room]
@@ -152,8 +156,8 @@ def show_sensors(
             # There is one connection that writes; whoever waits for it gets it now.
             time.sleep(_BETWEEN_S)
         with engine.begin() as connection:
-            for each in wanted[first : first + _AT_ONCE]:
-                _show(connection, site, each, names[each.address])
+            for sensor in wanted[first : first + _AT_ONCE]:
+                _show(connection, site, sensor, names[sensor.address])
     _LOG.info("%d sensors of %s have their views", len(wanted), site)
     return len(wanted)
 

@@ -85,7 +85,7 @@ class _Draft:
 
     def size(self) -> int:
         bodies = sum(len(row["body"]) for row in self.rows)
-        return bodies + sum(each.size() for each in self.seals)
+        return bodies + sum(seal.size() for seal in self.seals)
 
 
 class BlockIndex:
@@ -199,7 +199,9 @@ class BlockIndex:
                 save(channel, tails.dealt_row, concatenate(tails.items()[channel].parts))
                 for channel in saved
             ]
-            self._plan = _Plan(first_block, [self._seal(each, enough) for each in chosen], saves)
+            self._plan = _Plan(
+                first_block, [self._seal(channel, enough) for channel in chosen], saves
+            )
 
     def _load_ranges(self, connection: Connection) -> None:
         for row in connection.execute(select(tables.stored_range)):
@@ -351,8 +353,8 @@ class BlockIndex:
         if draft.doomed:
             drop(connection, draft.doomed)
             # The rollup rows that were known to be the last may be gone.
-            for each in draft.doomed:
-                self._newest.pop(each.channel, None)
+            for block in draft.doomed:
+                self._newest.pop(block.channel, None)
         for sealed in draft.seals:
             channel = sealed.channel
             newest = self._newest.get(channel)
@@ -395,9 +397,9 @@ class BlockIndex:
         self.names.written()
         self._newest.update(draft.newest)
         self._written_ranges.update(draft.ranges)
-        for each in draft.seals:
-            self.names.saved_row[each.channel] = each.row
-        self.tails.sealed([each.channel for each in draft.seals], self._next_block)
+        for sealed in draft.seals:
+            self.names.saved_row[sealed.channel] = sealed.row
+        self.tails.sealed([sealed.channel for sealed in draft.seals], self._next_block)
         for saved in draft.saves:
             self.names.saved_row[saved.channel] = saved.row
             tail = self.tails.items()[saved.channel]

@@ -112,7 +112,7 @@ class Names:
             channel = self.channels.pop((site, old))
             self.channels[site, new] = channel
             self._renamed[channel] = new
-        self._lists = {key: each for key, each in self._lists.items() if key[0] != site}
+        self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
 
     def by_id(self, catalogue: int) -> Catalogue:
         """Find a list by its number."""

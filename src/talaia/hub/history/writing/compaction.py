@@ -116,9 +116,9 @@ def seal(
         longest_us = max(longest_us, int(part.time_us[-1]) - first)
         body = encode(part)
         same = {"id": number, "channel_id": channel, "finest_us": finest, "bytes": len(body)}
-        for each in cells_to_rows(whole, **same):
-            each["first_us"] = each.pop("bucket_us")
-            blocks.append(each)
+        for cell in cells_to_rows(whole, **same):
+            cell["first_us"] = cell.pop("bucket_us")
+            blocks.append(cell)
         bodies.append({"block_id": number, "body": body})
         cells = None
         for width_us in WIDTHS[WIDTHS.index(finest) :] if finest else ():

@@ -76,11 +76,11 @@ def too_much(engine: Engine, most_bytes: int) -> list[Doomed]:
         query = select(*_columns).order_by(_block.c.last_us, _block.c.id).limit(AT_ONCE)
         oldest = [Doomed(*row) for row in connection.execute(query)]
     chosen = []
-    for each in oldest:
+    for block in oldest:
         if over <= 0:
             break
-        chosen.append(each)
-        over -= each.bytes
+        chosen.append(block)
+        over -= block.bytes
     return chosen
 
 
@@ -92,15 +92,15 @@ def stored_bytes(engine: Engine) -> int:
 
 def drop(connection: Connection, doomed: Sequence[Doomed]) -> None:
     """Delete blocks, and bring the rollup rows of their channels in line with what is left."""
-    ids = [each.id for each in doomed]
+    ids = [block.id for block in doomed]
     connection.execute(delete(tables.body).where(tables.body.c.block_id.in_(ids)))
-    for channel in {each.channel for each in doomed}:
-        mine = [each.id for each in doomed if each.channel == channel]
+    for channel in {block.channel for block in doomed}:
+        mine = [block.id for block in doomed if block.channel == channel]
         connection.execute(
             delete(_block).where(_block.c.channel_id == channel, _block.c.id.in_(mine))
         )
-        from_us = min(each.first_us for each in doomed if each.channel == channel)
-        past_us = max(each.last_us for each in doomed if each.channel == channel)
+        from_us = min(block.first_us for block in doomed if block.channel == channel)
+        past_us = max(block.last_us for block in doomed if block.channel == channel)
         _sum_up_again(connection, channel, from_us, past_us)
         left = connection.scalar(
             select(func.min(_block.c.first_us)).where(_block.c.channel_id == channel)

@@ -114,7 +114,7 @@ class Writer:
         began = self._clock.monotonic_ns() - SECOND
         while group := self._next_group(began):
             began = self._clock.monotonic_ns()
-            answers = self._answers([each.job for each in group])
+            answers = self._answers([waiting.job for waiting in group])
             if self._loop is not None and not self._loop.is_closed():
                 self._loop.call_soon_threadsafe(_answer_waiting, group, answers)
             try:
@@ -149,9 +149,9 @@ class Writer:
             group: list[_Waiting] = []
             size = 0
             while self._queue and size < MOST:
-                each = self._queue.popleft()
-                size += len(each.job.columns) if isinstance(each.job, Append) else ENOUGH
-                group.append(each)
+                waiting = self._queue.popleft()
+                size += len(waiting.job.columns) if isinstance(waiting.job, Append) else ENOUGH
+                group.append(waiting)
             self._samples -= size
             return group
 
@@ -198,10 +198,10 @@ def _reason(error: Exception) -> str:
 
 
 def _answer_waiting(group: Sequence[_Waiting], answers: Sequence[Answer]) -> None:
-    for each, answer in zip(group, answers, strict=True):
-        if each.answer.done():  # its caller was cancelled
+    for waiting, answer in zip(group, answers, strict=True):
+        if waiting.answer.done():  # its caller was cancelled
             continue
         if isinstance(answer, HistoryError):
-            each.answer.set_exception(answer)
+            waiting.answer.set_exception(answer)
         else:
-            each.answer.set_result(answer)
+            waiting.answer.set_result(answer)

@@ -125,8 +125,8 @@ class AlarmEngine:
             state = self._states[site, name]
             if name not in known.alarms and name not in before and _stands(state):
                 self._retire(ghost(live, name, state))
-        for each in known.alarms.values():
-            self._publish(each)
+        for alarm in known.alarms.values():
+            self._publish(alarm)
         self._news.set()
 
     def of(self, site: str) -> Iterator[LiveAlarm]:
@@ -337,28 +337,33 @@ class AlarmEngine:
         if changes:
             self._wake_delivery()
 
-    def _record(self, each: LiveAlarm, happened: Happened) -> None:
-        live = self._sites.get(each.about.site)
-        if each.alarm is None or not each.alarm.record or live is None or live.link is None:
+    def _record(self, live_alarm: LiveAlarm, happened: Happened) -> None:
+        live = self._sites.get(live_alarm.about.site)
+        if (
+            live_alarm.alarm is None
+            or not live_alarm.alarm.record
+            or live is None
+            or live.link is None
+        ):
             return
-        why = f"alarm {each.about.name}: {happened.message}"[:500]
+        why = f"alarm {live_alarm.about.name}: {happened.message}"[:500]
         live.link.send(RecordingRequest(on=True, who="alarm", why=why, alarm=True))
 
     async def refresh_troubles(self) -> None:
         """Read anew which alarms could not be delivered, and tell."""
         troubles = await self._notices.troubles()
         for site, known in self._of.items():
-            for name, each in known.alarms.items():
+            for name, alarm in known.alarms.items():
                 problem = troubles.get((site, name), "")
-                if problem != each.undelivered:
-                    each.undelivered = problem
-                    self._publish(each)
+                if problem != alarm.undelivered:
+                    alarm.undelivered = problem
+                    self._publish(alarm)
 
     def greet(self, browser: Browser) -> None:
         """Tell a page that has just come how all alarms stand that it may see."""
         for known in self._of.values():
-            for each in known.alarms.values():
-                browser.send_message(alarm_news(each))
+            for alarm in known.alarms.values():
+                browser.send_message(alarm_news(alarm))
 
     def _enqueue(
         self, live: LiveAlarm, event: Event, done: asyncio.Future[State] | None = None
@@ -366,8 +371,8 @@ class AlarmEngine:
         self._queue.append(_Ask(live, event, done))
         self._news.set()
 
-    def _publish(self, each: LiveAlarm) -> None:
-        self._browsers.broadcast_message(alarm_news(each))
+    def _publish(self, live_alarm: LiveAlarm) -> None:
+        self._browsers.broadcast_message(alarm_news(live_alarm))
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000

@@ -55,9 +55,9 @@ def device_of(addresses: Addresses, alarm: Alarm) -> str:
     return next(iter(devices)) if len(devices) == 1 else ""
 
 
-def alarm_news(each: LiveAlarm) -> page.AlarmUpdate:
+def alarm_news(live_alarm: LiveAlarm) -> page.AlarmUpdate:
     """Say how an alarm stands."""
-    about, state, alarm = each.about, each.state, each.alarm
+    about, state, alarm = live_alarm.about, live_alarm.state, live_alarm.alarm
     return page.AlarmUpdate(
         site=about.site,
         alarm=about.alarm,
@@ -67,8 +67,8 @@ def alarm_news(each: LiveAlarm) -> page.AlarmUpdate:
         severity=about.severity.value,
         phase=state.phase.value,
         why=state.why[:500] if state.phase is not Phase.NORMAL else "",
-        known=each.watch.known,
-        unknown_why="" if each.watch.known else each.watch.why[:500],
+        known=live_alarm.watch.known,
+        unknown_why="" if live_alarm.watch.known else live_alarm.watch.why[:500],
         raised_us=state.raised_us,
         cleared_us=state.cleared_us,
         acked_us=state.acked_us,
@@ -77,17 +77,17 @@ def alarm_news(each: LiveAlarm) -> page.AlarmUpdate:
         shelved_until_us=state.shelved_until_us,
         shelved_by=state.shelved_by,
         shelved_why=state.shelved_why[:500],
-        undelivered=each.undelivered[:500],
+        undelivered=live_alarm.undelivered[:500],
         advice=about.advice[:500],
-        signals=list(each.condition.channels) if each.condition else [],
-        made=each.made,
+        signals=list(live_alarm.condition.channels) if live_alarm.condition else [],
+        made=live_alarm.made,
         gone=alarm is None,
     )
 
 
-def event_news(each: LiveAlarm, happened: Happened) -> page.EventUpdate:
+def event_news(live_alarm: LiveAlarm, happened: Happened) -> page.EventUpdate:
     """Say what happened to an alarm."""
-    about = each.about
+    about = live_alarm.about
     return page.EventUpdate(
         site=about.site,
         kind=f"alarm {happened.what}",

@@ -111,8 +111,8 @@ class SiteAlarms:
         for place, at in enumerate(mine.channel.tolist()):
             text = mine.texts.get(place, "")
             self._values[self._addresses[at]] = (values[place], text, heard[place])
-            for each in self._lookers[at]:
-                self._judge(live, each, now)
+            for live_alarm in self._lookers[at]:
+                self._judge(live, live_alarm, now)
 
     def happens(
         self,
@@ -129,40 +129,42 @@ class SiteAlarms:
         # Told only when it was over, it has been there all the same.
         going[which] = seen
         mine = [
-            each
-            for each in self.alarms.values()
-            if each.condition is not None and each.condition.happening == what
+            live_alarm
+            for live_alarm in self.alarms.values()
+            if live_alarm.condition is not None and live_alarm.condition.happening == what
         ]
-        for each in mine:
-            self._judge(live, each, now)
+        for live_alarm in mine:
+            self._judge(live, live_alarm, now)
         if over:
             del going[which]
-            for each in mine:
-                self._judge(live, each, now)
+            for live_alarm in mine:
+                self._judge(live, live_alarm, now)
 
     def evaluate_conditions(self, live: LiveSite) -> None:
         """Hold what is known against every condition: values age, delays and shelves end."""
         now, now_us = self._clock.monotonic_ns(), self._now_us()
-        for each in self.alarms.values():
-            self._judge(live, each, now)
-            until = each.state.shelved_until_us
+        for live_alarm in self.alarms.values():
+            self._judge(live, live_alarm, now)
+            until = live_alarm.state.shelved_until_us
             if until and until <= now_us:
-                self._enqueue(each, Unshelve(now_us))
-            if each.alarm is not None:
-                again = each.reminding.next_due(each.alarm, each.state, now, now_us)
+                self._enqueue(live_alarm, Unshelve(now_us))
+            if live_alarm.alarm is not None:
+                again = live_alarm.reminding.next_due(
+                    live_alarm.alarm, live_alarm.state, now, now_us
+                )
                 if again is not None:
-                    self._enqueue(each, again)
+                    self._enqueue(live_alarm, again)
 
     def _index(self, live: LiveSite) -> None:
         number = {channel.address: at for at, channel in enumerate(live.channels)}
         self._watched = np.zeros(len(live.channels), bool)
         self._addresses = tuple(channel.address for channel in live.channels)
         self._lookers = {}
-        for each in self.alarms.values():
-            for address in each.condition.channels if each.condition else ():
+        for live_alarm in self.alarms.values():
+            for address in live_alarm.condition.channels if live_alarm.condition else ():
                 at = number[address]
                 self._watched[at] = True
-                self._lookers.setdefault(at, []).append(each)
+                self._lookers.setdefault(at, []).append(live_alarm)
         latest = live.latest
         self._values = {
             self._addresses[at]: (
@@ -172,24 +174,24 @@ class SiteAlarms:
             if latest.arrived_ns[at] != np.iinfo(np.int64).min
         }  # fmt: skip
 
-    def _judge(self, live: LiveSite, each: LiveAlarm, now: int) -> None:
-        edge = each.watch.update_verdict(self._verdict(live, each, now), now)
+    def _judge(self, live: LiveSite, live_alarm: LiveAlarm, now: int) -> None:
+        edge = live_alarm.watch.update_verdict(self._verdict(live, live_alarm, now), now)
         if edge is not None:
             event: Event = Clear(self._now_us(), edge.why)
             if edge.turn is ConditionTurn.RAISE:
-                to = first_told(each.alarm) if each.alarm is not None else ()
+                to = first_told(live_alarm.alarm) if live_alarm.alarm is not None else ()
                 event = Raise(self._now_us(), edge.why, to)
-            self._enqueue(each, event)
+            self._enqueue(live_alarm, event)
         # Of what is not known, without its age, which grows by itself.
-        unknown = "" if each.watch.known else each.watch.why.partition(" is ")[0]
-        if unknown != each.shown_unknown:
-            each.shown_unknown = unknown
-            self._publish(each)
+        unknown = "" if live_alarm.watch.known else live_alarm.watch.why.partition(" is ")[0]
+        if unknown != live_alarm.shown_unknown:
+            live_alarm.shown_unknown = unknown
+            self._publish(live_alarm)
 
-    def _verdict(self, live: LiveSite, each: LiveAlarm, now: int) -> ConditionVerdict:
-        condition = each.condition
+    def _verdict(self, live: LiveSite, live_alarm: LiveAlarm, now: int) -> ConditionVerdict:
+        condition = live_alarm.condition
         if condition is None:
-            return ConditionVerdict(Truth.UNKNOWN, each.problem)
+            return ConditionVerdict(Truth.UNKNOWN, live_alarm.problem)
         readings = {
             address: ConditionReading(value, text, (now - arrived) / SECOND)
             for address in condition.channels
@@ -201,7 +203,7 @@ class SiteAlarms:
         if condition.happening is not None:
             seen = tuple(self._seen.get(condition.happening, {}).values())
         return condition.judge(
-            readings, seen, held=each.watch.on, online=live.online, enclosures=live.enclosures
+            readings, seen, held=live_alarm.watch.on, online=live.online, enclosures=live.enclosures
         )
 
     def _now_us(self) -> int:

@@ -83,7 +83,7 @@ class _SiteWatch:
 
     def every(self) -> list[DetectorRunner]:
         """List all detectors."""
-        return [each for some in self.watched.values() for each in some]
+        return [runner for some in self.watched.values() for runner in some]
 
 
 class AnomalyService:
@@ -144,7 +144,7 @@ class AnomalyService:
         if self._count + at.size > _MOST_WAITING:
             self.skipped += int(at.size)
             return
-        addresses = [watch.addresses[each] for each in columns.channel[at].tolist()]
+        addresses = [watch.addresses[index] for index in columns.channel[at].tolist()]
         times, values = columns.time_us[at].tolist(), columns.value[at].tolist()
         self._waiting.append(_Piece(live, addresses, times, values))
         self._count += int(at.size)
@@ -164,16 +164,16 @@ class AnomalyService:
         """
         live = self._sites.get(site)
         found = [] if live is None else self._watch(live).watched.get(address, [])
-        for each in found:
-            if each.word == detector:
-                learns = each.forgive()
+        for runner in found:
+            if runner.word == detector:
+                learns = runner.forgive()
                 # A person's word is kept with the next tick.
                 self._saved_at[site, address, detector] = -_SAVE_EVERY_S
                 if learns and live is not None:
-                    if (ended := each.end()) is not None:
-                        self._publish_anomaly(live, each, ended)
+                    if (ended := runner.end()) is not None:
+                        self._publish_anomaly(live, runner, ended)
                     else:
-                        self._stands(live, each)
+                        self._stands(live, runner)
                 return learns
         return None
 
@@ -204,15 +204,17 @@ class AnomalyService:
             await self._wake(piece.live, watch)
         until = time.perf_counter() + _SLICE_S
         for address, time_us, value in zip(piece.addresses, piece.times, piece.values, strict=True):
-            for place, each in enumerate(watch.watched.get(address, ())):
+            for place, runner in enumerate(watch.watched.get(address, ())):
                 try:
-                    turn = _seen(each, time_us, value)
+                    turn = _seen(runner, time_us, value)
                 except (ArithmeticError, LookupError, ValueError):
                     # One that fails must not end the others: it begins anew.
-                    _LOG.exception("the detector %s of %s begins anew", each.word, address)
-                    watch.watched[address][place] = DetectorRunner(address, each.unit, each.watch)
+                    _LOG.exception("the detector %s of %s begins anew", runner.word, address)
+                    watch.watched[address][place] = DetectorRunner(
+                        address, runner.unit, runner.watch
+                    )
                     continue
-                self._after(piece.live, watch, each, turn, time_us)
+                self._after(piece.live, watch, runner, turn, time_us)
             if time.perf_counter() > until:
                 self._publish(piece.live, watch)
                 await asyncio.sleep(0)
@@ -223,21 +225,21 @@ class AnomalyService:
         self,
         live: LiveSite,
         watch: _SiteWatch,
-        each: DetectorRunner,
+        runner: DetectorRunner,
         turn: AnomalyBegan | AnomalyEnded | None,
         time_us: int,
     ) -> None:
         if turn is not None:
-            self._publish_anomaly(live, each, turn)
-        elif each.take_learned():
-            self._stands(live, each)
-        address = score_address(each.address, each.word)
+            self._publish_anomaly(live, runner, turn)
+        elif runner.take_learned():
+            self._stands(live, runner)
+        address = score_address(runner.address, runner.word)
         place = watch.places.get(address)
         if place is not None:
-            watch.fresh.append((place, time_us, each.score))
+            watch.fresh.append((place, time_us, runner.score))
         waiting = self._scores.setdefault(live.name, [])
-        if each.worth_writing(time_us) and len(waiting) < _MOST_SCORES:
-            waiting.append((address, time_us, each.score))
+        if runner.worth_writing(time_us) and len(waiting) < _MOST_SCORES:
+            waiting.append((address, time_us, runner.score))
 
     def _publish(self, live: LiveSite, watch: _SiteWatch) -> None:
         """Show pages the newest scores."""
@@ -262,7 +264,9 @@ class AnomalyService:
         if watch is not None and watch.description is live.description:
             return watch
         before = (
-            {} if watch is None else {(each.address, each.watch): each for each in watch.every()}
+            {}
+            if watch is None
+            else {(runner.address, runner.watch): runner for runner in watch.every()}
         )
         fresh = self._of[live.name] = _SiteWatch(live.description)
         thin = set()
@@ -276,20 +280,21 @@ class AnomalyService:
             )
         for wish in wishes:
             fresh.watched[wish.address] = [
-                _again(before, wish.address, each) or DetectorRunner(wish.address, wish.unit, each)
-                for each in wish.watches
+                _again(before, wish.address, wanted)
+                or DetectorRunner(wish.address, wish.unit, wanted)
+                for wanted in wish.watches
             ]
             if wish.thin:
                 thin.add(wish.address)
         fresh.ready = not fresh.watched or (watch is not None and watch.ready)
-        fresh.addresses = [each.address for each in live.channels] if fresh.watched else []
-        fresh.chosen = np.array([each in fresh.watched for each in fresh.addresses], bool)
+        fresh.addresses = [channel.address for channel in live.channels] if fresh.watched else []
+        fresh.chosen = np.array([address in fresh.watched for address in fresh.addresses], bool)
         scores = range(len(live.channels), len(live.every))
         fresh.places = {live.every[at].address: at for at in scores}
-        fresh.thinning = Thinning(np.array([each in thin for each in fresh.addresses], bool))
-        for each in before.values():
-            if (ended := each.end()) is not None:
-                self._publish_anomaly(live, each, ended)
+        fresh.thinning = Thinning(np.array([address in thin for address in fresh.addresses], bool))
+        for runner in before.values():
+            if (ended := runner.end()) is not None:
+                self._publish_anomaly(live, runner, ended)
         return fresh
 
     async def _wake(self, live: LiveSite, watch: _SiteWatch) -> None:
@@ -301,18 +306,18 @@ class AnomalyService:
             _LOG.warning("detectors of %s learn anew, the database fails: %s", live.name, error)
             return
         for address, some in watch.watched.items():
-            for at, each in enumerate(some):
-                state = kept.get((address, each.word))
+            for at, runner in enumerate(some):
+                state = kept.get((address, runner.word))
                 if state is not None:
-                    some[at] = DetectorRunner(address, each.unit, each.watch, state)
+                    some[at] = DetectorRunner(address, runner.unit, runner.watch, state)
 
     def _publish_anomaly(
-        self, live: LiveSite, each: DetectorRunner, turn: AnomalyBegan | AnomalyEnded
+        self, live: LiveSite, runner: DetectorRunner, turn: AnomalyBegan | AnomalyEnded
     ) -> None:
         news = AnomalyReport(
             site=live.name,
-            channel=each.address,
-            detector=each.word,
+            channel=runner.address,
+            detector=runner.word,
             began_us=turn.time_us if isinstance(turn, AnomalyBegan) else turn.began_us,
             ended_us=None if isinstance(turn, AnomalyBegan) else turn.ended_us,
             score=turn.score,
@@ -320,11 +325,11 @@ class AnomalyService:
         )
         for sink in self._sinks:
             sink.anomaly(news)
-        self._stands(live, each)
+        self._stands(live, runner)
 
-    def _stands(self, live: LiveSite, each: DetectorRunner) -> None:
+    def _stands(self, live: LiveSite, runner: DetectorRunner) -> None:
         for sink in self._shown_to:
-            sink.detector(live.name, each)
+            sink.detector(live.name, runner)
 
     async def _tick(self) -> None:
         while True:
@@ -347,10 +352,10 @@ class AnomalyService:
                 continue
             now_us = self._clock.wall_ns() // 1000 + round(live.skew_ms * 1000)
             watch = self._watch(live)
-            for each in watch.every():
-                turn = each.idle(now_us)
+            for runner in watch.every():
+                turn = runner.idle(now_us)
                 if turn is not None:
-                    self._after(live, watch, each, turn, now_us)
+                    self._after(live, watch, runner, turn, now_us)
             self._publish(live, watch)
 
     async def _write_scores(self) -> None:
@@ -375,22 +380,22 @@ class AnomalyService:
     def _unsaved(self, most: int | None) -> list[tuple[str, DetectorRunner]]:
         now, due = self._clock.monotonic_ns() / 1e9, []
         for site, watch in self._of.items():
-            for each in watch.every():
-                key = (site, each.address, each.word)
+            for runner in watch.every():
+                key = (site, runner.address, runner.word)
                 # What just began to learn waits its turn like all others.
                 since = self._saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)
-                if each.changed and (most is None or now - since >= _SAVE_EVERY_S):
-                    due.append((site, each))
+                if runner.changed and (most is None or now - since >= _SAVE_EVERY_S):
+                    due.append((site, runner))
         return due if most is None else due[:most]
 
     async def _save(self, due: Sequence[tuple[str, DetectorRunner]]) -> None:
         now = self._clock.monotonic_ns() / 1e9
-        rows = [(site, each.address, each.word, each.keep()) for site, each in due]
+        rows = [(site, runner.address, runner.word, runner.keep()) for site, runner in due]
         try:
             await self._learned.save(rows)
         except _FAILS:
-            for _, each in due:
-                each.changed = True
+            for _, runner in due:
+                runner.changed = True
             raise
         for site, address, detector, _ in rows:
             self._saved_at[site, address, detector] = now
@@ -404,11 +409,11 @@ def _again(
     return before.pop(key) if key in before else None
 
 
-def _seen(each: DetectorRunner, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
+def _seen(runner: DetectorRunner, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
     """Let a detector see a sample; of an extension's it is judged how long it takes."""
-    if not isinstance(each.detector, GuardedDetector):
-        return each.see(time_us, value)
+    if not isinstance(runner.detector, GuardedDetector):
+        return runner.see(time_us, value)
     began = time.perf_counter()
-    turn = each.see(time_us, value)
-    each.detector.took(time.perf_counter() - began)
+    turn = runner.see(time_us, value)
+    runner.detector.took(time.perf_counter() - began)
     return turn

@@ -121,8 +121,8 @@ class CameraDetection:
     def recount(self, counted: Mapping[str, Signal]) -> None:
         """Count for these signals from here on."""
         self._counted = counted
-        self._said = {each: said for each, said in self._said.items() if each in counted}
-        self._eyes.recount({address: each.source for address, each in counted.items()})
+        self._said = {address: said for address, said in self._said.items() if address in counted}
+        self._eyes.recount({address: signal.source for address, signal in counted.items()})
 
     async def run(self) -> None:
         """Look until cancelled; what is in sight then has ended."""

@@ -215,7 +215,7 @@ class DetectionService:
             for name, site in self._of.items()
             for eye, _, _ in site.cameras.values()
         }
-        for model in [each for each in self._turns if each not in needed]:
+        for model in [turn for turn in self._turns if turn not in needed]:
             del self._turns[model]
             if self._worker is not None:
                 self._worker.rest(model)
@@ -276,7 +276,7 @@ class DetectionService:
     ) -> None:
         """Give what is on a picture to the pages that want to know."""
         if self._media.looked_at(live.name, camera):
-            things = [DetectedObject(**each._asdict()) for each in found]
+            things = [DetectedObject(**thing._asdict()) for thing in found]
             said = DetectedBoxes(
                 stream=camera, seq=picture.seq, time_us=picture.time_us, things=things
             )
@@ -300,7 +300,7 @@ class DetectionService:
         """Take counts, by the addresses of their signals: to pages, alarms and the history."""
         site = self._of.get(live.name)
         number = {channel.address: at for at, channel in enumerate(live.channels)}
-        known = {number[each]: value for each, value in counts.items() if each in number}
+        known = {number[address]: value for address, value in counts.items() if address in number}
         if site is None or not known:
             return
         columns = Columns(

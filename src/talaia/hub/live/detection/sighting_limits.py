@@ -87,10 +87,10 @@ def detect_of(site: Site, camera: str) -> Detect | None:
 def merged(older: Mapping[Key, Sighted], newer: Mapping[Key, Sighted]) -> dict[Key, Sighted]:
     """Take the newer word on each; a picture stays until there is another."""
     found = dict(older)
-    for key, each in newer.items():
+    for key, sighting in newer.items():
         before = found.get(key)
-        keeps = before is not None and not each.picture
-        found[key] = each._replace(picture=before.picture) if before and keeps else each
+        keeps = before is not None and not sighting.picture
+        found[key] = sighting._replace(picture=before.picture) if before and keeps else sighting
     return found
 
 
@@ -112,7 +112,7 @@ def _stream(site: Site, camera: str) -> Stream | None:
 def _when(began_us: int, ended_us: int, zone: str) -> str:
     """Say from when to when, in the site's time: ``14:02–14:05``."""
     began, ended = (
-        dt.datetime.fromtimestamp(each / 1e6, ZoneInfo(zone)) for each in (began_us, ended_us)
+        dt.datetime.fromtimestamp(time_us / 1e6, ZoneInfo(zone)) for time_us in (began_us, ended_us)
     )
     if began.date() != ended.date():
         return f"{began:%Y-%m-%d %H:%M}–{ended:%Y-%m-%d %H:%M}"

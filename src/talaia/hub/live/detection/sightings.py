@@ -167,7 +167,7 @@ class SightingJournal:
     def described(self, live: LiveSite) -> None:
         """End what nobody watches any more."""
         site = live.description
-        self._end(live.name, lambda each: detect_of(site, each.camera) is None, self._now_us())
+        self._end(live.name, lambda known: detect_of(site, known.camera) is None, self._now_us())
 
     def greet(self, browser: Browser) -> None:
         """Tell a page that has just come what is in sight."""
@@ -340,7 +340,7 @@ class SightingJournal:
 
 def _of_others(boot: str) -> Callable[[Sighted], bool]:
     """Tell what another run of the gateway saw, and not the hub itself."""
-    return lambda each: each.boot != boot and not each.boot.startswith(OWN)
+    return lambda known: known.boot != boot and not known.boot.startswith(OWN)
 
 
 def _news(number: int, sighted: Sighted) -> page.SightingUpdate:

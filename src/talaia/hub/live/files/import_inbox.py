@@ -81,14 +81,14 @@ class ImportInbox:
         stored = there = 0
         before: dict[str, int] = {}
         while group := await asyncio.to_thread(lambda: list(islice(stretches, _AT_ONCE))):
-            for each in group:
-                if each.address not in before:
-                    boot = boot_of(head.digest, each.address)
-                    before[each.address] = await self._history.stored_below(head.site, boot)
-            await asyncio.gather(*(self._append(head, each) for each in group))
-            for each in group:
-                count = len(each.columns)
-                known = min(count, max(0, before[each.address] - each.first))
+            for batch in group:
+                if batch.address not in before:
+                    boot = boot_of(head.digest, batch.address)
+                    before[batch.address] = await self._history.stored_below(head.site, boot)
+            await asyncio.gather(*(self._append(head, batch) for batch in group))
+            for batch in group:
+                count = len(batch.columns)
+                known = min(count, max(0, before[batch.address] - batch.first))
                 there, stored = there + known, stored + count - known
             await asyncio.sleep(_REST_S)
         taken = ImportResult(stored, there)

@@ -173,7 +173,7 @@ class Recordings:
             StoreDown: the database does not answer.
 
         """
-        rows = {(each.site, each.id): each for each in await self._rows.all()}
+        rows = {(row.site, row.id): row for row in await self._rows.all()}
         found = await asyncio.to_thread(self._scan)
         for key, recorded in found.items():
             before = rows.get(key)
@@ -270,9 +270,9 @@ class Recordings:
         if not self._most_bytes:
             return True
         key = (coming.site, coming.id)
-        rows = [each for each in await self._rows.all() if (each.site, each.id) != key]
-        rows = [each for each in rows if each.state is not RecordingState.FAILED]
-        total = coming.size + sum(each.size for each in rows)
+        rows = [row for row in await self._rows.all() if (row.site, row.id) != key]
+        rows = [row for row in rows if row.state is not RecordingState.FAILED]
+        total = coming.size + sum(row.size for row in rows)
         for oldest in reversed(rows):
             if total <= self._most_bytes:
                 break

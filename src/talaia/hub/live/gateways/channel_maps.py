@@ -46,7 +46,7 @@ class ChannelMaps:
         earlier = {old: renamed.get(new, new) for old, new in self._renamed.items()}
         moved = {**earlier, **renamed}
         self._renamed = {old: new for old, new in moved.items() if old not in now}
-        lists = {name: self._called_now(each) for name, each in self._lists.items()}
+        lists = {name: self._called_now(channels) for name, channels in self._lists.items()}
         lists.pop(catalogue, None)
         while len(lists) >= _MOST:
             lists.pop(next(iter(lists)))
@@ -110,11 +110,11 @@ class ChannelMaps:
         order = self._order.get(addresses)
         if order is None:
             place = {address: at for at, address in enumerate(self._shown)}
-            order = np.array([place.get(each, -1) for each in addresses], np.int64)
+            order = np.array([place.get(address, -1) for address in addresses], np.int64)
             self._order[addresses] = order
         return order
 
     def _called_now(self, addresses: tuple[str, ...]) -> tuple[str, ...]:
         if not self._renamed:
             return addresses
-        return tuple(self._renamed.get(each, each) for each in addresses)
+        return tuple(self._renamed.get(address, address) for address in addresses)

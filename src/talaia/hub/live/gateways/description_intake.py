@@ -152,9 +152,13 @@ class DescriptionIntake:
         number: int,
     ) -> None:
         """Let pages follow: at one blow they are shown the new channels and devices."""
-        for name in [each for each in live.enclosures if each not in description.enclosures]:
+        for name in [
+            enclosure for enclosure in live.enclosures if enclosure not in description.enclosures
+        ]:
             del live.enclosures[name]
-        for name in [each for each in live.interlocks if each not in description.interlocks]:
+        for name in [
+            interlock for interlock in live.interlocks if interlock not in description.interlocks
+        ]:
             # Pages that show it as locked are told while it is known by name.
             self._reporting.publish_message(
                 live, frames.InterlockState(interlock=name, locked=False)
@@ -165,7 +169,7 @@ class DescriptionIntake:
         live.source = source
         live.problem = None
         for known in (live.leases, live.stops, live.drives, live.unreached):
-            for device in [each for each in known if each not in description.devices]:
+            for device in [device for device in known if device not in description.devices]:
                 del known[device]
         self.notify_followers(live)
         self._media.watch(live.name)
@@ -227,7 +231,7 @@ class Redescription:
         said, description = await asyncio.to_thread(_read, told.description)
         if description.site != live.name:
             raise PeerError(f"the description is of {description.site!r}, not {live.name!r}")
-        if [each.address for each in description.channels()] != list(told.addresses):
+        if [channel.address for channel in description.channels()] != list(told.addresses):
             raise PeerError("the description has other channels than its list")
         number = await self._stored(description, told, said, source, note)
         self._describing.show(live, description, told, said, source, number)

@@ -158,7 +158,7 @@ class Ingest:
             pieces = self._pieces()
             batches = [batch for piece in pieces for batch in piece]
             taken = [*batches]
-            spans = [(each.boot, each.first, each.end) for each in batches]
+            spans = [(batch.boot, batch.first, batch.end) for batch in batches]
             # Side by side: pieces that do not follow each other share a commit all the same.
             stored = await asyncio.gather(
                 *(self._append(piece) for piece in pieces), return_exceptions=True
@@ -181,7 +181,7 @@ class Ingest:
 
     async def _append(self, piece: list[Batch]) -> None:
         first = piece[0]
-        columns = join([each.columns for each in piece])
+        columns = join([batch.columns for batch in piece])
         await self._history.append(self._site, first.boot, first.first, first.addresses, columns)
 
     def _pieces(self) -> list[list[Batch]]:

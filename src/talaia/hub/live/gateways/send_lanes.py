@@ -49,16 +49,16 @@ class PrioritySendQueue:
         lane = self._lanes[_lane_of(message)]
         if isinstance(message, DriveFrame):
             older = [
-                each
-                for each in lane
-                if isinstance(each, DriveFrame)
-                and (each.device, each.session) == (message.device, message.session)
-                and (_lets_go(message) or not _lets_go(each))
+                waiting
+                for waiting in lane
+                if isinstance(waiting, DriveFrame)
+                and (waiting.device, waiting.session) == (message.device, message.session)
+                and (_lets_go(message) or not _lets_go(waiting))
             ]
-            for each in older:
-                lane.remove(each)
+            for frame in older:
+                lane.remove(frame)
         elif isinstance(message, Ack):
-            for ack in [each for each in lane if isinstance(each, Ack)]:
+            for ack in [waiting for waiting in lane if isinstance(waiting, Ack)]:
                 if ack.boot == message.boot:
                     lane.remove(ack)
         lane.append(message)

@@ -87,7 +87,7 @@ class Fanout:
 
     def leave(self, browser: Browser) -> None:
         """End every subscription of a browser."""
-        for member in [each for each in self._of if each[0] is browser]:
+        for member in [key for key in self._of if key[0] is browser]:
             self.unsubscribe(*member)
 
     def held(self, browser: Browser) -> tuple[int, int]:

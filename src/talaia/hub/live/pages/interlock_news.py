@@ -37,8 +37,8 @@ def interlock_news(
     # Reasons name values and people: only for those who may view the whole site.
     views = grants.may(Right.VIEW, live.name)
     admin = grants.may(Right.ADMIN, live.name)
-    seen = [each for each in rule.refuse if _sees(live, grants, each)]
-    slowed = [each for each in rule.slow if _sees(live, grants, each)]
+    seen = [command for command in rule.refuse if _sees(live, grants, command)]
+    slowed = [command for command in rule.slow if _sees(live, grants, command)]
     passed_ms = (mono_ns - heard_ns) // MS
     since_us = (wall_ns // MS - state.for_ms - passed_ms) * 1000
     return InterlockUpdate(
@@ -50,11 +50,11 @@ def interlock_news(
         why=state.why if views else "",
         since_us=since_us if state.locked else 0,
         clears_ms=max(0, state.clears_ms - passed_ms),
-        refuses=[_named(live.description, each) for each in seen],
+        refuses=[_named(live.description, address) for address in seen],
         targets=seen,
         slows=[
-            f"{_named(live.description, each)} to {rule.slow[each] * 100:.0f}\u202f%"
-            for each in slowed
+            f"{_named(live.description, command)} to {rule.slow[command] * 100:.0f}\u202f%"
+            for command in slowed
         ],
         slowed=slowed,
         overridable=longest_override(rule) > 0 and not state.no_override,

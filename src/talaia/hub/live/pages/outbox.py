@@ -187,7 +187,7 @@ class Outbox:
         # One sample of each channel is still too much: long texts of many channels.
         while self._values_weight > self._values_budget and len(self._values) > 1:
             sub, pending = next(iter(self._values.items()))
-            self.owe(sub, {int(each) for piece in pending.pieces for each in piece.channel})
+            self.owe(sub, {int(channel) for piece in pending.pieces for channel in piece.channel})
             self._values_weight -= pending.weight
             del self._values[sub]
 

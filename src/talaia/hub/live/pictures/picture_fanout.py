@@ -73,7 +73,7 @@ class PictureFanout:
         live = self._sites.get(site)
         if live is not None and live.link is not None:
             forms = {
-                stream: [each.value for each in sorted(wanted)]
+                stream: [form.value for form in sorted(wanted)]
                 for (where, stream), wanted in sorted(self._forms.items())
                 if where == site
             }
@@ -126,7 +126,9 @@ class PictureFanout:
         eye = self._eyes.get(key)
         if eye is not None and (not picture.forms or eye[0] in picture.forms):
             eye[1](picture)
-        wanting = [each for each in self._viewers.get(key, ()) if each.flow.wants(picture.forms)]
+        wanting = [
+            viewer for viewer in self._viewers.get(key, ()) if viewer.flow.wants(picture.forms)
+        ]
         if not wanting:
             return
         shot = self._shot(picture, offset)
@@ -180,13 +182,13 @@ class PictureFanout:
 
     def _request_stream(self, key: tuple[str, str]) -> None:
         viewers = self._viewers.get(key, ())
-        wanted = frozenset(each.flow.form for each in viewers)
+        wanted = frozenset(viewer.flow.form for viewer in viewers)
         if not wanted and key in self._viewers:
             # The last one has just gone, and may be back in a moment.
             return
         if key in self._eyes:
             wanted |= {self._eyes[key][0]}
-        boxed = any(each.wants_boxes for each in viewers)
+        boxed = any(viewer.wants_boxes for viewer in viewers)
         if self._forms.get(key, frozenset()) == wanted and (key in self._boxed) == boxed:
             return
         self._forms[key] = wanted

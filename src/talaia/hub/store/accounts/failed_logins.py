@@ -66,22 +66,23 @@ class FailedLogins:
             return
         counted = [
             {
-                "kind": each.kind.value,
-                "key_hash": each.key,
-                "wrong": each.wrong,
-                "last_us": each.last_ns // 1000,
+                "kind": change.kind.value,
+                "key_hash": change.key,
+                "wrong": change.wrong,
+                "last_us": change.last_ns // 1000,
             }
-            for each in changes
-            if each.wrong
+            for change in changes
+            if change.wrong
         ]
         async with self._database.write() as connection:
             await connection.execute(
                 delete(wrong_tries).where(wrong_tries.c.last_us <= self._oldest_us())
             )
-            for each in changes:
+            for change in changes:
                 await connection.execute(
                     delete(wrong_tries).where(
-                        wrong_tries.c.kind == each.kind.value, wrong_tries.c.key_hash == each.key
+                        wrong_tries.c.kind == change.kind.value,
+                        wrong_tries.c.key_hash == change.key,
                     )
                 )
             if counted:

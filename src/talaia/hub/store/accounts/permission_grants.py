@@ -49,7 +49,7 @@ async def grants_of(
     held: dict[int, set[Permission]] = {holder: set() for holder in holders}
     for row in rows:
         held[row.holder].add(Permission(Right(row.right_name), row.site, row.device))
-    return {holder: Grants(frozenset(each)) for holder, each in held.items()}
+    return {holder: Grants(frozenset(permissions)) for holder, permissions in held.items()}
 
 
 async def grant_permissions(

@@ -63,9 +63,9 @@ class Roles:
             UnknownRole: there is none of that number.
 
         """
-        for each in await self.all():
-            if each.id == role:
-                return each
+        for found in await self.all():
+            if found.id == role:
+                return found
         raise UnknownRole("there is no such role")
 
     async def add(self, name: str, given: Iterable[Permission]) -> int:

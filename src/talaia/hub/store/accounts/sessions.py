@@ -101,7 +101,7 @@ class Sessions:
     async def touch(self, used: Collection[LiveSession]) -> int:
         """Write down that sessions are used; give when they end if nobody does any more (µs)."""
         now = self._now_us()
-        old = [each.who for each in used if each.used_us < now - _TOUCH_US]
+        old = [session.who for session in used if session.used_us < now - _TOUCH_US]
         if old:
             async with self._database.write() as connection:
                 await connection.execute(

@@ -98,7 +98,7 @@ class GatewayPresence:
                     (gateways, gateways.c.id, of_gateways),
                     (sites, sites.c.site, of_sites),
                 ):
-                    for columns in {tuple(sorted(each)) for each in said.values()}:
+                    for columns in {tuple(sorted(pair)) for pair in said.values()}:
                         rows = [
                             {"_key": name, **{f"_{column}": values[column] for column in columns}}
                             for name, values in said.items()

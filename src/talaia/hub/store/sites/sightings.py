@@ -137,20 +137,20 @@ class SightingStore:
         written: list[Put] = []
         entries: list[AuditEntry] = []
         async with self._database.write() as connection:
-            for each in told:
-                before = await _before(connection, each)
-                if before is not None and not each.picture and _same(before.sighted, each):
+            for sighting in told:
+                before = await _before(connection, sighting)
+                if before is not None and not sighting.picture and _same(before.sighted, sighting):
                     continue
                 noted_us = before.noted_us if before else 0
-                entry = note(each) if each.ended_us and not noted_us else None
+                entry = note(sighting) if sighting.ended_us and not noted_us else None
                 if entry is not None:
                     # By this a line of the logbook is led to its sighting.
                     late = entries and entry.time_us <= entries[-1].time_us
                     entry = entry._replace(time_us=entries[-1].time_us + 1) if late else entry
                     entries.append(entry)
                     noted_us = entry.time_us
-                again = bool(before and before.sighted.ended_us and each.ended_us)
-                kept = await _write(connection, each, before, noted_us)
+                again = bool(before and before.sighted.ended_us and sighting.ended_us)
+                kept = await _write(connection, sighting, before, noted_us)
                 written.append(Put(kept, again, entry))
             if entries:
                 await append(connection, entries)
@@ -277,13 +277,13 @@ def _same(before: Sighted, now: Sighted) -> bool:
     return before._replace(told_us=0) == now._replace(told_us=0)
 
 
-async def _before(connection: AsyncConnection, each: Sighted) -> Kept | None:
+async def _before(connection: AsyncConnection, sighting: Sighted) -> Kept | None:
     found = await connection.execute(
         select(*_COLUMNS).where(
-            _table.c.site == each.site,
-            _table.c.camera == each.camera,
-            _table.c.label == each.label,
-            _table.c.began_us == each.began_us,
+            _table.c.site == sighting.site,
+            _table.c.camera == sighting.camera,
+            _table.c.label == sighting.label,
+            _table.c.began_us == sighting.began_us,
         )
     )
     row = found.first()
@@ -291,15 +291,15 @@ async def _before(connection: AsyncConnection, each: Sighted) -> Kept | None:
 
 
 async def _write(
-    connection: AsyncConnection, each: Sighted, before: Kept | None, noted_us: int
+    connection: AsyncConnection, sighting: Sighted, before: Kept | None, noted_us: int
 ) -> Kept:
-    row = {**each._asdict(), "noted_us": noted_us}
+    row = {**sighting._asdict(), "noted_us": noted_us}
     if not row.pop("picture"):
         pictured = before.pictured if before else False
     else:
-        row["picture"], pictured = each.picture, True
+        row["picture"], pictured = sighting.picture, True
     row["pictured"] = pictured
-    bare = each._replace(picture=b"")
+    bare = sighting._replace(picture=b"")
     if before is not None:
         await connection.execute(update(_table).where(_table.c.id == before.id).values(**row))
         return Kept(before.id, bare, noted_us, pictured)
