@@ -17,7 +17,7 @@ from gateway_bench import addresses_of, running
 from patience import PATIENCE_S
 
 from talaia.gateway import persistence
-from talaia.gateway.commands.command_service import CommandJournal
+from talaia.gateway.commands.command_journal import CommandJournal
 from talaia.gateway.driving import persistent_state
 from talaia.gateway.driving.stop_latch import LatchedStop
 from talaia.gateway.errors import SpoolError

@@ -9,8 +9,11 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from talaia.gateway.commands.command_sequences import SequenceRunner
-from talaia.gateway.commands.command_service import CommandJournal, CommandService
+from talaia.gateway.commands.command_guard import InterlockGuard
+from talaia.gateway.commands.command_journal import CommandJournal
+from talaia.gateway.commands.command_sequences import SequenceRunner, SequenceSignal
+from talaia.gateway.commands.command_service import CommandService
+from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.commands.request_tasks import RequestTasks
 from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.driving.control_timer import ControlTimer
@@ -71,11 +74,13 @@ class Actuation:
             SpoolError: the data folder cannot be used.
 
         """
+        # Interlocks are made first and the runner of sequences last.
+        sequence_due = SequenceSignal()
         self.interlocks = interlocks = Interlocks(
             site=site,
             readings=readings,
             output=output,
-            run=lambda label, steps: self.sequences.begin(label, steps),
+            run=sequence_due.emit,
             now_ns=clock.monotonic_ns(),
             wall_ns=clock.wall_ns,
         )
@@ -90,34 +95,26 @@ class Actuation:
             interlocks=interlocks,
         )
         self.timer = ControlTimer(asyncio.get_running_loop(), clock, self.driving)
+        guard = InterlockGuard(interlocks, clock)
         self.commands = CommandService(
             site=site,
             clock=clock,
             target=target,
-            journal=CommandJournal(data / "commands.jsonl"),
-            on_disk=on_disk,
+            guard=guard,
+            writer=JournalWriter(
+                CommandJournal(data / "commands.jsonl"), on_disk, DiskTrouble(output)
+            ),
             send=output.send,
-            refusal=lambda device, command, args: interlocks.refusal(
-                device, command, clock.monotonic_ns(), args
-            ),
-            begun=interlocks.enclosures.apply_command,
-            hold=lambda device, command: interlocks.enclosures.hold_for(
-                device, command, clock.monotonic_ns()
-            ),
-            ended=lambda device: interlocks.enclosures.mark_ended(device, clock.monotonic_ns()),
-            trouble=DiskTrouble(output),
-            power_cut=lambda device, command, args: interlocks.refuse_power_cut(
-                device, command, clock.monotonic_ns(), args
-            ),
         )
         # Finished before the timers of commands are stopped.
         self.requests = RequestTasks(self.timer.touch)
-        self.sequences: SequenceRunner = SequenceRunner(
-            self.commands,
-            output,
-            boot,
-            lambda command: interlocks.enclosures.is_reached(command, clock.monotonic_ns()),
+        self.sequences = SequenceRunner(
+            commands=self.commands,
+            output=output,
+            boot=boot,
+            is_reached=guard.is_reached,
         )
+        sequence_due.connect(self.sequences.begin)
 
     @property
     def busy(self) -> bool:

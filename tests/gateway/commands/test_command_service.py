@@ -12,8 +12,11 @@ from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.commands.command_book import FINAL, CommandBook
+from talaia.gateway.commands.command_guard import CommandGuard
+from talaia.gateway.commands.command_journal import CommandJournal
 from talaia.gateway.commands.command_sequences import SequenceRunner
-from talaia.gateway.commands.command_service import CommandJournal, CommandService
+from talaia.gateway.commands.command_service import CommandService
+from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.safety.enclosure_guard import Hold
@@ -142,7 +145,7 @@ class Dome:
             done(self.answer)
 
 
-class Bench:
+class Bench(CommandGuard):
     """Commanding with its robot, clock and what it said."""
 
     def __init__(self, folder: Path, output: Any = None) -> None:  # noqa: D107
@@ -156,14 +159,19 @@ class Bench:
             site=SITE,
             clock=self.clock,
             target=self.dome,
-            journal=CommandJournal(folder / "c.jsonl"),
-            on_disk=self.on_disk,
+            guard=self,
+            writer=JournalWriter(
+                CommandJournal(folder / "c.jsonl"), self.on_disk, DiskTrouble(output)
+            ),
             send=self.say,
-            refusal=lambda _device, _command, _args: self.barred,
-            hold=lambda _device, _command: self.held,
-            trouble=DiskTrouble(output),
         )
         self.changed = asyncio.Event()
+
+    def refusal_reason(self, device: str, command: str, args: dict) -> str:
+        return self.barred
+
+    def hold_for(self, device: str, command: str) -> Hold | None:
+        return self.held
 
     def say(self, each: CommandState) -> None:
         self.said.append(each)
@@ -289,7 +297,7 @@ async def test_the_gateways_own_closing_and_a_persons_do_not_wait_for_a_disk_tha
         await works.wait()
         work()
 
-    bench.commanding._on_disk = hangs
+    bench.commanding._writer._on_disk = hangs
     bench.commanding.redescribe(UNDER_A_ROOF)
     own = CommandRequest(id="own", device="dome", command="open", ttl_ms=5000, who="interlock")
     await bench.commanding.ask(own, guarded=False)
@@ -356,7 +364,7 @@ async def run_sequence(bench: Bench, steps: tuple[Step, ...]) -> list[str]:
             if kind == "sequence_done" or "not done" in message:
                 done.set()
 
-    sequences = SequenceRunner(bench.commanding, Mouth(), "boot")
+    sequences = SequenceRunner(commands=bench.commanding, output=Mouth(), boot="boot")
     sequences.begin("interlock rain", steps)
     sequences.begin("interlock rain", steps)
     async with asyncio.timeout(PATIENCE_S):
@@ -419,7 +427,9 @@ async def test_a_command_whose_end_is_reached_all_the_same_has_not_failed(
         looks += 1
         return kind == "sequence_done" and looks > 3
 
-    sequences = SequenceRunner(bench.commanding, Mouth(), "boot", reached)
+    sequences = SequenceRunner(
+        commands=bench.commanding, output=Mouth(), boot="boot", is_reached=reached
+    )
     sequences.begin("enclosure dome park 1", (Step(command="dome/open"),))
     async with asyncio.timeout(PATIENCE_S):
         await asyncio.gather(*sequences._running.values())

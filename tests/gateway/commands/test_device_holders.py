@@ -11,9 +11,11 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.clock import SECOND, HandClock
+from talaia.gateway.commands.command_guard import CommandGuard
 from talaia.gateway.commands.command_journal import CommandJournal
 from talaia.gateway.commands.command_service import CommandService
 from talaia.gateway.commands.device_holders import DeviceHolder, DeviceHolders
+from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.safety.enclosure_guard import Hold
 from talaia.model.yaml_text.load import read_site
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 EXAMPLE = read_site(Path(__file__).parents[3] / "examples" / "observatory" / "site.yaml")
 
 
-class Robot:
+class Robot(CommandGuard):
     """Commands that go on until the test ends them."""
 
     def __init__(self, folder: Path) -> None:  # noqa: D107
@@ -38,11 +40,13 @@ class Robot:
             site=EXAMPLE,
             clock=self.clock,
             target=self,
-            journal=CommandJournal(folder / "c.jsonl"),
-            on_disk=self.on_disk,
+            guard=self,
+            writer=JournalWriter(CommandJournal(folder / "c.jsonl"), self.on_disk),
             send=self.said.append,
-            hold=lambda _device, command: self.waits if command == "open" else None,
         )
+
+    def hold_for(self, device: str, command: str) -> Hold | None:
+        return self.waits if command == "open" else None
 
     def act(
         self, device: str, command: str, fields: dict, done: Callable[[CommandOutcome], None]

@@ -10,8 +10,10 @@ import pytest
 from msgspec.structs import replace
 
 from talaia.clock import HandClock
+from talaia.gateway.commands.command_guard import InterlockGuard
 from talaia.gateway.commands.command_journal import CommandJournal
 from talaia.gateway.commands.command_service import CommandService
+from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.checks.site_checks import check
@@ -57,12 +59,9 @@ class Robot:
             site=site,
             clock=self.clock,
             target=self,
-            journal=CommandJournal(folder / "c.jsonl"),
-            on_disk=self.on_disk,
+            guard=InterlockGuard(self.interlocks, self.clock),
+            writer=JournalWriter(CommandJournal(folder / "c.jsonl"), self.on_disk),
             send=self.said.append,
-            power_cut=lambda device, command, args: self.interlocks.refuse_power_cut(
-                device, command, self.clock.monotonic_ns(), args
-            ),
         )
 
     def latest(self, address: str) -> ChannelReading | None:

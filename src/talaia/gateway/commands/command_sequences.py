@@ -12,9 +12,10 @@ if TYPE_CHECKING:
 
     from talaia.gateway.commands.command_service import CommandService
     from talaia.gateway.ports import ControlOutput
+    from talaia.gateway.safety.interlock_monitor import SequenceStarter
     from talaia.model.interlocks.interlock import Step
 
-__all__ = ["SequenceRunner"]
+__all__ = ["SequenceRunner", "SequenceSignal"]
 
 LOOK_S = 0.1
 # A sensor may say so a moment later than the answer to the command.
@@ -22,26 +23,52 @@ SETTLE_S = 1.0
 LONGEST_S = 120.0
 
 
+class SequenceSignal:
+    """Carries what interlocks want begun to the runner, which is made after them."""
+
+    def __init__(self) -> None:
+        """Have no receiver yet."""
+        self._receivers: list[SequenceStarter] = []
+
+    def connect(self, receiver: SequenceStarter) -> None:
+        """Call this in each `emit` from here on."""
+        self._receivers.append(receiver)
+
+    def emit(self, label: str, steps: tuple[Step, ...]) -> None:
+        """Begin a sequence now."""
+        for receiver in self._receivers:
+            receiver(label, steps)
+
+
 class SequenceRunner:
     """Runs sequences; each step once, and never again by itself."""
 
     def __init__(
         self,
+        *,
         commands: CommandService,
         output: ControlOutput,
         boot: str,
-        reached: Callable[[str], bool | None] = lambda _command: None,
+        is_reached: Callable[[str], bool | None] = lambda _command: None,
     ) -> None:
-        """Act through ``commands``; ``boot`` keeps the ids of this run apart from others'.
+        """Run nothing yet.
 
-        ``reached`` says of a ``<device>/<command>`` whether sensors show that what it is for is
-        so, none where there are none: a telescope that was parked by another command is parked.
+        Args:
+            commands: carries out each step.
+            output: writes down how a sequence ended.
+            boot: keeps the ids of this run apart from others'.
+            is_reached: says of a ``<device>/<command>`` whether sensors show that what it is for
+                is so, none where there are none: a telescope that was parked by another command
+                is parked.
+
         """
-        self._reached = reached
         self._commands = commands
         self._output = output
         self._boot = boot
+        self._is_reached = is_reached
+        # Of this run; part of each command's id, so that none comes twice.
         self._count = 0
+        # By label: one that still runs is not begun a second time.
         self._running: dict[str, asyncio.Task[None]] = {}
 
     @property
@@ -55,7 +82,7 @@ class SequenceRunner:
         return tuple(self._running)
 
     def begin(self, label: str, steps: tuple[Step, ...]) -> None:
-        """See `Runner`."""
+        """See `SequenceStarter`."""
         if not steps or label in self._running:
             return
         task = asyncio.ensure_future(self._run(label, steps))
@@ -93,7 +120,7 @@ class SequenceRunner:
         A command may have been refused because it is so already, or have been overtaken by
         another of its kind, which is waited for then.
         """
-        if (so := self._reached(step.command)) is not False:
+        if (so := self._is_reached(step.command)) is not False:
             return so is True
         if phase is CommandPhase.RUNNING:
             # Its time is over, and it is not so.
@@ -102,7 +129,7 @@ class SequenceRunner:
         while (waited_s := asyncio.get_running_loop().time() - began_s) < (
             step.within or LONGEST_S
         ):
-            if self._reached(step.command):
+            if self._is_reached(step.command):
                 return True
             if waited_s > SETTLE_S and not self._commands.runs(step.command):
                 return False

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from talaia.clock import SECOND
+
 __all__ = ["DeviceHolder", "DeviceHolders"]
 
 
@@ -37,13 +39,20 @@ class DeviceHolder(NamedTuple):
         who = "the gateway itself" if self.safety else self.who
         return f"{who} is acting on {self.doing}"
 
+    def acting_s(self, now_ns: int) -> float:
+        """For how long they have been acting (s)."""
+        return (now_ns - self.since_ns) / SECOND
+
 
 class DeviceHolders:
     """All who act now."""
 
     def __init__(self) -> None:
         """Begin with nobody."""
+        # By the id of what is under way.
         self._holders: dict[str, DeviceHolder] = {}
+        # Those that somebody was let act over, until the new one holds the device.
+        self._interruptible: set[str] = set()
 
     def hold(self, holder: DeviceHolder) -> None:
         """Take in that somebody acts from now on."""
@@ -52,6 +61,22 @@ class DeviceHolders:
     def release(self, holder_id: str) -> None:
         """Take in that it has ended."""
         self._holders.pop(holder_id, None)
+        self._interruptible.discard(holder_id)
+
+    def let_interrupt(self, holder_id: str) -> None:
+        """Let the next command take the device out of these hands.
+
+        From here on it is in the new one's hands; how the old one ends the robot says.
+        """
+        self._interruptible.add(holder_id)
+
+    def interrupt(self, holder_id: str) -> DeviceHolder | None:
+        """Take the device out of the hands of one who may be interrupted; give who it was."""
+        if holder_id not in self._interruptible:
+            return None
+        holder = self._holders.get(holder_id)
+        self.release(holder_id)
+        return holder
 
     def all(self) -> list[DeviceHolder]:
         """Give all who act, in the order in which they began."""
