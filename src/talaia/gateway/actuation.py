@@ -20,9 +20,10 @@ from talaia.gateway.driving.control_timer import ControlTimer
 from talaia.gateway.driving.drive_service import DriveService
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
 from talaia.gateway.safety.interlocks import Interlocks
+from talaia.model.renames import touched
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Collection
+    from collections.abc import Awaitable, Callable
     from pathlib import Path
 
     from talaia.clock import Clock
@@ -74,6 +75,7 @@ class Actuation:
             SpoolError: the data folder cannot be used.
 
         """
+        self._site, self._clock = site, clock
         # Interlocks are made first and the runner of sequences last.
         sequence_due = SequenceSignal()
         self.interlocks = interlocks = Interlocks(
@@ -128,8 +130,9 @@ class Actuation:
             await self.commands.write_waiting()
             await self.driving.write_waiting()
 
-    def redescribe(self, site: Site, devices: Collection[str], now_ns: int) -> None:
-        """Decide by another description, which changes ``devices``."""
-        self.interlocks.redescribe(site, now_ns)
+    def redescribe(self, site: Site) -> None:
+        """Decide by another description."""
+        devices, self._site = touched(self._site, site), site
+        self.interlocks.redescribe(site, self._clock.monotonic_ns())
         self.driving.redescribe(site, devices)
         self.commands.redescribe(site)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.assembly.samples import SamplesPart
     from talaia.gateway.assembly.video import VideoPart
+    from talaia.model.site import Site
 
 __all__ = ["DetectionPart"]
 
@@ -60,7 +61,12 @@ class DetectionPart(GatewayPart):
             ),
             clock=base.clock,
         )
+        self._numbering = description.numbering
         self.readings = ReadingsWithDetections(adapters.adapter, self.detection)
+
+    def redescribe(self, site: Site) -> None:
+        """Look at the cameras of another description."""
+        self.detection.redescribe(site, self._numbering.numbers(site))
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Look at cameras, and tell the hub."""

@@ -6,9 +6,9 @@ import hashlib
 from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.part import GatewayPart
-from talaia.gateway.reload.apply import DescriptionReload, ReloadTargets
+from talaia.gateway.reload.apply import DescriptionReload
+from talaia.gateway.reload.connection_exchange import ConnectionExchange
 from talaia.gateway.reload.requests import ChangeRequests
-from talaia.model.yaml_text.load import dump_site
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
@@ -51,32 +51,33 @@ class ReloadPart(GatewayPart):
     ) -> None:
         """Follow nothing yet."""
         settings = base.settings
-        followers: list[Callable[[Site], None]] = [
-            lambda after: detection.detection.redescribe(
-                after, description.numbering.numbers(after)
-            ),
-            supervision.heartbeats.redescribe,
-            lambda after: supervision.watchdog.describe(after, dump_site(after)),
+        # In this order: what records before what is read, what acts after what it acts through.
+        followers: list[Callable[[Site], None]] = []
+        if recording.recorders is not None:
+            followers.append(recording.recorders.redescribe)
+        connections = ConnectionExchange(
+            site=description.site,
+            numbering=description.numbering,
+            reachability=adapters.reachability,
+            adapter=adapters.adapter,
+            adapters=adapters.by_connection,
+            make=adapters.make_adapter,
+        )
+        followers += [
+            connections.exchange,
+            actuation.actuation.redescribe,
+            detection.redescribe,
+            supervision.redescribe,
         ]
         if legacy.server is not None:
             followers.append(legacy.server.redescribe)
         self.reload = DescriptionReload(
             current=description.current,
-            parts=ReloadTargets(
-                boot=base.boot,
-                clock=base.clock,
-                numbering=description.numbering,
-                batcher=samples.batcher,
-                spool=samples.spool,
-                reachability=adapters.reachability,
-                adapter=adapters.adapter,
-                adapters=adapters.by_connection,
-                make=adapters.make_adapter,
-                actuation=actuation.actuation,
-                newest=samples.newest_values,
-                recorders=recording.recorders,
-                followers=tuple(followers),
-            ),
+            numbering=description.numbering,
+            connections=connections,
+            actuation=actuation.actuation,
+            renumber=samples.redescribe,
+            followers=followers,
             say=base.lanes.send,
             begin_again=description.restart.begin,
         )

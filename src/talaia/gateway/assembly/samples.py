@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.description import DescriptionPart
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.ports import SampleSink
+    from talaia.gateway.reload.current_description import PreparedDescription
     from talaia.gateway.spool.segment import SampleRecord
 
 __all__ = ["SamplesPart"]
@@ -44,7 +45,7 @@ class SamplesPart(GatewayPart):
             SpoolError: the data folder cannot be used.
 
         """
-        self._base = base
+        self._base, self._numbering = base, description.numbering
         settings, clock, begun = base.settings, base.clock, description.current.now
         spool = Spool(
             folder=settings.data / "spool",
@@ -71,6 +72,14 @@ class SamplesPart(GatewayPart):
             numbers = description.numbering.numbers(description.site)
             self.newest_values = NewestValues(numbers, self.batcher, clock.monotonic_ns)
         self.sink: SampleSink = self.newest_values or self.batcher
+
+    def redescribe(self, prepared: PreparedDescription) -> None:
+        """Number, keep and send samples by another list of channels from here on."""
+        catalogue, addresses = prepared.catalogue, prepared.addresses
+        self.batcher.redescribe(catalogue, self._numbering.order(prepared.site))
+        self.spool.redescribe(SegmentHead(self._base.boot, catalogue, addresses))
+        if self.newest_values is not None:
+            self.newest_values.redescribe(self._numbering.numbers(prepared.site))
 
     def _keep_batch(self, record: SampleRecord) -> None:
         self._base.lanes.live(record.body, record.first, record.end)

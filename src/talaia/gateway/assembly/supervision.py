@@ -10,6 +10,7 @@ from talaia.clock import SECOND
 from talaia.gateway.assembly.part import GatewayPart
 from talaia.gateway.safety.supervision import Heartbeats, Supervision
 from talaia.gateway.watchdog.feeding import WatchdogClient
+from talaia.model.yaml_text.load import dump_site
 from talaia.wire.frames import Event
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.description import DescriptionPart
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.watchdog.closing import WatchdogRecord
+    from talaia.model.site import Site
     from talaia.service_manager import ServiceManager
 
 __all__ = ["SupervisionPart"]
@@ -70,6 +72,11 @@ class SupervisionPart(GatewayPart):
             watched=(manager.feed_watchdog, self.watchdog.beat),
             heartbeats=self.heartbeats,
         )
+
+    def redescribe(self, site: Site) -> None:
+        """Send heartbeats, and have the watchdog close roofs, by another description."""
+        self.heartbeats.redescribe(site)
+        self.watchdog.describe(site, dump_site(site))
 
     async def take_over(self) -> None:
         """End the watchdog of an earlier run: two must never move a roof."""

@@ -2,6 +2,8 @@
 
 What makes safe does not wait for a disk that takes nothing: the gateway's own closing is done
 first and written afterwards, a person's is tried to be written first and done in any case.
+
+Long, because each step of a command's life leans on what the one before it wrote down.
 """
 
 from __future__ import annotations

@@ -272,6 +272,22 @@ def _of_yuv(luma: Bytes, blue: Bytes, red: Bytes) -> Bytes:
     return out
 
 
+# Encodings of one byte a channel, by the number of channels; see `Pixels.layout`.
+_BYTES = {
+    1: {"mono8": "GRAY", "8UC1": "GRAY"},
+    3: {"rgb8": "RGB", "bgr8": "BGR", "8UC3": "BGR"},
+    4: {"rgba8": "RGBA", "bgra8": "BGRA", "8UC4": "BGRA"},
+}
+# Of two bytes a channel; only the higher one is used.
+_WORDS = {
+    1: {"mono16": "GRAY"},
+    3: {"rgb16": "RGB", "bgr16": "BGR"},
+    4: {"rgba16": "RGBA", "bgra16": "BGRA"},
+}
+# Of two bytes a pixel, where neighbours share their colour; ROS has two names for each.
+_PAIRS = {"yuv422": "UYVY", "uyvy": "UYVY", "yuv422_yuy2": "YUYV", "yuyv": "YUYV"}
+
+
 def _kinds() -> dict[str, _Kind]:
     """List the encodings that are known."""
 
@@ -281,23 +297,16 @@ def _kinds() -> dict[str, _Kind]:
     def times(by: int) -> Callable[[int], int]:
         return lambda width: width * by
 
-    kinds = {
-        name: _Kind(layout, times(depth), same, _plain(depth))
-        for name, layout, depth in (
-            ("rgb8", "RGB", 3), ("bgr8", "BGR", 3), ("rgba8", "RGBA", 4), ("bgra8", "BGRA", 4),
-            ("mono8", "GRAY", 1), ("8UC1", "GRAY", 1), ("8UC3", "BGR", 3), ("8UC4", "BGRA", 4),
-        )
-    }  # fmt: skip
-    for name, layout, depth in (
-        ("rgb16", "RGB", 3), ("bgr16", "BGR", 3), ("rgba16", "RGBA", 4), ("bgra16", "BGRA", 4),
-        ("mono16", "GRAY", 1),
-    ):  # fmt: skip
-        kinds[name] = _Kind(layout, times(2 * depth), same, _high(depth))
+    kinds: dict[str, _Kind] = {}
+    for depth, layouts in _BYTES.items():
+        for name, layout in layouts.items():
+            kinds[name] = _Kind(layout, times(depth), same, _plain(depth))
+    for depth, layouts in _WORDS.items():
+        for name, layout in layouts.items():
+            kinds[name] = _Kind(layout, times(2 * depth), same, _high(depth))
     kinds["16UC1"] = _Kind("GRAY", times(2), same, _millimetres)
     kinds["32FC1"] = _Kind("GRAY", times(4), same, _metres)
-    for name, layout in (
-        ("yuv422", "UYVY"), ("uyvy", "UYVY"), ("yuv422_yuy2", "YUYV"), ("yuyv", "YUYV"),
-    ):  # fmt: skip
+    for name, layout in _PAIRS.items():
         kinds[name] = _Kind(layout, times(2), same, _pairs)
     for name, layout in (("nv12", "NV12"), ("nv21", "NV21"), ("i420", "I420")):
         kinds[name] = _Kind(layout, times(1), lambda height: height * 3 // 2, _planes)
