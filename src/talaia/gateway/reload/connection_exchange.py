@@ -49,7 +49,7 @@ class ConnectionExchange:
         self._adapters = adapters
         self._make = make
         # What each connection serves of the description that counts, by the connection's name.
-        self._scopes = {each.name: each for each in scopes_of(site, numbering)}
+        self._scopes = {scope.name: scope for scope in scopes_of(site, numbering)}
 
     def check_usable(self, after: Site) -> None:
         """See that this machine can speak to connections of a new kind or place.
@@ -68,7 +68,7 @@ class ConnectionExchange:
         of = {name: after.connection_of(name) for name in after.devices}
         self._reachability.redescribe(of)
         adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
-        scopes = {each.name: each for each in scopes_of(after, self._numbering)}
+        scopes = {scope.name: scope for scope in scopes_of(after, self._numbering)}
         for name, scope in scopes.items():
             known = self._scopes.get(name)
             pair = self._adapters.get(name)
