@@ -28,7 +28,7 @@ def main(argv: Sequence[str]) -> int:
         CliError: there is no screen, or Qt's libraries are missing.
 
     """
-    options = _options(argv)
+    options = _parse_options(argv)
     if options.site is not None and not options.site.is_file():
         raise CliError(f"{options.site}: there is no such file")
     try:
@@ -50,7 +50,7 @@ def main(argv: Sequence[str]) -> int:
     return run(Means(talaia, zone_here(), open_page, options.data), options.site)
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia configure",
         description="Make or change a site description in a window, find what a robot offers, "

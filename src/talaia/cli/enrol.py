@@ -45,10 +45,10 @@ def main(argv: Sequence[str]) -> int:
         return 0
     if not options.hub:
         raise CliError("--to needs --hub: where the gateway finds this hub (wss://host:port)")
-    return _keep(settings, options)
+    return _write_key_file(settings, options)
 
 
-def _keep(settings: Settings, options: argparse.Namespace) -> int:
+def _write_key_file(settings: Settings, options: argparse.Namespace) -> int:
     now = dt.datetime.now(dt.UTC)
     address = HubAddress.checked(options.hub)
     if asyncio.run(is_good(settings, options.to, options.site)):

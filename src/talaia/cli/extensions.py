@@ -34,7 +34,7 @@ def main(argv: Sequence[str]) -> int:
             f"{extension.group.removeprefix('talaia.').removesuffix('s')} {extension.name}: "
             f"{extension.declared.summary} ({extension.package})"
         )
-        for title, shape in _shapes(extension.declared):
+        for title, shape in _key_sets(extension.declared):
             for key in keys_shown(shape):
                 must = "required" if key.required else f"default {key.default or 'empty'}"
                 about = f": {key.about}" if key.about else ""
@@ -46,7 +46,7 @@ def main(argv: Sequence[str]) -> int:
     return 1 if found.broken() else 0
 
 
-def _shapes(declared: Declared) -> Iterator[tuple[str, type[ExtensionKeys]]]:
+def _key_sets(declared: Declared) -> Iterator[tuple[str, type[ExtensionKeys]]]:
     match declared:
         case AdapterExtension():
             yield "connection.keys.", declared.connection

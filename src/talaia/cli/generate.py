@@ -26,7 +26,7 @@ _KEPT = "secrets/"
 
 def main(argv: Sequence[str]) -> int:
     """Write the folder; nothing is written when anything is wrong."""
-    options = _options(argv)
+    options = _parse_options(argv)
     site = raise_first(read_site(options.site))
     for where, path in (("--program", options.program), ("--ros-setup", options.ros_setup)):
         if path and not path.startswith("/"):
@@ -44,14 +44,14 @@ def main(argv: Sequence[str]) -> int:
         setup=options.ros_setup,
     )
     files = project(site, options.site.read_text(), choice, lambda: secrets.token_urlsafe(24))
-    _write(options.to, files, force=options.force)
+    _write_files(options.to, files, force=options.force)
     if options.wheel is not None:
         shutil.copy(options.wheel, options.to / "wheels")
     print(f"{options.to}: {len(files)} files; README.md there says how to start", file=sys.stderr)
     return 0
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia generate",
         description="Write a folder that runs a site for good: a compose project (hub, database, "
@@ -89,7 +89,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def _write(folder: Path, files: dict[str, File], *, force: bool) -> None:
+def _write_files(folder: Path, files: dict[str, File], *, force: bool) -> None:
     there = [name for name in files if (folder / name).exists()]
     if there and not force:
         raise CliError(f"{folder} holds {there[0]} already; choose another folder, or --force")

@@ -52,7 +52,7 @@ def main(argv: Sequence[str]) -> int:
     shown = str(options.output) == "-"
     if not shown and options.output.exists() and not options.force:
         raise CliError(f"{options.output} is there already; choose another with -o, or --force")
-    found = _read(options.found) if options.found else probe_robot(options)
+    found = _read_report(options.found) if options.found else probe_robot(options)
     host = socket.gethostname().split(".", 1)[0]
     made = propose(
         found,
@@ -65,7 +65,7 @@ def main(argv: Sequence[str]) -> int:
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
             "lists; nothing was written"
         )
-    text = written(made.site, _head(found, made))
+    text = written(made.site, _file_header(found, made))
     if shown:
         print(text, end="")
     else:
@@ -74,7 +74,7 @@ def main(argv: Sequence[str]) -> int:
     return 1 if check(made.site) else 0
 
 
-def _read(where: str) -> Found:
+def _read_report(where: str) -> Found:
     """Read what a probe wrote.
 
     Raises:
@@ -89,7 +89,7 @@ def _read(where: str) -> Found:
     return found_from(data, where)
 
 
-def _head(found: Found, made: Proposal) -> list[str]:
+def _file_header(found: Found, made: Proposal) -> list[str]:
     lines = [
         f"Made by talaia init from {found.where}. Change what you like: names, units, limits,",
         "what is on the first page (primary). `talaia check` validates it.",

@@ -25,11 +25,11 @@ async def is_good(settings: Settings, path: Path, site: str) -> bool:
         HubError: the database cannot be opened.
 
     """
-    key = _kept(path)
+    key = _key_in_file(path)
     return bool(key) and await accounts.gateway_site(settings, key) == site
 
 
-def _kept(path: Path) -> str:
+def _key_in_file(path: Path) -> str:
     return read_key_file(path).key if path.exists() else ""
 
 

@@ -79,7 +79,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     first = arguments[0] if arguments else "--help"
     if first in ("-h", "--help", "help"):
-        print(_help())
+        print(_help_text())
         return 0
     if first == "--version":
         print(f"talaia {__version__}")
@@ -87,10 +87,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     command = COMMANDS.get(first)
     if command is None:
         # Last, where a terminal or a log still shows it.
-        print(f"{_help()}\n\ntalaia: unknown command {first!r}", file=sys.stderr)
+        print(f"{_help_text()}\n\ntalaia: unknown command {first!r}", file=sys.stderr)
         return 2
     try:
-        return _load(first, command)(arguments[1:])
+        return _load_main(first, command)(arguments[1:])
     except TalaiaError as error:
         print(f"talaia {first}: {error}", file=sys.stderr)
         return 2
@@ -98,7 +98,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _help() -> str:
+def _help_text() -> str:
     rows = "\n".join(f"  {name:<10} {command.summary}" for name, command in COMMANDS.items())
     return (
         f"usage: talaia COMMAND …    (talaia {__version__})\n\n{rows}\n\n"
@@ -106,7 +106,7 @@ def _help() -> str:
     )
 
 
-def _load(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:
+def _load_main(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:
     try:
         module = importlib.import_module(command.module)
     except ModuleNotFoundError as error:

@@ -61,7 +61,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Add what looking needs to know."""
     parser.add_argument(
         "--seconds",
-        type=_seconds,
+        type=_parse_seconds,
         help="how long to listen (default: 5; at an INDI server until nothing new comes, 20 at "
         "most)",
     )
@@ -91,7 +91,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _seconds(text: str) -> float:
+def _parse_seconds(text: str) -> float:
     value = float(text)
     if not 0.5 <= value <= MAX_SECONDS:
         raise argparse.ArgumentTypeError(f"expected 0.5 to {MAX_SECONDS:g} seconds, found {text}")
@@ -127,7 +127,7 @@ def _look_at_ros2(domain: int | None, seconds: float) -> Found:
         from talaia.gateway.adapters.ros2.probe import probe_graph
     except ImportError as error:
         raise PartMissing("talaia probe", error.name or "rclpy", "ros2") from error
-    _listening(seconds)
+    _print_listening(seconds)
     return probe_graph(domain, seconds)
 
 
@@ -156,7 +156,7 @@ def _look_at_ros1(master: str, seconds: float) -> Found:
     where = urlsplit(uri)
     if where.scheme != "http" or not where.hostname:
         raise CliError(f"--ros1: expected http://HOST:11311, found {uri!r}")
-    _listening(seconds)
+    _print_listening(seconds)
     return look_at_ros1(uri, seconds)
 
 
@@ -174,7 +174,7 @@ def _look_at_indi(place: str, seconds: float, connect: bool) -> Found:  # noqa: 
     return look_at_indi(host, port, seconds, connect=connect)
 
 
-def _listening(seconds: float) -> None:
+def _print_listening(seconds: float) -> None:
     print(f"listening for {seconds:g} s …", file=sys.stderr, flush=True)
 
 
@@ -183,8 +183,8 @@ def _as_text(found: Found, *, fields: bool) -> str:
     lines += ["", "published topics"]
     for topic in found.topics:
         if topic.publishers:
-            lines.append(_row(topic))
-            lines += _fields(topic) if fields else []
+            lines.append(_topic_line(topic))
+            lines += _field_lines(topic) if fields else []
     if not any(topic.publishers for topic in found.topics):
         lines.append("  none")
     heard = [topic for topic in found.topics if not topic.publishers]
@@ -223,7 +223,7 @@ def _of_types(found: Found, types: tuple[str, ...]) -> list[str]:
     return [topic.topic for topic in found.topics if topic.publishers and topic.type in types]
 
 
-def _fields(topic: TopicFound) -> list[str]:
+def _field_lines(topic: TopicFound) -> list[str]:
     named = [f"      {name}" for name in topic.names]
     return named or [
         f"      {field.path:<36} {field.type}" + (f" in {field.unit}" if field.unit else "")
@@ -237,7 +237,7 @@ def _devices_told(found: Found, *, fields: bool) -> str:
         state = "connected" if device.connected else "not connected"
         count = f"{len(device.properties)} properties"
         lines.append(f"  {device.device:<28} {device.driver:<36} {state:<14} {count}")
-        lines += [_property(one) for one in device.properties] if fields else []
+        lines += [_property_line(one) for one in device.properties] if fields else []
     if not found.devices:
         lines += ["  none", "", "Does indiserver run any driver?"]
     if any(not device.connected for device in found.devices):
@@ -245,7 +245,7 @@ def _devices_told(found: Found, *, fields: bool) -> str:
     return "\n".join(lines)
 
 
-def _property(found: PropertyFound) -> str:
+def _property_line(found: PropertyFound) -> str:
     shown = ", ".join(
         f"{element.element} {element.value}".strip() for element in found.elements[:4]
     )
@@ -254,7 +254,7 @@ def _property(found: PropertyFound) -> str:
     return f"      {found.property:<28} {kind:<22} {shown}{more}"
 
 
-def _row(topic: TopicFound) -> str:
+def _topic_line(topic: TopicFound) -> str:
     what = topic.problem or (
         f"{len(topic.names)} sensors by name"
         if topic.names

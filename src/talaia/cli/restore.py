@@ -34,14 +34,14 @@ def main(argv: Sequence[str]) -> int:
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
     make_data_folder(settings)
     if not settings.url.startswith("sqlite"):
-        asyncio.run(_migrate(settings))
+        asyncio.run(_migrate_database(settings))
         print(f"restored: {restore_server(options.folder, settings.url)} rows")
     restore_folder(options.folder, options.data)
     print("restored: it takes effect when the hub starts next")
     return 0
 
 
-async def _migrate(settings: Settings) -> None:
+async def _migrate_database(settings: Settings) -> None:
     database = Database(settings.url)
     try:
         await database.migrate()

@@ -43,7 +43,7 @@ class _Up(NamedTuple):
 
 def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; what was stored stays for the next time."""
-    options = _options(argv)
+    options = _parse_options(argv)
     began = time.monotonic()
     site = raise_first(read_site(options.site))
     data = options.data or data_folder(site.site)
@@ -53,11 +53,13 @@ def main(argv: Sequence[str]) -> int:
         raise CliError(
             f"the data folder {data} cannot be made: {error.strerror}; choose another with --data"
         ) from error
-    asyncio.run(run_together(lambda parts: _begin(options, site, data, parts, began=began)))
+    asyncio.run(
+        run_together(lambda parts: _start_and_greet(options, site, data, parts, began=began))
+    )
     return 0
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia up",
         description="Start the hub and the gateway of a site on this machine, and open the "
@@ -87,25 +89,27 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-async def _begin(
+async def _start_and_greet(
     options: argparse.Namespace, site: Site, data: Path, parts: list[Part], *, began: float
 ) -> None:
-    up = await _start(options, site, data, parts)
-    _greet(up, site, data, time.monotonic() - began)
+    up = await _start_parts(options, site, data, parts)
+    _print_greeting(up, site, data, time.monotonic() - began)
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, up.setup or up.address)
 
 
-async def _start(options: argparse.Namespace, site: Site, data: Path, parts: list[Part]) -> _Up:
+async def _start_parts(
+    options: argparse.Namespace, site: Site, data: Path, parts: list[Part]
+) -> _Up:
     plain = is_loopback(options.host)
     port = free_port(options.port, options.host)
     settings = Settings(
         data=data, host=options.host, port=port, plain=plain, database_url=Settings.url_from()
     )
-    key = await _key(settings, site.site, data / "gateway.key")
+    key = await _key_file(settings, site.site, data / "gateway.key")
     hub = ["hub", "--data", str(data), "--host", options.host, "--port", str(port)]
     parts.append(await start("hub", [*hub, *(["--plain"] if plain else [])], data / "hub.log"))
-    address = _found(_ADDRESS, await parts[0].says("ready: ", READY_S))
+    address = _find_line(_ADDRESS, await parts[0].says("ready: ", READY_S))
     inside = "127.0.0.1" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
     shown_host = f"[{inside}]" if ":" in inside else inside
     gateway = [
@@ -124,14 +128,14 @@ async def _start(options: argparse.Namespace, site: Site, data: Path, parts: lis
         gateway.append("--allow-plain")
     else:
         shown = await parts[0].says("certificate: ", READY_S)
-        gateway += ["--fingerprint", _found(_FINGERPRINT, shown)]
+        gateway += ["--fingerprint", _find_line(_FINGERPRINT, shown)]
     parts.append(await start("gateway", gateway, data / "gateway.log"))
     await parts[1].says("linked to", READY_S)
     setup = next((found[0] for line in parts[0].last if (found := _SETUP.search(line))), "")
     return _Up(address, setup)
 
 
-async def _key(settings: Settings, site: str, path: Path) -> Path:
+async def _key_file(settings: Settings, site: str, path: Path) -> Path:
     """See that the gateway has a key, the same one at every start: it stays the same gateway."""
     try:
         good = await is_good(settings, path, site)
@@ -144,14 +148,14 @@ async def _key(settings: Settings, site: str, path: Path) -> Path:
     return path
 
 
-def _found(pattern: re.Pattern[str], line: str) -> str:
+def _find_line(pattern: re.Pattern[str], line: str) -> str:
     match = pattern.search(line)
     if match is None:
         raise CliError(f"unexpected output of the hub: {line}")
     return match[1]
 
 
-def _greet(up: _Up, site: Site, data: Path, took: float) -> None:
+def _print_greeting(up: _Up, site: Site, data: Path, took: float) -> None:
     print(f"\n  {site.name} is up ({took:.1f} s):  {up.address}\n")
     if up.setup:
         print(f"  Nobody has an account yet. Make the first admin's here:\n    {up.setup}\n")

@@ -40,14 +40,14 @@ def main(argv: Sequence[str]) -> int:
     left = 0
     for path in options.file:
         try:
-            left += _upgrade(path, write=options.write)
+            left += _upgrade_file(path, write=options.write)
         except DescriptionError as error:
             print(f"{path}: {error}", file=sys.stderr)
             left += 1
     return 1 if left else 0
 
 
-def _upgrade(path: Path, *, write: bool) -> bool:
+def _upgrade_file(path: Path, *, write: bool) -> bool:
     """Upgrade one file; tell whether something is left to do."""
     before = text_of(path)
     after, changes = upgraded(before)
@@ -66,13 +66,13 @@ def _upgrade(path: Path, *, write: bool) -> bool:
     for finding in findings:
         print(f"{path}: {finding}", file=sys.stderr)
     if write:
-        _replace(path.resolve(), after)
+        _replace_file(path.resolve(), after)
         return bool(findings)
     print(f"{path}: not changed; --write changes it", file=sys.stderr)
     return True
 
 
-def _replace(path: Path, text: str) -> None:
+def _replace_file(path: Path, text: str) -> None:
     """Write the whole file or nothing of it; it stays whose and how readable it was."""
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     try:

@@ -116,14 +116,14 @@ def with_services(site: Site, services: AiServices) -> Site:
 
 def free_number(site: Site, kind: SensorKind, name: str = "") -> int:
     """Give the lowest number that no sensor of this kind has."""
-    taken = _taken(site)
+    taken = _taken_addresses(site)
     number = 1
     while NewSensor(kind, number, name).word in taken:
         number += 1
     return number
 
 
-def _taken(site: Site) -> dict[str, str]:
+def _taken_addresses(site: Site) -> dict[str, str]:
     """Give the addresses of all signals, by their word and by their name on ``/metric``."""
     signals = [
         (f"{device_id}/{word}", word, signal)
@@ -144,7 +144,7 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
     """
     if not new.kind.word and not new.name.strip():
         raise ConfiguratorError("a custom sensor needs a name")
-    if there := _taken(site).get(new.word):
+    if there := _taken_addresses(site).get(new.word):
         raise WordTaken(
             f"{there} is there already; number {free_number(site, new.kind, new.name)} is free"
         )

@@ -101,7 +101,7 @@ class Look:
 
     def start(self, host: str, seconds: float = SECONDS) -> None:
         """Take note that the probe's process is being started."""
-        self._become(LookPhase.RUNNING)
+        self._set_state(LookPhase.RUNNING)
         self.found, self.problem = None, ""
         self._where = host.strip() or "this machine"
         self._planned = seconds + START_S
@@ -112,12 +112,12 @@ class Look:
 
     def cancel(self) -> None:
         """Take note that a person wants no more of it."""
-        self._become(LookPhase.CANCELLING)
+        self._set_state(LookPhase.CANCELLING)
 
     def ended(self, code: int, said: bytes, complained: str) -> None:
         """Take in the end of the process: its exit code, its output, and its errors."""
         if self.phase is LookPhase.CANCELLING:
-            self._become(LookPhase.CANCELLED)
+            self._set_state(LookPhase.CANCELLED)
             return
         try:
             # 1 says that the graph is empty, in JSON all the same.
@@ -126,23 +126,23 @@ class Look:
             found, complained = None, f"{complained}\n{error}" if complained else str(error)
         if found is not None and (found.topics or found.services or found.actions):
             self.found = found
-            self._become(LookPhase.DONE)
+            self._set_state(LookPhase.DONE)
             return
         self.problem = (
-            _explained(code, complained, self._where)
+            _explain_failure(code, complained, self._where)
             if found is None
             else f"Nothing was heard at {found.where}. Is the robot running, in the same ROS "
             f"domain ({found.domain}), on the same network, with the same RMW_IMPLEMENTATION?"
         )
-        self._become(LookPhase.FAILED)
+        self._set_state(LookPhase.FAILED)
 
     def not_started(self, program: str) -> None:
         """Take in that the process could not be started at all."""
         remedy = "install OpenSSH's client" if program == "ssh" else "is the program still there?"
         self.problem = f"{program} could not be started; {remedy}"
-        self._become(LookPhase.FAILED)
+        self._set_state(LookPhase.FAILED)
 
-    def _become(self, phase: LookPhase) -> None:
+    def _set_state(self, phase: LookPhase) -> None:
         if phase not in _NEXT[self.phase]:
             raise ImpossibleStep(self.phase, phase)
         self.phase = phase
@@ -173,7 +173,7 @@ _REMEDIES = (
 )
 
 
-def _explained(code: int, complained: str, where: str) -> str:
+def _explain_failure(code: int, complained: str, where: str) -> str:
     low = complained.lower()
     last = "\n".join(complained.strip().splitlines()[-_LAST_LINES:])
     for sign, remedy in _REMEDIES:

@@ -51,16 +51,16 @@ def merged(site: Site, found: Found) -> Merged:
         site = msgspec.structs.replace(site, ros2=proposal.site.ros2 or site.ros2)
         links = site.links()
     link = next((name for name, link in links.items() if kind_of(link) == found.protocol), "")
-    words = {word: _place(site, word, link) for word in proposal.site.devices}
-    have = {key for device in site.devices.values() for key in _keys(device)}
+    words = {word: _device_to_fill(site, word, link) for word in proposal.site.devices}
+    have = {key for device in site.devices.values() for key in _identities_of(device)}
     added: list[Path] = []
     known = 0
     for word, device in proposal.site.devices.items():
         path: Path = ("devices", words[word])
         if words[word] not in site.devices:
-            drives = device.drive is not None and _undriven(site, device.drive.topic)
-            if not drives and all(key in have for key in _keys(device)):
-                known += len(_keys(device))
+            drives = device.drive is not None and _is_undriven(site, device.drive.topic)
+            if not drives and all(key in have for key in _identities_of(device)):
+                known += len(_identities_of(device))
                 continue
             bare = msgspec.structs.replace(
                 device,
@@ -72,21 +72,21 @@ def merged(site: Site, found: Found) -> Merged:
             )
             site = with_value(site, path, bare)
             added.append(path)
-        site, new, old = _fill(site, path, device, words=words, have=have)
+        site, new, old = _fill_device(site, path, device, words=words, have=have)
         added += new
         known += old
-    site = _runnable(site, added)
+    site = _without_open_ends(site, added)
     return Merged(site, tuple(added), known, proposal.left_out)
 
 
-def _place(site: Site, word: str, link: str) -> str:
+def _device_to_fill(site: Site, word: str, link: str) -> str:
     """Give the device to fill: that of the same name, unless it is reached another way."""
     if word in site.devices and link and site.connection_of(word) not in (link, ""):
         return free_word(word, site.devices)
     return word
 
 
-def _fill(
+def _fill_device(
     site: Site, path: Path, device: Device, *, words: dict[str, str], have: set[tuple[str, ...]]
 ) -> tuple[Site, list[Path], int]:
     added: list[Path] = []
@@ -98,7 +98,7 @@ def _fill(
     )
     for group, things in groups:
         for name, thing in things.items():
-            if _key(thing) in have:
+            if _identity_of(thing) in have:
                 known += 1
                 continue
             there = at(site, (*path, group))
@@ -107,29 +107,31 @@ def _fill(
             site = with_value(site, place, thing)
             added.append(place)
     drive = device.drive
-    if drive is not None and at(site, (*path, "drive")) is None and _undriven(site, drive.topic):
+    if drive is not None and at(site, (*path, "drive")) is None and _is_undriven(site, drive.topic):
         drive = msgspec.structs.replace(
-            drive, picture=_moved(drive.picture, words), position=_moved(drive.position, words)
+            drive,
+            picture=_renamed_address(drive.picture, words),
+            position=_renamed_address(drive.position, words),
         )
-        confirmed = tuple(_moved(address, words) for address in drive.stop.confirmed_by)
+        confirmed = tuple(_renamed_address(address, words) for address in drive.stop.confirmed_by)
         stop = msgspec.structs.replace(drive.stop, confirmed_by=confirmed)
         site = with_value(site, (*path, "drive"), msgspec.structs.replace(drive, stop=stop))
         added.append((*path, "drive"))
     return site, added, known
 
 
-def _moved(address: str, words: dict[str, str]) -> str:
+def _renamed_address(address: str, words: dict[str, str]) -> str:
     device, _, name = address.partition("/")
     return f"{words.get(device, device)}/{name}" if name else address
 
 
-def _undriven(site: Site, topic: str) -> bool:
+def _is_undriven(site: Site, topic: str) -> bool:
     return all(
         device.drive is None or device.drive.topic != topic for device in site.devices.values()
     )
 
 
-def _runnable(site: Site, added: list[Path]) -> Site:
+def _without_open_ends(site: Site, added: list[Path]) -> Site:
     """Clear what the new driving refers to and the merge has put elsewhere."""
     for path in [added_path for added_path in added if added_path[-1] == "drive"]:
         prefix = ".".join(("$", *path))
@@ -144,12 +146,12 @@ def _runnable(site: Site, added: list[Path]) -> Site:
     return site
 
 
-def _keys(device: Device) -> list[tuple[str, ...]]:
+def _identities_of(device: Device) -> list[tuple[str, ...]]:
     things = (*device.signals.values(), *device.streams.values(), *device.commands.values())
-    return [_key(thing) for thing in things]
+    return [_identity_of(thing) for thing in things]
 
 
-def _key(thing: object) -> tuple[str, ...]:
+def _identity_of(thing: object) -> tuple[str, ...]:
     """Say what is read or called, whatever it is named here."""
     source: Source | None = getattr(thing, "source", None)
     if source is None:

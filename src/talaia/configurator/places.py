@@ -42,11 +42,11 @@ def at(site: Site, path: Path) -> object:
     """
     value: object = site
     for step in path:
-        value = _inner(value, step, path)
+        value = _child_at(value, step, path)
     return value
 
 
-def _inner(value: object, step: str, path: Path) -> object:
+def _child_at(value: object, step: str, path: Path) -> object:
     if isinstance(value, dict) and step in value:
         inner: object = value[step]
         return inner
@@ -74,8 +74,8 @@ def _replaced(value: object, rest: Path, new: object, path: Path) -> object:
     last = len(rest) == 1
     if isinstance(value, dict) and (last or step in value):
         return {**value, step: _replaced(value.get(step), tuple(more), new, path)}
-    inner = _replaced(_inner(value, step, path), tuple(more), new, path)
-    assert isinstance(value, msgspec.Struct)  # noqa: S101 - `_inner` knows dicts and structs
+    inner = _replaced(_child_at(value, step, path), tuple(more), new, path)
+    assert isinstance(value, msgspec.Struct)  # noqa: S101 - `_child_at` knows dicts and structs
     return msgspec.structs.replace(value, **{step: inner})
 
 
@@ -107,14 +107,14 @@ def spot_of(site: Site, where: str) -> Spot:
     field: Path = ()
     while rest.startswith("."):
         rest = rest[1:]
-        step = _step(value, rest)
+        step = _matching_key(value, rest)
         if step is None:
             word = rest.split(".", 1)[0].split("[", 1)[0]
             # A key of the thing that is not set, or one that no shape has.
             field = (*field, word) if word and isinstance(value, msgspec.Struct) else field
             break
         rest = rest[len(step) :]
-        was, value = value, _inner(value, step, (step,))
+        was, value = value, _child_at(value, step, (step,))
         field = (*field, step)
         if isinstance(was, dict) or (isinstance(value, msgspec.Struct) and step in _OWN):
             node, field = (*node, *field), ()
@@ -131,7 +131,7 @@ def _without_mapping(value: object, field: Path) -> Path:
     return field[:-1] if isinstance(inner, msgspec.Struct) else field
 
 
-def _step(value: object, rest: str) -> str | None:
+def _matching_key(value: object, rest: str) -> str | None:
     keys = value if isinstance(value, dict) else getattr(value, "__struct_fields__", ())
     fits = [
         key

@@ -118,39 +118,39 @@ _ENTRY = re.compile(r"^ {4,}(?P<name>\w+): (?P<text>.*(?:\n {8,}.*)*)", re.MULTI
 @cache
 def rows_of(shape: type[msgspec.Struct]) -> tuple[Row, ...]:
     """List the fields of a shape that a form can show, in the order of the model."""
-    return tuple(_rows(shape, ()))
+    return tuple(_collect_rows(shape, ()))
 
 
-def _rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
+def _collect_rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
     info = msgspec.inspect.type_info(shape)
     assert isinstance(info, msgspec.inspect.StructType)  # noqa: S101 - a shape is a struct
-    help_of = _helps(shape)
+    help_of = _help_texts(shape)
     for field in info.fields:
         path = (*above, field.name)
         if isinstance(field.type, msgspec.inspect.StructType):
             if field.name in _FLAT:
-                yield from _rows(field.type.cls, path)
+                yield from _collect_rows(field.type.cls, path)
             continue
-        part = _part(field.type) if field.name in _PARTS else None
+        part = _optional_shape(field.type) if field.name in _PARTS else None
         if part is not None:
             about = help_of.get(field.name, "")
             yield Row(path, _LABELS[path], RowKind.PART, about, default=False, shape=part)
-            yield from _rows(part, path)
+            yield from _collect_rows(part, path)
             continue
-        row = _row(path, field.type)
+        row = _row_of(path, field.type)
         if row is not None:
             default = None if field.default is msgspec.NODEFAULT else field.default
             yield row._replace(help=help_of.get(field.name, ""), default=default)
 
 
-def _part(kind: msgspec.inspect.Type) -> type[msgspec.Struct] | None:
+def _optional_shape(kind: msgspec.inspect.Type) -> type[msgspec.Struct] | None:
     """Give the shape of what is one or nothing."""
     members = kind.types if isinstance(kind, msgspec.inspect.UnionType) else ()
     shapes = (member.cls for member in members if isinstance(member, msgspec.inspect.StructType))
     return next(shapes, None)
 
 
-def _row(path: Path, kind: msgspec.inspect.Type) -> Row | None:
+def _row_of(path: Path, kind: msgspec.inspect.Type) -> Row | None:
     label = _LABELS.get(path) or human(path[-1])
     if isinstance(kind, msgspec.inspect.EnumType):
         words = tuple(str(member.value) for member in kind.cls)
@@ -174,12 +174,12 @@ def _of_union(path: Path, label: str, kind: msgspec.inspect.UnionType) -> Row | 
     members = [member for member in kind.types if not isinstance(member, msgspec.inspect.NoneType)]
     if len(members) > 1 and all(type(member) in _KINDS for member in members):
         return Row(path, label, RowKind.ANY, optional=True)
-    row = _row(path, members[0]) if len(members) == 1 else None
+    row = _row_of(path, members[0]) if len(members) == 1 else None
     return row._replace(optional=True) if row else None
 
 
 @cache
-def _helps(shape: type) -> dict[str, str]:
+def _help_texts(shape: type) -> dict[str, str]:
     """Read the ``Attributes:`` of a shape's docstring."""
     text = inspect.getdoc(shape) or ""
     return {
@@ -285,25 +285,25 @@ def shown(row: Row, value: object) -> str:
     if value is None:
         return ""
     if isinstance(value, dict):
-        return "\n".join(f"{key}: {_scalar(item)}" for key, item in value.items())
+        return "\n".join(f"{key}: {_scalar_text(item)}" for key, item in value.items())
     if isinstance(value, tuple | list):
         return "\n".join(str(item) for item in value)
     if row.kind in (RowKind.ANY, RowKind.TRUTH, RowKind.PART):
-        return _scalar(value)
+        return _scalar_text(value)
     if isinstance(value, float):
         return f"{value:.15g}"
     return str(value)
 
 
-def _scalar(value: object) -> str:
-    """Write a scalar so that `_any` reads the same again."""
+def _scalar_text(value: object) -> str:
+    """Write a scalar so that `_parse_any` reads the same again."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
         written = repr(value)
         return written if "." in written else written.replace("e", ".0e", 1)
     text = str(value)
-    return text if not isinstance(value, str) or _any(text) == value else f'"{text}"'
+    return text if not isinstance(value, str) or _parse_any(text) == value else f'"{text}"'
 
 
 def read(row: Row, text: str) -> object:
@@ -320,20 +320,20 @@ def read(row: Row, text: str) -> object:
         case RowKind.TEXT | RowKind.CHOICE:
             return said
         case RowKind.NUMBER:
-            return _number(said)
+            return _parse_number(said)
         case RowKind.INTEGER:
-            return _integer(said)
+            return _parse_integer(said)
         case RowKind.TRUTH | RowKind.PART:
             return said == "true"
         case RowKind.LIST:
             return tuple(line.strip() for line in text.splitlines() if line.strip())
         case RowKind.PAIRS:
-            return _pairs(row, text)
+            return _parse_pairs(row, text)
         case RowKind.ANY:
-            return _any(said)
+            return _parse_any(said)
 
 
-def _number(said: str) -> float:
+def _parse_number(said: str) -> float:
     try:
         value = float(said.replace(",", ".") if said.count(",") == 1 else said)
     except ValueError:
@@ -345,7 +345,7 @@ def _number(said: str) -> float:
     return value
 
 
-def _integer(said: str) -> int:
+def _parse_integer(said: str) -> int:
     try:
         return int(said)
     except ValueError:
@@ -354,7 +354,7 @@ def _integer(said: str) -> int:
         ) from None
 
 
-def _pairs(row: Row, text: str) -> dict[str, object]:
+def _parse_pairs(row: Row, text: str) -> dict[str, object]:
     made: dict[str, object] = {}
     for line in filter(str.strip, text.splitlines()):
         key, colon, value = line.partition(":")
@@ -363,11 +363,13 @@ def _pairs(row: Row, text: str) -> dict[str, object]:
         if key.strip() in made:
             raise BadValue(f"{key.strip()!r} is written twice")
         # Sentences are texts, whatever they look like; fixed fields are what YAML says.
-        made[key.strip()] = value.strip() if row.path[-1] == "messages" else _any(value.strip())
+        made[key.strip()] = (
+            value.strip() if row.path[-1] == "messages" else _parse_any(value.strip())
+        )
     return made
 
 
-def _any(said: str) -> float | int | bool | str:
+def _parse_any(said: str) -> float | int | bool | str:
     """Read a scalar as YAML does; what is none is a text."""
     try:
         value = yaml.safe_load(said)

@@ -83,7 +83,7 @@ class Run:
 
     def start(self, words: Sequence[str]) -> None:
         """Take note that the process is being started."""
-        self._become(RunPhase.STARTING)
+        self._set_phase(RunPhase.STARTING)
         self.lines.clear()
         self.address = self.setup = self.problem = ""
         self.lines.append(
@@ -102,27 +102,27 @@ class Run:
         elif setup := _SETUP.search(text):
             self.setup = setup["setup"]
         elif _LAST_WORD in text and self.address:
-            self._become(RunPhase.UP)
+            self._set_phase(RunPhase.UP)
 
     def stop(self) -> None:
         """Take note that a person wants it to end."""
-        self._become(RunPhase.STOPPING)
+        self._set_phase(RunPhase.STOPPING)
 
     def ended(self, code: int) -> None:
         """Take in the end of the process."""
         if self.phase is RunPhase.STOPPING or (self.phase is RunPhase.STARTING and code == 0):
-            self._become(RunPhase.ENDED)
+            self._set_phase(RunPhase.ENDED)
             return
         said = [line for line in self.lines if line.strip() and line.strip() != "stopping …"]
         self.problem = said[-1].strip() if len(said) > 1 else f"it ended with code {code}"
-        self._become(RunPhase.FAILED)
+        self._set_phase(RunPhase.FAILED)
 
     def not_started(self, program: str) -> None:
         """Take in that the process could not be started at all."""
         self.problem = f"{program} could not be started; is it still there?"
-        self._become(RunPhase.FAILED)
+        self._set_phase(RunPhase.FAILED)
 
-    def _become(self, phase: RunPhase) -> None:
+    def _set_phase(self, phase: RunPhase) -> None:
         if phase not in _NEXT[self.phase]:
             raise ImpossibleStep(self.phase, phase)
         self.phase = phase

@@ -79,8 +79,8 @@ def compose(
     services: dict[str, object] = {}
     secrets: dict[str, object] = {}
     volumes: dict[str, object] = {"hub-data": {}, "link": {}, "gateway-data": {}}
-    hub = _hub(port, hosts)
-    enrol = _service(
+    hub = _hub_service(port, hosts)
+    enrol = _base_service(
         {
             "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
             "command": [
@@ -99,27 +99,27 @@ def compose(
         }
     )
     if database is not DatabaseKind.SQLITE:
-        added = _mariadb() if database is DatabaseKind.MARIADB else _postgresql()
+        added = _mariadb_services() if database is DatabaseKind.MARIADB else _postgresql_services()
         services |= added
         volumes["database"] = {}
-        secrets = {name: {"file": f"./secrets/{name}"} for name in _secrets(database)}
+        secrets = {name: {"file": f"./secrets/{name}"} for name in _secret_files(database)}
         for service in (hub, enrol):
             service["environment"] = {"TALAIA_DATABASE_URL_FILE": "/run/secrets/database_url"}
             service["secrets"] = ["database_url"]
         hub["depends_on"] = {"database": {"condition": "service_healthy"}}
-    services |= {"hub": hub, "enrol": enrol, "gateway": _gateway(ros_domain)}
+    services |= {"hub": hub, "enrol": enrol, "gateway": _gateway_service(ros_domain)}
     project: dict[str, object] = {"services": services, "volumes": volumes}
     if secrets:
         project["secrets"] = secrets
-    return yaml.safe_dump(_literal(project), sort_keys=False, width=1_000_000)
+    return yaml.safe_dump(_literal_text(project), sort_keys=False, width=1_000_000)
 
 
-def _secrets(database: DatabaseKind) -> list[str]:
+def _secret_files(database: DatabaseKind) -> list[str]:
     root = ["database_root_password"] if database is DatabaseKind.MARIADB else []
     return ["database_password", *root, "database_url"]
 
 
-def _service(more: Mapping[str, object]) -> dict[str, object]:
+def _base_service(more: Mapping[str, object]) -> dict[str, object]:
     return {
         "restart": "unless-stopped",
         "init": True,
@@ -128,11 +128,11 @@ def _service(more: Mapping[str, object]) -> dict[str, object]:
     }
 
 
-def _hub(port: int, hosts: Iterable[str]) -> dict[str, object]:
+def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
     words = ["hub", "--data", "/data", "--host", "0.0.0.0", "--port", "8443"]  # noqa: S104 - a server
     for host in ("127.0.0.1", *hosts):
         words += ["--allow-host", host]
-    return _service(
+    return _base_service(
         {
             "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
             "command": words,
@@ -154,12 +154,12 @@ def _hub(port: int, hosts: Iterable[str]) -> dict[str, object]:
     )
 
 
-def _gateway(ros_domain: int | None) -> dict[str, object]:
+def _gateway_service(ros_domain: int | None) -> dict[str, object]:
     words = ["gateway", "/etc/talaia/site.yaml", "--key-file", "/link/gateway.key"]
     words += ["--data", "/data"]
     if ros_domain is not None:
         words += ["--ros-domain", str(ros_domain)]
-    return _service(
+    return _base_service(
         {
             "build": {"context": ".", "dockerfile": "gateway.Dockerfile"},
             "command": words,
@@ -178,9 +178,9 @@ def _gateway(ros_domain: int | None) -> dict[str, object]:
     )
 
 
-def _mariadb() -> dict[str, object]:
+def _mariadb_services() -> dict[str, object]:
     return {
-        "database": _service(
+        "database": _base_service(
             {
                 "image": IMAGES["mariadb"],
                 "environment": {
@@ -201,7 +201,7 @@ def _mariadb() -> dict[str, object]:
             }
         ),
         # On this machine only; whoever signs in there gives the database's own name and password.
-        "phpmyadmin": _service(
+        "phpmyadmin": _base_service(
             {
                 "image": IMAGES["phpmyadmin"],
                 "environment": {"PMA_HOST": "database"},
@@ -212,9 +212,9 @@ def _mariadb() -> dict[str, object]:
     }
 
 
-def _postgresql() -> dict[str, object]:
+def _postgresql_services() -> dict[str, object]:
     return {
-        "database": _service(
+        "database": _base_service(
             {
                 "image": IMAGES["postgresql"],
                 "environment": {
@@ -235,10 +235,10 @@ def _postgresql() -> dict[str, object]:
     }
 
 
-def _literal(value: object) -> object:
+def _literal_text(value: object) -> object:
     """Double every ``$``, which compose would take for a variable."""
     if isinstance(value, str):
         return value.replace("$", "$$")
     if isinstance(value, dict):
-        return {key: _literal(item) for key, item in value.items()}
-    return [_literal(item) for item in value] if isinstance(value, list) else value
+        return {key: _literal_text(item) for key, item in value.items()}
+    return [_literal_text(item) for item in value] if isinstance(value, list) else value

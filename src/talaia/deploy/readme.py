@@ -15,7 +15,7 @@ __all__ = ["readme"]
 _MARKS = re.compile(r"([\\`*_{}\[\]()#+!|<>~-])")
 
 
-def _plain(text: str) -> str:
+def _plain_text(text: str) -> str:
     """Give a name as it is read, whatever it holds: no mark-up, no line end."""
     shown = "".join(letter if letter.isprintable() else " " for letter in text)
     return _MARKS.sub(r"\\\1", shown)
@@ -45,7 +45,7 @@ def readme(site: Site, database: DatabaseKind, port: int, setup: str) -> str:
         "which there are no ROS 2 wheels.\n"
     )
     return f"""\
-# {_plain(site.name)}
+# {_plain_text(site.name)}
 
 A Talaia control room for the site `{site.site}`, made by `talaia generate`.
 

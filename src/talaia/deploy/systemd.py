@@ -42,10 +42,10 @@ def argument(text: str) -> str:
     if _PLAIN.match(safe):
         return safe
     escaped = safe.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(_seen(letter) for letter in escaped) + '"'
+    return '"' + "".join(_escaped_letter(letter) for letter in escaped) + '"'
 
 
-def _seen(letter: str) -> str:
+def _escaped_letter(letter: str) -> str:
     if letter.isprintable():
         return letter
     return "".join(f"\\x{byte:02x}" for byte in letter.encode("utf-8", "replace"))
@@ -73,7 +73,7 @@ def gateway_unit(site: str, program: str, setup: str = "") -> str:
     if setup:
         # bash gets the words as arguments of its own, so nothing in them is read as shell.
         words = ["/bin/bash", "-c", '. "$0" && exec "$@"', setup, *words]
-    return _unit(
+    return _unit_text(
         f"Talaia gateway of {site}",
         words,
         state=f"talaia-gateway-{site}",
@@ -101,7 +101,7 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
     for host in hosts:
         words += ["--allow-host", host]
     more = f"Environment=TALAIA_DATABASE_URL_FILE={argument(database_url_file)}\n"
-    return _unit(
+    return _unit_text(
         "Talaia hub",
         words,
         state="talaia-hub",
@@ -111,7 +111,7 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
     )
 
 
-def _unit(
+def _unit_text(
     what: str,
     words: Iterable[str],
     *,

@@ -114,7 +114,7 @@ class _Session:
         self._acts: dict[int, asyncio.Task[None]] = {}
 
     async def serve(self, reader: asyncio.StreamReader) -> EndWords:
-        running = asyncio.ensure_future(self._run())
+        running = asyncio.ensure_future(self._run_adapter())
         hearing = asyncio.ensure_future(self._hear(reader))
         try:
             await asyncio.wait([running, hearing], return_when=asyncio.FIRST_COMPLETED)
@@ -125,13 +125,13 @@ class _Session:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _run(self) -> EndWords:
+    async def _run_adapter(self) -> EndWords:
         try:
             await self._adapter.run()
         except ConnectionLost as error:
             return EndWords(str(error)[:_MAX_SAID])
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
-            return _broken(error)
+            return _end_of_broken(error)
         return EndWords("its run ended by itself", broken=True)
 
     async def _hear(self, reader: asyncio.StreamReader) -> None:
@@ -139,14 +139,14 @@ class _Session:
             match read_to_adapter(line):
                 case ActWords() as act:
                     task = self._acts[act.number] = asyncio.ensure_future(self._run_command(act))
-                    task.add_done_callback(partial(self._forget, act.number))
+                    task.add_done_callback(partial(self._forget_task, act.number))
                 case CancelWords(number=number):
                     if number in self._acts:
                         self._acts[number].cancel()
                 case AdapterJob():
                     pass
 
-    def _forget(self, number: int, _task: asyncio.Task[None]) -> None:
+    def _forget_task(self, number: int, _task: asyncio.Task[None]) -> None:
         self._acts.pop(number, None)
 
     async def _run_command(self, act: ActWords) -> None:
@@ -177,10 +177,10 @@ def main(argv: list[str]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
     with socket.socket(fileno=int(argv[0])) as connection, contextlib.redirect_stdout(sys.stderr):
-        asyncio.run(_converse(connection))
+        asyncio.run(_exchange_messages(connection))
 
 
-async def _converse(connection: socket.socket) -> None:
+async def _exchange_messages(connection: socket.socket) -> None:
     connection.setblocking(False)  # noqa: FBT003 - as it is there
     reader, writer = await asyncio.open_connection(sock=connection, limit=MAX_LINE)
     first = await reader.readline()
@@ -188,7 +188,7 @@ async def _converse(connection: socket.socket) -> None:
         return
     job = read_to_adapter(first)
     assert isinstance(job, AdapterJob)  # noqa: S101 - the gateway's promise
-    end = await _serve(job, reader, writer)
+    end = await _serve_gateway(job, reader, writer)
     with contextlib.suppress(OSError):
         writer.write(written(end))
         await writer.drain()
@@ -196,7 +196,7 @@ async def _converse(connection: socket.socket) -> None:
         await writer.wait_closed()
 
 
-async def _serve(
+async def _serve_gateway(
     job: AdapterJob, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
 ) -> EndWords:
     declared = installed().adapters().get(job.extension)
@@ -207,17 +207,17 @@ async def _serve(
             if broken_extension.name == job.extension
         ]
         return EndWords("; ".join(said) or "it is not installed here", broken=True)
-    if findings := [str(finding) for finding in _findings(job, declared)]:
+    if findings := [str(finding) for finding in _job_findings(job, declared)]:
         return EndWords("; ".join(findings)[:_MAX_SAID], broken=True)
     try:
         host = _Host(job, declared, writer)
         adapter = declared.make(msgspec.convert(job.keys, declared.connection), host)
     except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
-        return _broken(error)
+        return _end_of_broken(error)
     return await _Session(host, adapter, declared).serve(reader)
 
 
-def _findings(job: AdapterJob, declared: AdapterExtension) -> Iterator[Finding]:
+def _job_findings(job: AdapterJob, declared: AdapterExtension) -> Iterator[Finding]:
     yield from keys_fit(f"$.connections.{job.connection}.keys", declared.connection, job.keys)
     for wanted in job.signals:
         device, _, signal = wanted.address.partition("/")
@@ -225,7 +225,7 @@ def _findings(job: AdapterJob, declared: AdapterExtension) -> Iterator[Finding]:
         yield from keys_fit(where, declared.source, wanted.keys)
 
 
-def _broken(error: Exception) -> EndWords:
+def _end_of_broken(error: Exception) -> EndWords:
     traceback.print_exception(error)
     return EndWords(f"{type(error).__name__}: {error}"[:_MAX_SAID], broken=True)
 

@@ -92,28 +92,30 @@ class InstalledExtensions:
 
     def adapters(self) -> Mapping[str, AdapterExtension]:
         """Give the adapters by name."""
-        return self._of(AdapterExtension)
+        return self._declared_parts(AdapterExtension)
 
     def detectors(self) -> Mapping[str, DetectorExtension]:
         """Give the detectors by name."""
-        return self._of(DetectorExtension)
+        return self._declared_parts(DetectorExtension)
 
     def notifiers(self) -> Mapping[str, NotifierExtension]:
         """Give the notifiers by name."""
-        return self._of(NotifierExtension)
+        return self._declared_parts(NotifierExtension)
 
     def importers(self) -> Mapping[str, ImporterExtension]:
         """Give the importers by name."""
-        return self._of(ImporterExtension)
+        return self._declared_parts(ImporterExtension)
 
     def names(self, kind: type[Declared]) -> list[str]:
         """Name those of a kind, without loading any: some of them may be broken."""
-        return sorted({point.name for point in self._points(kind)})
+        return sorted({point.name for point in self._points_of(kind)})
 
     def every(self) -> list[InstalledExtension]:
         """List all that can be used, in the order of `KINDS_OF_EXTENSION`, by name."""
         return [
-            found for kind in KINDS_OF_EXTENSION for _, found in sorted(self._group(kind).items())
+            found
+            for kind in KINDS_OF_EXTENSION
+            for _, found in sorted(self._usable_parts(kind).items())
         ]
 
     def broken(self) -> list[BrokenExtension]:
@@ -132,8 +134,8 @@ class InstalledExtensions:
 
     def note_failure(self, kind: type[Declared], name: str, problem: str) -> None:
         """Write down, once, that an extension failed while it was used."""
-        of_name = (point for point in self._points(kind) if point.name == name)
-        package = next(map(_package, of_name), "")
+        of_name = (point for point in self._points_of(kind) if point.name == name)
+        package = next(map(_package_of, of_name), "")
         self._add_broken(BrokenExtension(kind.group, name, package, problem))
 
     def _add_broken(self, broken: BrokenExtension) -> None:
@@ -142,32 +144,32 @@ class InstalledExtensions:
             self._broken[key] = broken
             _LOG.error("%s", broken)
 
-    def _of(self, kind: type[_Kind]) -> dict[str, _Kind]:
+    def _declared_parts(self, kind: type[_Kind]) -> dict[str, _Kind]:
         return {
             name: found.declared
-            for name, found in self._group(kind).items()
+            for name, found in self._usable_parts(kind).items()
             if isinstance(found.declared, kind)
         }
 
-    def _group(self, kind: type[Declared]) -> dict[str, InstalledExtension]:
+    def _usable_parts(self, kind: type[Declared]) -> dict[str, InstalledExtension]:
         loaded = self._loaded.get(kind.group)
         if loaded is None:
             loaded = self._loaded[kind.group] = {}
-            for point in self._points(kind):
-                self._load(kind, point, loaded)
+            for point in self._points_of(kind):
+                self._load_point(kind, point, loaded)
         return loaded
 
-    def _points(self, kind: type[Declared]) -> list[EntryPoint]:
+    def _points_of(self, kind: type[Declared]) -> list[EntryPoint]:
         found = self._entries.get(kind.group)
         if found is None:
             found = sorted(self._find(kind.group), key=lambda point: point.name)
             self._entries[kind.group] = found
         return found
 
-    def _load(
+    def _load_point(
         self, kind: type[Declared], point: EntryPoint, loaded: dict[str, InstalledExtension]
     ) -> None:
-        package = _package(point)
+        package = _package_of(point)
         try:
             declared = point.load()
             problem = _why_not(kind, point.name, declared)
@@ -190,7 +192,7 @@ def installed() -> InstalledExtensions:
     return InstalledExtensions()
 
 
-def _package(point: EntryPoint) -> str:
+def _package_of(point: EntryPoint) -> str:
     return f"{point.dist.name} {point.dist.version}" if point.dist is not None else ""
 
 

@@ -53,18 +53,18 @@ def keys_shown(shape: type[ExtensionKeys]) -> list[ShownKey]:
     return [
         ShownKey(
             field.encode_name,
-            _type(field.type),
+            _type_text(field.type),
             about.get(field.name, ""),
             field.required,
-            "" if field.default is msgspec.NODEFAULT else _plain(field.default),
+            "" if field.default is msgspec.NODEFAULT else _plain_text(field.default),
         )
         for field in fields
     ]
 
 
-def _type(kind: msgspec.inspect.Type) -> str:
+def _type_text(kind: msgspec.inspect.Type) -> str:
     if isinstance(kind, msgspec.inspect.LiteralType):
-        return "one of " + ", ".join(_plain(value) for value in kind.values)
+        return "one of " + ", ".join(_plain_text(value) for value in kind.values)
     word = _WORDS.get(type(kind), "text")
     if isinstance(kind, msgspec.inspect.IntType | msgspec.inspect.FloatType):
         low = kind.ge if kind.ge is not None else kind.gt
@@ -74,5 +74,5 @@ def _type(kind: msgspec.inspect.Type) -> str:
     return word
 
 
-def _plain(value: object) -> str:
+def _plain_text(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -67,8 +67,8 @@ def fitted(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Le
     new_height, new_width = max(1, round(height * scale)), max(1, round(width * scale))
     top, left = (side - new_height) // 2, (side - new_width) // 2
     square = np.full((side, side, 3), 114, np.uint8)
-    rows = _weights(height, new_height)
-    columns = _weights(width, new_width)
+    rows = _linear_weights(height, new_height)
+    columns = _linear_weights(width, new_width)
     upper = picture[rows[0]].astype(np.float32)
     lines = upper + (picture[rows[1]] - upper) * rows[2][:, None, None]
     first = lines[:, columns[0]]
@@ -77,7 +77,7 @@ def fitted(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Le
     return square, Letterbox(scale, left, top, width, height)
 
 
-def _weights(old: int, new: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+def _linear_weights(old: int, new: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
     """Between which two pixels each new one lies, and how far; centres lie on centres."""
     at = (np.arange(new) + 0.5) * old / new - 0.5
     at = np.clip(at, 0, old - 1)
@@ -142,12 +142,12 @@ def suppressed(
     while order.size and len(found) < most:
         best, order = order[0], order[1:]
         found.append((int(label[best]), float(sure[best]), boxes[best]))
-        alike = (label[order] == label[best]) & (_shared(boxes[best], boxes[order]) > same)
+        alike = (label[order] == label[best]) & (_overlap_with(boxes[best], boxes[order]) > same)
         order = order[~alike]
     return found
 
 
-def _shared(box: Floats, others: Floats) -> Floats:
+def _overlap_with(box: Floats, others: Floats) -> Floats:
     """Intersection over union of one box with others."""
     low = np.maximum(box[:2], others[:, :2])
     high = np.minimum(box[2:], others[:, 2:])

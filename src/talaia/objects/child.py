@@ -47,22 +47,22 @@ def main() -> None:
     # Libraries may print: the answers' pipe is for answers.
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)
-    _humble()
+    _lower_priority()
     source = os.fdopen(0, "rb", buffering=0)
     signal.alarm(LONGEST_LOAD_S)
     try:
-        detector, classes = _loaded(json.loads(_line(source)))
+        detector, classes = _load_network(json.loads(_read_line(source)))
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
         _write_answer(answers, problem=_problem_text(error))
         return
     _write_answer(answers)
     signal.alarm(0)
     while True:
-        head = _exactly(source, HEAD.size)
+        head = _read_exactly(source, HEAD.size)
         if head is None:
             return
         rows, columns, least = HEAD.unpack(head)
-        body = _exactly(source, rows * columns * 3)
+        body = _read_exactly(source, rows * columns * 3)
         if body is None:
             return
         picture = np.frombuffer(body, np.uint8).reshape(rows, columns, 3)
@@ -78,7 +78,7 @@ def main() -> None:
         signal.alarm(0)
 
 
-def _humble() -> None:
+def _lower_priority() -> None:
     """Give way to every other process, and be the first to go where memory is short."""
     os.nice(NICENESS)
     with contextlib.suppress(OSError, AttributeError):
@@ -94,7 +94,7 @@ def _humble() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _loaded(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
+def _load_network(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
     """Load what a job names.
 
     Raises:
@@ -148,7 +148,7 @@ def _write_answer(answers: BinaryIO, **what: object) -> None:
     answers.write(json.dumps(what).encode() + b"\n")
 
 
-def _line(source: BinaryIO) -> bytes:
+def _read_line(source: BinaryIO) -> bytes:
     """Read up to a line's end and not a byte further."""
     said = b""
     while not said.endswith(b"\n"):
@@ -159,7 +159,7 @@ def _line(source: BinaryIO) -> bytes:
     return said
 
 
-def _exactly(source: BinaryIO, count: int) -> bytearray | None:
+def _read_exactly(source: BinaryIO, count: int) -> bytearray | None:
     """Read so many bytes; none when the input has ended."""
     data = bytearray(count)
     view, at = memoryview(data), 0

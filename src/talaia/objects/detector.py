@@ -91,10 +91,10 @@ class Detector:
             square = square[:, :, ::-1]
         shown = (square.astype(np.float32) - self._mean) * self._factor
         outputs = self._run(np.ascontiguousarray(shown.transpose(2, 0, 1)[None]))
-        boxes, scores = self._read(outputs)
+        boxes, scores = self._decode_outputs(outputs)
         return corners(suppressed(boxes, scores, least), frame)
 
-    def _read(
+    def _decode_outputs(
         self, outputs: Sequence[NDArray[np.float32]]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         if self._setting.kind is OutputFormat.YOLO:
@@ -106,7 +106,7 @@ class Detector:
                 by_cells.setdefault(output.shape[1], {})[output.shape[2] == count] = output[0]
         heads = [by_cells.get((-(-side // step)) ** 2, {}) for step in STEPS]
         if any(set(head) != {True, False} for head in heads):
-            raise self._other("scores and distances for each cell of three grids", outputs)
+            raise self._shape_error("scores and distances for each cell of three grids", outputs)
         return (
             np.concatenate(
                 [
@@ -122,11 +122,11 @@ class Detector:
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         count = len(self._classes)
         if len(outputs) != 1 or outputs[0].ndim != 3 or outputs[0].shape[1] != 4 + count:
-            raise self._other(f"1 × {4 + count} × boxes, for {count} classes", outputs)
+            raise self._shape_error(f"1 × {4 + count} × boxes, for {count} classes", outputs)
         told = outputs[0][0].T
         return centred(told[:, :4]), told[:, 4:]
 
-    def _other(self, expected: str, outputs: Sequence[NDArray[np.float32]]) -> DetectorError:
+    def _shape_error(self, expected: str, outputs: Sequence[NDArray[np.float32]]) -> DetectorError:
         shapes = ", ".join(" × ".join(map(str, output.shape)) for output in outputs)
         return DetectorError(
             f"a detector of the kind {self._setting.kind.value} gives {expected}; "

@@ -33,7 +33,7 @@ def sight_here(site: Site, folder: Path) -> Iterator[Sight]:
 
     """
     for camera, detect in detecting(site):
-        problem = _problem(site, folder, detect.model)
+        problem = _missing_part(site, folder, detect.model)
         what = ", ".join(detect.classes) or "nothing that counts"
         if problem:
             yield Sight(
@@ -44,7 +44,7 @@ def sight_here(site: Site, folder: Path) -> Iterator[Sight]:
             yield Sight(well=True, said=said)
 
 
-def _problem(site: Site, folder: Path, model: str) -> str:
+def _missing_part(site: Site, folder: Path, model: str) -> str:
     if importlib.util.find_spec("onnxruntime") is None:
         return "onnxruntime is not installed; run: pip install 'talaia[objects]'"
     if not model:

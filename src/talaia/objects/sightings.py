@@ -84,7 +84,7 @@ class Sightings:
             end yet.
 
         """
-        self._pace(at_us)
+        self._measure_pace(at_us)
         news = self.pass_time(at_us)
         fresh = set()
         for label, watch in self._watches.items():
@@ -95,7 +95,9 @@ class Sightings:
             ]
             if scores:
                 before = watch.best if watch.told is not None else 0.0
-                told = self._seen(label, watch, count=len(scores), score=max(scores), at_us=at_us)
+                told = self._update_sighting(
+                    label, watch, count=len(scores), score=max(scores), at_us=at_us
+                )
                 news += [] if told is None else [told]
                 if watch.best > before and watch.best == max(scores):
                     fresh.add(label)
@@ -117,13 +119,13 @@ class Sightings:
             watch.over(watch.told) for watch in self._watches.values() if watch.told is not None
         ]
 
-    def _pace(self, at_us: int) -> None:
+    def _measure_pace(self, at_us: int) -> None:
         """Follow how far pictures are apart, a fifth of the way each time."""
         if self._at_us is not None and 0 < at_us - self._at_us <= LONGEST_BETWEEN_US:
             self._between_us += (at_us - self._at_us - self._between_us) / 5
         self._at_us = at_us
 
-    def _seen(
+    def _update_sighting(
         self, label: str, watch: _Watch, *, count: int, score: float, at_us: int
     ) -> ObjectSighting | None:
         told = watch.told

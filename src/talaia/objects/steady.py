@@ -61,7 +61,7 @@ class SteadyCounts:
                 self._sure_us[thing.label] = at_us
         since_us = at_us - self._hold_us
         before = [(when, name) for when, name in self._counted if when >= since_us]
-        believed = [thing for thing in things if self._believes(thing, before, at_us)]
+        believed = [thing for thing in things if self._is_believed(thing, before, at_us)]
         self._counted = [*before, *((at_us, thing) for thing in believed)]
         counts = {}
         for name, source in sources.items():
@@ -73,18 +73,18 @@ class SteadyCounts:
             counts[name] = max(many for _, many in self._past[name])
         return counts
 
-    def _believes(self, thing: Thing, before: Sequence[tuple[int, Thing]], at_us: int) -> bool:
+    def _is_believed(self, thing: Thing, before: Sequence[tuple[int, Thing]], at_us: int) -> bool:
         if thing.score >= self._confidence:
             return True
         if at_us - self._sure_us.get(thing.label, at_us) > WEAK_US:
             return False
         return thing.score >= self._confidence * KEPT_AT and any(
-            earlier.label == thing.label and _overlap(earlier, thing) >= SAME_PLACE
+            earlier.label == thing.label and _overlap_of(earlier, thing) >= SAME_PLACE
             for _, earlier in before
         )
 
 
-def _overlap(one: Thing, other: Thing) -> float:
+def _overlap_of(one: Thing, other: Thing) -> float:
     """Give the intersection over the union of two boxes, 0 to 1."""
     width = min(one.right, other.right) - max(one.left, other.left)
     height = min(one.bottom, other.bottom) - max(one.top, other.top)

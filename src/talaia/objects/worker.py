@@ -176,14 +176,14 @@ class _Running:
             try:
                 things = await asked
             except DetectorError as error:
-                self._failed(str(error))
+                self._fail_waiting(str(error))
                 raise
             finally:
                 late.cancel()
-            self._worked()
+            self._mark_working()
             return things
 
-    def _failed(self, why: str) -> None:
+    def _fail_waiting(self, why: str) -> None:
         if self._closed:
             return
         self._failed_at = time.monotonic()
@@ -194,7 +194,7 @@ class _Running:
             self._told(why)
         self._why = why
 
-    def _worked(self) -> None:
+    def _mark_working(self) -> None:
         if self._why and time.monotonic() - self._failed_at > STEADY_S:
             self._why, self._failures = "", 0
             self._told("")
@@ -239,17 +239,17 @@ class _Child:
     def _told_of(self, *said: bytes | memoryview) -> dict[str, Any]:
         """Say something to the process and give its answer."""
         try:
-            process = self._process or self._begun()
+            process = self._process or self._started_process()
             for line in said:
-                _write(process, line)
-            told = self._answer(process)
+                _write_to_child(process, line)
+            told = self._read_answer(process)
         except OSError as error:
             raise DetectorError(self._ended()) from error
         if "problem" in told:
             raise DetectorError(str(told["problem"]))
         return told
 
-    def _begun(self) -> subprocess.Popen[bytes]:
+    def _started_process(self) -> subprocess.Popen[bytes]:
         kept = {name: os.environ[name] for name in _SURROUNDINGS if name in os.environ}
         try:
             process = subprocess.Popen(
@@ -266,18 +266,20 @@ class _Child:
         if self.closed:
             process.kill()
         self._words.clear()
-        self._listener = threading.Thread(target=self._listen, args=(process,), daemon=True)
+        self._listener = threading.Thread(
+            target=self._listen_to_child, args=(process,), daemon=True
+        )
         self._listener.start()
         with contextlib.suppress(OSError):
             fcntl.fcntl(process.stdin or 0, fcntl.F_SETPIPE_SZ, PIPE)
-        _write(process, json.dumps(self._job).encode() + b"\n")
-        told = self._answer(process)
+        _write_to_child(process, json.dumps(self._job).encode() + b"\n")
+        told = self._read_answer(process)
         if "problem" in told:
             self.end()
             raise DetectorError(str(told["problem"]))
         return process
 
-    def _answer(self, process: subprocess.Popen[bytes]) -> dict[str, Any]:
+    def _read_answer(self, process: subprocess.Popen[bytes]) -> dict[str, Any]:
         assert process.stdout is not None  # noqa: S101 - told to mypy
         line = process.stdout.readline()
         if not line.endswith(b"\n"):
@@ -285,7 +287,7 @@ class _Child:
         told: dict[str, Any] = json.loads(line)
         return told
 
-    def _listen(self, process: subprocess.Popen[bytes]) -> None:
+    def _listen_to_child(self, process: subprocess.Popen[bytes]) -> None:
         """Take what it and its libraries print, for one who wants to know why it ended."""
         assert process.stderr is not None  # noqa: S101 - told to mypy
         with contextlib.suppress(OSError, ValueError):
@@ -330,7 +332,7 @@ class _Child:
         return code
 
 
-def _write(process: subprocess.Popen[bytes], data: bytes | memoryview) -> None:
+def _write_to_child(process: subprocess.Popen[bytes], data: bytes | memoryview) -> None:
     assert process.stdin is not None  # noqa: S101 - told to mypy
     left = memoryview(data)
     while left:

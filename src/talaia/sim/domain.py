@@ -71,17 +71,17 @@ def reserve(domain: int | None = None, *, folder: Path | None = None) -> Reserva
     folder = folder or _runtime_folder()
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     if domain is not None:
-        _check(domain)
-        return _try(folder, domain) or _refuse(domain, domain)
+        _check_domain(domain)
+        return _try_lock(folder, domain) or _raise_none_free(domain, domain)
     # Processes start their search apart, so that two that start together seldom meet.
     span = LAST - FIRST + 1
     start = os.getpid() % span
     for step in range(span):
         candidate = FIRST + (start + step) % span
-        taken = _try(folder, candidate)
+        taken = _try_lock(folder, candidate)
         if taken is not None:
             return taken
-    return _refuse(FIRST, LAST)
+    return _raise_none_free(FIRST, LAST)
 
 
 def environment(domain: int) -> dict[str, str]:
@@ -91,7 +91,7 @@ def environment(domain: int) -> dict[str, str]:
         BadDomain: the number is not safe to use.
 
     """
-    _check(domain)
+    _check_domain(domain)
     return {
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
@@ -105,12 +105,12 @@ def profile() -> Path:
     return Path(__file__).parent / "fastdds.xml"
 
 
-def _check(domain: int) -> None:
+def _check_domain(domain: int) -> None:
     if not FIRST <= domain <= LAST:
         raise BadDomain(domain, FIRST, LAST)
 
 
-def _refuse(first: int, last: int) -> Reservation:
+def _raise_none_free(first: int, last: int) -> Reservation:
     raise NoFreeDomain(first, last)
 
 
@@ -121,7 +121,7 @@ def _runtime_folder() -> Path:
     return Path(tempfile.gettempdir()) / f"talaia-domains-{os.getuid()}"
 
 
-def _try(folder: Path, domain: int) -> Reservation | None:
+def _try_lock(folder: Path, domain: int) -> Reservation | None:
     flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
     file = os.open(folder / f"{domain}.lock", flags, 0o600)
     try:
@@ -131,13 +131,13 @@ def _try(folder: Path, domain: int) -> Reservation | None:
         if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
             return None
         raise
-    if not _silent(domain):
+    if not _is_silent(domain):
         os.close(file)
         return None
     return Reservation(domain, file)
 
 
-def _silent(domain: int) -> bool:
+def _is_silent(domain: int) -> bool:
     """Tell whether no DDS program that knows nothing of our locks has the domain's first port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from talaia.cli.check import main
 from talaia.cli.init import _print_summary as tell_made
-from talaia.cli.up import _greet as greet_up, _Up
+from talaia.cli.up import _print_greeting as greet_up, _Up
 from talaia.model.discovery.command_file import site_of
 from talaia.model.discovery.generate_description import Proposal
 from talaia.model.interlocks.unguarded import unguarded_devices, unguarded_notice

@@ -45,29 +45,29 @@ STATION_EVERY_S, STATION_SEED = 2.0, 1
 
 def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; everything it started is ended and removed again."""
-    options = _options(argv)
+    options = _parse_options(argv)
     missing = [program for program in ("indiserver", *DRIVERS) if not shutil.which(program)]
     if missing:
         raise CliError(f"{', '.join(missing)} missing; run: apt install indi-bin")
     began = time.monotonic()
     with folder(options.data, "talaia-demo-indi-") as data:
-        asyncio.run(_run(options, data, began))
+        asyncio.run(_run_demo(options, data, began))
     return 0
 
 
-async def _run(options: argparse.Namespace, data: Path, began: float) -> None:
-    measuring = asyncio.create_task(_measure(_station(data)))
+async def _run_demo(options: argparse.Namespace, data: Path, began: float) -> None:
+    measuring = asyncio.create_task(_write_measurements(_station_file(data)))
     try:
-        await run_together(lambda parts: _start(options, data, parts, began))
+        await run_together(lambda parts: _start_parts(options, data, parts, began))
     finally:
         measuring.cancel()
 
 
-def _station(data: Path) -> Path:
+def _station_file(data: Path) -> Path:
     return data / "station.txt"
 
 
-async def _measure(station: Path) -> None:
+async def _write_measurements(station: Path) -> None:
     """Write what a station at the dome measures, as the driver `Weather Watcher` reads it."""
     weather, noise = Weather(STATION_SEED, time.time()), random.Random(STATION_SEED)  # noqa: S311
     next_file = station.with_suffix(".next")
@@ -82,7 +82,7 @@ async def _measure(station: Path) -> None:
         await asyncio.sleep(STATION_EVERY_S)
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia demo-indi",
         description="Start INDI's own simulators of an observatory, a gateway, the hub and the "
@@ -94,7 +94,9 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-async def _start(options: argparse.Namespace, data: Path, parts: list[Part], began: float) -> None:
+async def _start_parts(
+    options: argparse.Namespace, data: Path, parts: list[Part], began: float
+) -> None:
     port, indi = free_port(options.port), _any_port()
     # Drivers keep their settings in a home of their own, gone with the demo.
     home = data / "indi"
@@ -109,7 +111,7 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     logins = await make_logins(settings)
     site = data / "site.yaml"
     here = _at_night(read_site(example(EXAMPLE)), time.time())
-    here = _reading_station(here, _station(data))
+    here = _reading_station(here, _station_file(data))
     site.write_text(dump_site(_at_port(here, indi)))
     key = data / "gateway.key"
     key.write_text(await accounts.create_gateway(settings, EXAMPLE))

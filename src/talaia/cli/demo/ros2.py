@@ -49,17 +49,17 @@ READY_S = 120.0
 
 def main(argv: Sequence[str]) -> int:
     """Run until Ctrl-C; everything it started is ended and removed again."""
-    options = _options(argv)
+    options = _parse_options(argv)
     for module in ("rclpy", "mujoco"):
         if importlib.util.find_spec(module) is None:
             raise PartMissing("talaia demo", module, "hub,sim")
     began = time.monotonic()
     with folder(options.data, "talaia-demo-") as data:
-        asyncio.run(run_together(lambda parts: _start(options, data, parts, began)))
+        asyncio.run(run_together(lambda parts: _start_robots(options, data, parts, began)))
     return 0
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia demo",
         description="Start a simulated vehicle and a simulated observatory, their gateways, the "
@@ -76,12 +76,14 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-async def _start(options: argparse.Namespace, data: Path, parts: list[Part], began: float) -> None:
+async def _start_robots(
+    options: argparse.Namespace, data: Path, parts: list[Part], began: float
+) -> None:
     port = free_port(options.port)
     address = f"http://localhost:{port}"
-    robots = [_vehicle(options, data)]
+    robots = [_start_vehicle(options, data)]
     if not options.no_observatory:
-        robots.append(_observatory(options, data))
+        robots.append(_start_observatory(options, data))
     for robot in robots:
         name = f"simulated {robot.name}"
         parts.append(await start(name, robot.words, data / robot.log, robot.environment))
@@ -90,7 +92,7 @@ async def _start(options: argparse.Namespace, data: Path, parts: list[Part], beg
     )
     logins = await make_logins(settings)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
-    gateways = [await _gateway(robot, settings) for robot in robots]
+    gateways = [await _gateway_command(robot, settings) for robot in robots]
     parts.append(await start("hub", hub, data / "hub.log", restart=True))
     for robot, words in zip(robots, gateways, strict=True):
         suffix = "" if robot.site == VEHICLE else f"-{robot.site}"
@@ -134,7 +136,7 @@ class _Robot(NamedTuple):
     environment: dict[str, str]
 
 
-def _vehicle(options: argparse.Namespace, data: Path) -> _Robot:
+def _start_vehicle(options: argparse.Namespace, data: Path) -> _Robot:
     world = domain.reserve().domain  # kept until this process ends
     words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "actuations.jsonl")]
@@ -146,12 +148,12 @@ def _vehicle(options: argparse.Namespace, data: Path) -> _Robot:
         text = example(VEHICLE).read_text()
         # Without them its gateway would not start: what is to be recorded must be.
         text += RECORDING if find_spec("mcap") and find_spec("av") else ""
-        describe(description, _blind(text) if options.no_camera else text)
+        describe(description, _without_detections(text) if options.no_camera else text)
     here = domain.environment(world)
     return _Robot(VEHICLE, description, changed, "vehicle", words, "sim.log", world, here)
 
 
-def _blind(text: str) -> str:
+def _without_detections(text: str) -> str:
     """Take away what goes by the pictures of a camera that is not there."""
     site = load_site(text)
     camera = site.devices["camera"]
@@ -172,7 +174,7 @@ def _blind(text: str) -> str:
     return saved(text, without)
 
 
-def _observatory(options: argparse.Namespace, data: Path) -> _Robot:
+def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
     # A domain of its own: two robots in one would be one robot.
     world = domain.reserve().domain
     words = ["sim", "observatory", "--domain", str(world), "--seed", str(options.seed)]
@@ -193,7 +195,7 @@ def _observatory(options: argparse.Namespace, data: Path) -> _Robot:
     )
 
 
-async def _gateway(robot: _Robot, settings: Settings) -> list[str]:
+async def _gateway_command(robot: _Robot, settings: Settings) -> list[str]:
     """Make a gateway's key and give the words that start it."""
     suffix = "" if robot.site == VEHICLE else f"-{robot.site}"
     key = settings.data / f"gateway{suffix}.key"

@@ -76,7 +76,7 @@ def example(name: str) -> Path:
 def is_changed(path: Path) -> bool:
     """Tell whether somebody changed a description that `describe` wrote in an earlier run."""
     try:
-        return _digest(path.read_text()) != _written(path).read_text()
+        return _digest_of(path.read_text()) != _digest_file(path).read_text()
     except FileNotFoundError:
         # Of a demo that did not note yet what it wrote: it may hold somebody's work.
         return path.exists()
@@ -85,14 +85,14 @@ def is_changed(path: Path) -> bool:
 def describe(path: Path, text: str) -> None:
     """Write a description, and note that it is the demo's own."""
     path.write_text(text)
-    _written(path).write_text(_digest(text))
+    _digest_file(path).write_text(_digest_of(text))
 
 
-def _written(path: Path) -> Path:
+def _digest_file(path: Path) -> Path:
     return path.with_name(f".{path.name}.written")
 
 
-def _digest(text: str) -> str:
+def _digest_of(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 

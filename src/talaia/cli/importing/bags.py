@@ -37,7 +37,7 @@ class Bag:
         self._connections = {connection.id: connection for connection in self._reader.connections}
         self.count = self._reader.message_count
         self.topics = {
-            number: (connection.topic, self._definition(connection))
+            number: (connection.topic, self._definition_of(connection))
             for number, connection in self._connections.items()
         }
 
@@ -55,7 +55,7 @@ class Bag:
         """Let go of the files."""
         self._reader.close()
 
-    def _definition(self, connection: Connection) -> Definition:
+    def _definition_of(self, connection: Connection) -> Definition:
         definition = connection.msgdef
         return Definition(
             self._encoding,

@@ -61,19 +61,19 @@ def decoder_of(definition: Definition) -> Callable[[bytes], object]:
     """
     name = definition.type_name
     if definition.encoding == "json":
-        return _json
+        return _json_decoder
     if definition.encoding not in ("cdr", "ros1"):
         raise Undecodable(f"its messages are {definition.encoding or 'raw bytes'}")
     store = get_typestore(Stores.EMPTY)
     try:
-        store.register(_types(definition))
+        store.register(_read_types(definition))
     except (TypesysError, AssertionError, ValueError, KeyError) as error:
         raise Undecodable(f"its definition of {name} cannot be read: {error}") from error
     read = store.deserialize_ros1 if definition.encoding == "ros1" else store.deserialize_cdr
     return lambda data: read(data, name)
 
 
-def _types(definition: Definition) -> Typesdict:
+def _read_types(definition: Definition) -> Typesdict:
     name = definition.type_name
     if definition.form == "msg":
         return get_types_from_msg(definition.text, name)
@@ -89,5 +89,5 @@ def _types(definition: Definition) -> Typesdict:
     return dict(_KNOWN.fielddefs)
 
 
-def _json(data: bytes) -> object:
+def _json_decoder(data: bytes) -> object:
     return json.loads(data, object_hook=lambda found: SimpleNamespace(**found))

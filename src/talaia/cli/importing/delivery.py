@@ -42,7 +42,7 @@ def deliver(
     while True:
         try:
             with hub_lock(settings.data):
-                return asyncio.run(_bring(settings, paths))
+                return asyncio.run(_deliver_files(settings, paths))
         except HistoryError as error:
             raise CliError(
                 f"{error}; what is to be imported waits in {paths[0].parent}, and the hub takes it"
@@ -52,7 +52,7 @@ def deliver(
             if not told:
                 say("the hub is running and imports it")
             told = True
-        taken = _fetch(paths)
+        taken = _fetch_results(paths)
         if taken is not None:
             return taken
         time.sleep(_LOOK_S)
@@ -80,14 +80,14 @@ def described(settings: Settings, site: str) -> str | None:
     return asyncio.run(read_known_site())
 
 
-def _fetch(paths: Sequence[Path]) -> list[ImportResult] | None:
+def _fetch_results(paths: Sequence[Path]) -> list[ImportResult] | None:
     """Give the hub's answers, once there is one to each parcel."""
     if any(path.exists() for path in paths):
         return None
     return [answer_of(path) or ImportResult(0, 0) for path in paths]
 
 
-async def _bring(settings: Settings, paths: Sequence[Path]) -> list[ImportResult]:
+async def _deliver_files(settings: Settings, paths: Sequence[Path]) -> list[ImportResult]:
     clock = SystemClock()
     database = Database(settings.url)
     history = HistoryStore(settings.url, clock, HistoryLimits(show_s=0, tidy_s=0))

@@ -76,7 +76,7 @@ class ExtensionSource:
         buffer, waiting = SampleBuffer(), 0
         try:
             for sample in self._importer.read(request):
-                self._add(sample, buffer)
+                self._add_sample(sample, buffer)
                 waiting += 1
                 if waiting == _AT_ONCE:
                     waiting = 0
@@ -94,7 +94,7 @@ class ExtensionSource:
         if columns is not None:
             yield Piece(1.0, columns)
 
-    def _add(self, sample: ImportedSample, buffer: SampleBuffer) -> None:
+    def _add_sample(self, sample: ImportedSample, buffer: SampleBuffer) -> None:
         address, time_us, value = sample
         channel = self._channels.get(address)
         if channel is None:

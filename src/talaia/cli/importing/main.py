@@ -48,10 +48,10 @@ class _Read(NamedTuple):
 
 def main(argv: Sequence[str]) -> int:
     """Import each file, or none of them."""
-    options = _options(argv)
+    options = _parse_options(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from())
-    site = _site(options.site, settings)
-    named = _named(options.column)
+    site = _load_site(options.site, settings)
+    named = _named_columns(options.column)
     reads: list[_Read] = []
     folder = settings.data / FOLDER
     if not options.dry_run:
@@ -60,21 +60,21 @@ def main(argv: Sequence[str]) -> int:
     with contextlib.ExitStack() as stack:
         writers: list[ParcelWriter] = []
         for path in options.file:
-            times = TimeReader(_zone(options.zone), TimeUnit(options.time_unit))
+            times = TimeReader(_time_zone(options.zone), TimeUnit(options.time_unit))
             with contextlib.closing(
-                _open(path, site, named=named, time_column=options.time, times=times)
+                _open_source(path, site, named=named, time_column=options.time, times=times)
             ) as source:
                 writer = None
                 if not options.dry_run:
                     head = Head(
                         site=site.site,
                         file=path.name[:200],
-                        digest=_digest(path),
+                        digest=_digest_file(path),
                         description=dump_site(site),
                     )
-                    writer = stack.enter_context(_writer(folder, head))
+                    writer = stack.enter_context(_make_writer(folder, head))
                     writers.append(writer)
-                reads.append(_Read(path, _read(path, source, site, writer), source.findings))
+                reads.append(_Read(path, _read_file(path, source, site, writer), source.findings))
             _print_summary(site, reads[-1], source.kind)
         if options.dry_run:
             print("nothing was written (--dry-run)")
@@ -82,11 +82,11 @@ def main(argv: Sequence[str]) -> int:
         # Only now that all of them are read; until here nothing has happened.
         ready = [writer.publish() for writer in writers]
     for read, how in zip(reads, deliver(settings, ready, _print_progress), strict=True):
-        print(f"{read.path}: {_result(how)}")
+        print(f"{read.path}: {_result_text(how)}")
     return 0
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia import",
         description="Bring recordings (rosbag 1, rosbag 2, MCAP) and tables (CSV) into a site's"
@@ -132,7 +132,7 @@ def _check_data(data: Path) -> None:
         )
 
 
-def _site(asked: str, settings: Settings) -> Site:
+def _load_site(asked: str, settings: Settings) -> Site:
     path = Path(asked)
     if path.suffix in (".yaml", ".yml") or path.is_file():
         return raise_first(read_site(path))
@@ -143,7 +143,7 @@ def _site(asked: str, settings: Settings) -> Site:
     return load_site(text)
 
 
-def _named(columns: Sequence[str]) -> dict[str, str]:
+def _named_columns(columns: Sequence[str]) -> dict[str, str]:
     named = {}
     for column in columns:
         heading, found, address = column.rpartition("=")
@@ -153,7 +153,7 @@ def _named(columns: Sequence[str]) -> dict[str, str]:
     return named
 
 
-def _zone(name: str) -> ZoneInfo | None:
+def _time_zone(name: str) -> ZoneInfo | None:
     if not name:
         return None
     try:
@@ -162,7 +162,7 @@ def _zone(name: str) -> ZoneInfo | None:
         raise CliError(f"--zone {name}: no such time zone; write it as Europe/Madrid") from error
 
 
-def _kind(path: Path) -> str:
+def _file_kind(path: Path) -> str:
     """Tell what a file is by how it begins."""
     try:
         if path.is_dir():
@@ -193,10 +193,10 @@ def _kind(path: Path) -> str:
     return "CSV"
 
 
-def _open(
+def _open_source(
     path: Path, site: Site, *, named: dict[str, str], time_column: str, times: TimeReader
 ) -> ImportSource:
-    kind = _kind(path)
+    kind = _file_kind(path)
     if kind == "CSV":
         return Table(path, site, named=named, time_column=time_column, times=times)
     if kind.startswith(_EXTENSION):
@@ -204,7 +204,7 @@ def _open(
     return Messages(path, kind, site)
 
 
-def _digest(path: Path) -> str:
+def _digest_file(path: Path) -> str:
     """Give the SHA-256 of a file, or of a folder's files with their names."""
     total = hashlib.sha256()
     for file in sorted(path.iterdir()) if path.is_dir() else [path]:
@@ -217,7 +217,7 @@ def _digest(path: Path) -> str:
 
 
 @contextlib.contextmanager
-def _writer(folder: Path, head: Head) -> Iterator[ParcelWriter]:
+def _make_writer(folder: Path, head: Head) -> Iterator[ParcelWriter]:
     try:
         with ParcelWriter(folder, head) as writer:
             yield writer
@@ -225,7 +225,9 @@ def _writer(folder: Path, head: Head) -> Iterator[ParcelWriter]:
         raise CliError(f"{folder} cannot be written: {error}; nothing was imported") from error
 
 
-def _read(path: Path, source: ImportSource, site: Site, writer: ParcelWriter | None) -> list[Tally]:
+def _read_file(
+    path: Path, source: ImportSource, site: Site, writer: ParcelWriter | None
+) -> list[Tally]:
     staging = Staging([channel.address for channel in site.channels()], writer)
     told = time.monotonic()
     for piece in source.pieces():
@@ -246,18 +248,18 @@ def _print_summary(site: Site, read: _Read, kind: str) -> None:
     print(f"{read.path} ({kind})")
     width = max((len(tally.address) for tally in read.tallies), default=0)
     for tally in read.tallies:
-        span = f"{_time(tally.first_us)} to {_time(tally.last_us)}"
+        span = f"{_time_text(tally.first_us)} to {_time_text(tally.last_us)}"
         print(f"  {tally.address:<{width}}  {tally.samples:>12,} samples  {span}")
     if not read.tallies:
         print("  nothing in it belongs to this site")
-    _list("not in the file", read.findings.absent)
-    _list("not read", read.findings.unread)
-    notes = [*read.findings.notes, *_old(site, read.tallies)]
+    _print_list("not in the file", read.findings.absent)
+    _print_list("not read", read.findings.unread)
+    notes = [*read.findings.notes, *_retention_warnings(site, read.tallies)]
     for note in notes:
         print(f"  note: {note}")
 
 
-def _list(title: str, reasons: dict[str, str]) -> None:
+def _print_list(title: str, reasons: dict[str, str]) -> None:
     for at, (name, reason) in enumerate(reasons.items()):
         if at == _MOST_SAID:
             print(f"  {title}: {len(reasons) - at} more")
@@ -265,7 +267,7 @@ def _list(title: str, reasons: dict[str, str]) -> None:
         print(f"  {title}: {name}" + (f" ({reason})" if reason else ""))
 
 
-def _old(site: Site, tallies: Sequence[Tally]) -> Iterator[str]:
+def _retention_warnings(site: Site, tallies: Sequence[Tally]) -> Iterator[str]:
     now_us = time.time_ns() // 1000
     channels = {channel.address: channel for channel in site.channels()}
     for tally in tallies:
@@ -275,7 +277,7 @@ def _old(site: Site, tallies: Sequence[Tally]) -> Iterator[str]:
             yield f"{tally.address} is kept for {keep:g} days only, and will be dropped soon"
 
 
-def _time(time_us: int) -> str:
+def _time_text(time_us: int) -> str:
     try:
         moment = dt.datetime.fromtimestamp(time_us // 1_000_000, dt.UTC)
     except (ValueError, OverflowError, OSError):
@@ -283,7 +285,7 @@ def _time(time_us: int) -> str:
     return f"{moment:%Y-%m-%d %H:%M:%S}Z"
 
 
-def _result(how: ImportResult) -> str:
+def _result_text(how: ImportResult) -> str:
     if not how.stored:
         return f"all of its {how.there:,} samples were there already"
     there = f", {how.there:,} were there already" if how.there else ""

@@ -37,7 +37,7 @@ class McapFile:
                 summary = self._reader.get_summary()
             if summary is not None:
                 for number, channel in summary.channels.items():
-                    self._learn(number, channel, summary.schemas.get(channel.schema_id))
+                    self._add_definition(number, channel, summary.schemas.get(channel.schema_id))
                 if summary.statistics is not None:
                     self.count = summary.statistics.message_count
         except BaseException:
@@ -60,7 +60,7 @@ class McapFile:
         """Let go of the file."""
         self._stream.close()
 
-    def _learn(self, number: int, channel: Channel, schema: Schema | None) -> None:
+    def _add_definition(self, number: int, channel: Channel, schema: Schema | None) -> None:
         name = ros_type(schema.name) if schema is not None else ""
         form = _FORMS.get(schema.encoding, "") if schema is not None else ""
         text = schema.data.decode("utf-8", "replace") if schema is not None and form else ""

@@ -79,10 +79,10 @@ class Messages:
         try:
             self._file: MessageFile = McapFile(path) if kind == "MCAP" else Bag(path, kind)
         except Exception as error:
-            raise self._bad(error, "") from error
+            raise self._file_error(error, "") from error
         self._unreadable: dict[str, str] = {}
         self._read: dict[int, tuple[TopicPlan, Callable[[bytes], object]]] = {}
-        self._match(site)
+        self._match_channels(site)
 
     def pieces(self) -> Iterator[Piece]:
         """See `Source.pieces`."""
@@ -95,7 +95,7 @@ class Messages:
                 found = next(messages, None)
             except Exception as error:
                 place = self._file.place() or f"after message {read}"
-                raise self._bad(error, place) from error
+                raise self._file_error(error, place) from error
             if found is None:
                 break
             number, time_ns, data = found
@@ -105,7 +105,9 @@ class Messages:
                 message = decode(data)
             except Exception as error:
                 topic = self._file.topics[number][0]
-                raise self._bad(error, f"message {read} of the topics read, on {topic}") from error
+                raise self._file_error(
+                    error, f"message {read} of the topics read, on {topic}"
+                ) from error
             time_us = time_ns // 1000
             past_us = max(past_us, time_us)
             plan.take_past(time_us, gathered)
@@ -128,7 +130,7 @@ class Messages:
         """See `Source.close`."""
         self._file.close()
 
-    def _match(self, site: Site) -> None:
+    def _match_channels(self, site: Site) -> None:
         def complain(address: str, problem: str) -> None:
             self._unreadable.setdefault(address, problem)
 
@@ -169,7 +171,7 @@ class Messages:
             if number not in matched:
                 self.findings.unread[topic] = definition.type_name
 
-    def _bad(self, error: Exception, place: str) -> BadFile:
+    def _file_error(self, error: Exception, place: str) -> BadFile:
         said = str(error) or type(error).__name__
         remedy = ""
         if self.kind == "rosbag 1" and "index" in said.lower():

@@ -60,14 +60,14 @@ class Staging:
         numbers, starts = np.unique(sorted_columns.channel, return_index=True)
         bounds = [*starts.tolist(), len(columns)]
         for at, number in enumerate(numbers.tolist()):
-            self._keep(number, part(sorted_columns, bounds[at], bounds[at + 1]))
+            self._keep_columns(number, part(sorted_columns, bounds[at], bounds[at + 1]))
         if sum(self._waiting.values()) > _MOST:
             self.finish()
 
     def finish(self) -> None:
         """Write what waits."""
         for number in list(self._parts):
-            self._write(number)
+            self._write_batch(number)
 
     def tallies(self) -> list[Tally]:
         """Tell what came, by channel, in the order of the description."""
@@ -75,7 +75,7 @@ class Staging:
             Tally(self._addresses[number], *self._spans[number]) for number in sorted(self._spans)
         ]
 
-    def _keep(self, number: int, columns: Columns) -> None:
+    def _keep_columns(self, number: int, columns: Columns) -> None:
         count, first_us, last_us = self._spans.get(number, (0, 2**63 - 1, -(2**63)))
         first_us = min(first_us, int(columns.time_us.min()))
         last_us = max(last_us, int(columns.time_us.max()))
@@ -85,9 +85,9 @@ class Staging:
         self._parts.setdefault(number, []).append(columns)
         self._waiting[number] = self._waiting.get(number, 0) + len(columns)
         if self._waiting[number] >= _ENOUGH:
-            self._write(number)
+            self._write_batch(number)
 
-    def _write(self, number: int) -> None:
+    def _write_batch(self, number: int) -> None:
         parts, count = self._parts.pop(number), self._waiting.pop(number)
         texts, at = {}, 0
         for columns in parts:

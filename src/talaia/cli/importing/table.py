@@ -80,13 +80,15 @@ class Table:
             self._headings = next(csv.reader([first], delimiter=delimiter, strict=True), [])
             self._headings = [heading.strip() for heading in self._headings]
             self._time_at = self._find_time(time_column)
-            self._columns = self._match(site, named)
+            self._columns = self._match_columns(site, named)
         except UnicodeDecodeError as error:
             self.close()
-            raise self._bad(1, f"it is not UTF-8 ({error.reason} at byte {error.start})") from error
+            raise self._cell_error(
+                1, f"it is not UTF-8 ({error.reason} at byte {error.start})"
+            ) from error
         except csv.Error as error:
             self.close()
-            raise self._bad(1, str(error)) from error
+            raise self._cell_error(1, str(error)) from error
         except BadFile:
             self.close()
             raise
@@ -101,9 +103,9 @@ class Table:
             try:
                 row = next(self._reader, None)
             except UnicodeDecodeError as error:
-                raise self._bad(line, f"it is not UTF-8 ({error.reason})") from error
+                raise self._cell_error(line, f"it is not UTF-8 ({error.reason})") from error
             except csv.Error as error:
-                raise self._bad(line, str(error)) from error
+                raise self._cell_error(line, str(error)) from error
             if row is None:
                 break
             if not any(cell.strip() for cell in row):
@@ -130,13 +132,13 @@ class Table:
 
     def _read_row(self, row: list[str], line: int, gathered: SampleBuffer) -> None:
         if len(row) != len(self._headings):
-            raise self._bad(
+            raise self._cell_error(
                 line, f"expected {len(self._headings)} cells as in the heading, found {len(row)}"
             )
         try:
             time_us = self._times.read(row[self._time_at])
         except CellError as error:
-            raise self._bad(line, str(error), self._headings[self._time_at]) from error
+            raise self._cell_error(line, str(error), self._headings[self._time_at]) from error
         for column in self._columns:
             cell = row[column.at]
             if column.text:
@@ -144,35 +146,37 @@ class Table:
                     gathered.add_text(column.channel, time_us, text_of(cell))
             elif cell := cell.strip():
                 try:
-                    value = _number(cell, column.states)
+                    value = _parse_number(cell, column.states)
                 except CellError as error:
-                    raise self._bad(line, str(error), column.heading) from error
+                    raise self._cell_error(line, str(error), column.heading) from error
                 gathered.add(column.channel, time_us, value)
 
     def _find_time(self, asked: str) -> int:
         if asked:
             if asked in self._headings:
                 return self._headings.index(asked)
-            raise self._bad(1, f"there is no column {asked!r}", remedy=self._there_are())
+            raise self._cell_error(1, f"there is no column {asked!r}", remedy=self._there_are())
         lower = [heading.lower() for heading in self._headings]
         for name in _TIME_NAMES:
             if name in lower:
                 return lower.index(name)
-        raise self._bad(
+        raise self._cell_error(
             1, "which column holds the times?", remedy=f"name it with --time; {self._there_are()}"
         )
 
     def _there_are(self) -> str:
         return "there are " + ", ".join(repr(heading[:40]) for heading in self._headings[:20])
 
-    def _match(self, site: Site, named: Mapping[str, str]) -> list[_Column]:
+    def _match_columns(self, site: Site, named: Mapping[str, str]) -> list[_Column]:
         channels = {channel.address: number for number, channel in enumerate(site.channels())}
         for heading, address in named.items():
             if heading not in self._headings:
-                raise self._bad(1, f"there is no column {heading!r}", remedy=self._there_are())
+                raise self._cell_error(
+                    1, f"there is no column {heading!r}", remedy=self._there_are()
+                )
             if address not in channels:
                 near = ", ".join(sorted(channels)[:20])
-                raise self._bad(
+                raise self._cell_error(
                     1, f"the description has no channel {address!r}", remedy=f"there are {near}"
                 )
         columns: list[_Column] = []
@@ -191,10 +195,10 @@ class Table:
                 continue
             number = channels[address]
             if number in taken:
-                raise self._bad(
+                raise self._cell_error(
                     1, f"{address} is in two columns, {taken[number]!r} and {heading!r}"
                 )
-            signal = _signal(site, number)
+            signal = _signal_of(site, number)
             if unit and unit != signal.unit:
                 self.findings.unread[heading] = f"{address} is in {signal.unit or 'no unit'}"
                 continue
@@ -206,17 +210,17 @@ class Table:
                 self.findings.absent[address] = "the file has no such column"
         return columns
 
-    def _bad(self, line: int, problem: str, column: str = "", remedy: str = "") -> BadFile:
+    def _cell_error(self, line: int, problem: str, column: str = "", remedy: str = "") -> BadFile:
         place = f"line {line}" + (f", column {column!r}" if column else "")
         return BadFile(str(self._path), place, problem, remedy)
 
 
-def _signal(site: Site, number: int) -> Signal:
+def _signal_of(site: Site, number: int) -> Signal:
     channel = site.channels()[number]
     return site.devices[channel.device].signals[channel.signal]
 
 
-def _number(cell: str, states: tuple[str, ...]) -> float:
+def _parse_number(cell: str, states: tuple[str, ...]) -> float:
     if cell in states:
         return float(states.index(cell))
     try:

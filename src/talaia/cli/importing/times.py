@@ -83,7 +83,7 @@ class TimeReader:
         text = cell.strip()
         if self.unit is TimeUnit.AUTO:
             self.unit = _unit_of(text)
-        time_us = self._iso(text) if self.unit is TimeUnit.ISO else self._number(text)
+        time_us = self._parse_iso(text) if self.unit is TimeUnit.ISO else self._number(text)
         if not -_FARTHEST_US < time_us < _FARTHEST_US:
             raise CellError(f"the time {text[:40]!r} is too far away")
         self._above_us = time_us
@@ -97,7 +97,7 @@ class TimeReader:
             raise CellError(f"the time {text[:40]!r} is too far away")
         return int((value * _PER_US[self.unit]).__floor__())
 
-    def _iso(self, text: str) -> int:
+    def _parse_iso(self, text: str) -> int:
         if not _ISO.fullmatch(text):
             raise CellError(f"expected a time like 2024-01-31T12:00:00Z, found {text[:40]!r}")
         try:
@@ -112,9 +112,9 @@ class TimeReader:
             raise CellError(
                 f"the time {text[:40]!r} says no zone; name it with --zone, as Europe/Madrid or UTC"
             )
-        return self._local(found, self._zone, text)
+        return self._local_time(found, self._zone, text)
 
-    def _local(self, found: dt.datetime, zone: ZoneInfo, text: str) -> int:
+    def _local_time(self, found: dt.datetime, zone: ZoneInfo, text: str) -> int:
         plain = (found - _EPOCH) // _US
         first, second = (
             plain - (found.replace(tzinfo=zone, fold=fold).utcoffset() or dt.timedelta()) // _US

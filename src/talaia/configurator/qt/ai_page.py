@@ -45,12 +45,16 @@ class AiPage(Page):
             told = label(sentence, "muted", wrap=True)
             told.setIndent(50)
             card.body.addWidget(told)
-        self.anomalies.clicked.connect(lambda on=False: self._switch("anomaly_detection", on=on))
-        self.objects.clicked.connect(lambda on=False: self._switch("object_detection", on=on))
+        self.anomalies.clicked.connect(
+            lambda on=False: self._switch_service("anomaly_detection", on=on)
+        )
+        self.objects.clicked.connect(
+            lambda on=False: self._switch_service("object_detection", on=on)
+        )
         self.body.addWidget(card)
         robot = Card("The robot")
         self.form = Form()
-        self.form.edited.connect(self._edited)
+        self.form.edited.connect(self._apply_edit)
         robot.body.addWidget(self.form)
         self.body.addWidget(robot)
         self.body.addStretch(1)
@@ -76,14 +80,14 @@ class AiPage(Page):
         """Put the focus into a field of the site; false where this page has it not."""
         return self.form.go_to(".".join(field))
 
-    def _switch(self, key: str, *, on: bool) -> None:
+    def _switch_service(self, key: str, *, on: bool) -> None:
         wanted = msgspec.structs.replace(ai_services(self._editor.site), **{key: on})
         word = "switch on" if on else "switch off"
         self._editor.apply(
             f"{word} {key.replace('_', ' ')}", lambda site: with_services(site, wanted)
         )
 
-    def _edited(self, row: Row, value: object) -> None:
+    def _apply_edit(self, row: Row, value: object) -> None:
         self._editor.apply(
             f"change {row.label.lower()}", lambda site: with_value(site, row.path, value)
         )

@@ -69,7 +69,7 @@ def things_of(site: Site) -> Iterator[tuple[Path, str]]:
                 yield (*path, "commands", name, "arguments", argument), described.name or argument
 
 
-def _kind(path: Path) -> str:
+def _kind_name(path: Path) -> str:
     if not path:
         return "site"
     if path[-1] in ("drive", "ros2"):
@@ -77,7 +77,7 @@ def _kind(path: Path) -> str:
     return _KIND[path[-2]]
 
 
-def _parent(path: Path) -> Path:
+def _parent_item(path: Path) -> Path:
     if not path:
         return ()
     return path[:-1] if path[-1] == "drive" and len(path) == 3 else path[:-2]
@@ -97,8 +97,8 @@ class DevicesPage(Page):
         self._items: dict[Path, QTreeWidgetItem] = {}
         self._shown: list[tuple[Path, str]] = []
         split = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=False)
-        split.addWidget(self._left())
-        split.addWidget(self._right())
+        split.addWidget(self._make_tree_pane())
+        split.addWidget(self._make_detail_pane())
         split.setStretchFactor(0, 2)
         split.setStretchFactor(1, 3)
         split.setSizes([340, 480])
@@ -112,7 +112,7 @@ class DevicesPage(Page):
         editor.changed.connect(self.show_site)
         self.show_site()
 
-    def _left(self) -> QWidget:
+    def _make_tree_pane(self) -> QWidget:
         self.tree = QTreeWidget(columnCount=2)
         self.tree.setHeaderLabels(["Thing", "Kind"])
         self.tree.setAccessibleName("Devices and their parts")
@@ -122,7 +122,7 @@ class DevicesPage(Page):
         header.setStretchLastSection(False)
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
         header.setSectionResizeMode(1, QHeaderView.ResizeMode.ResizeToContents)
-        self.tree.currentItemChanged.connect(lambda *_: self._details())
+        self.tree.currentItemChanged.connect(lambda *_: self._show_details())
         self.add_button = QPushButton("&Add")
         self.add_button.setAccessibleName("Add to the selected item")
         self._menu = QMenu(self.add_button)
@@ -136,14 +136,14 @@ class DevicesPage(Page):
         body.addWidget(self.tree, 1)
         return left
 
-    def _right(self) -> QWidget:
+    def _make_detail_pane(self) -> QWidget:
         card = Card()
         self.title = label("", "heading", wrap=True)
         self.hint = label("", "muted", wrap=True)
         card.body.addWidget(self.title)
         card.body.addWidget(self.hint)
         self.form = Form()
-        self.form.edited.connect(self._edited)
+        self.form.edited.connect(self._apply_edit)
         card.body.addWidget(Inner(self.form), 1)
         card.setMinimumWidth(320)
         return card
@@ -159,20 +159,20 @@ class DevicesPage(Page):
                 if self._items[path].text(0) != name:
                     self._items[path].setText(0, name)
         else:
-            self._make(things, chosen)
+            self._fill_tree(things, chosen)
         self._shown = things
-        self._details()
+        self._show_details()
 
-    def _make(self, things: list[tuple[Path, str]], chosen: Path) -> None:
+    def _fill_tree(self, things: list[tuple[Path, str]], chosen: Path) -> None:
         closed = {path for path, item in self._items.items() if not item.isExpanded()}
         known = set(self._items)
         self.tree.blockSignals(True)  # noqa: FBT003 - Qt's own
         self.tree.clear()
         self._items = {}
         for path, name in things:
-            item = QTreeWidgetItem([name, _kind(path)])
+            item = QTreeWidgetItem([name, _kind_name(path)])
             if path:
-                self._items[_parent(path)].addChild(item)
+                self._items[_parent_item(path)].addChild(item)
             else:
                 self.tree.addTopLevelItem(item)
             self._items[path] = item
@@ -181,7 +181,7 @@ class DevicesPage(Page):
             is_open = path not in closed if path in known else len(path) < 2 or len(things) < 40
             item.setExpanded(is_open)
         while chosen and chosen not in self._items:
-            chosen = _parent(chosen)
+            chosen = _parent_item(chosen)
         self.tree.setCurrentItem(self._items[chosen])
         self.tree.blockSignals(False)  # noqa: FBT003 - Qt's own
 
@@ -197,13 +197,13 @@ class DevicesPage(Page):
             path = path[:-1]
         self.tree.setCurrentItem(self._items[path])
         self.tree.scrollToItem(self._items[path])
-        self._details()
+        self._show_details()
         if field and exact and self.form.go_to(".".join(field)):
             return True
         self.tree.setFocus(Qt.FocusReason.OtherFocusReason)
         return exact
 
-    def _details(self) -> None:
+    def _show_details(self) -> None:
         site, path = self._editor.site, self.selected()
         try:
             thing = at(site, path)
@@ -228,10 +228,10 @@ class DevicesPage(Page):
         self.form.show_thing(rows_at(site, path), thing, wrong, path)
         self.remove_button.setEnabled(len(path) > 1)
         self._menu.clear()
-        for group in self._groups():
+        for group in self._show_groups():
             self._menu.addAction(f"{group.title} …").triggered.connect(partial(self._ask, group))
 
-    def _groups(self) -> list[Group]:
+    def _show_groups(self) -> list[Group]:
         site, path = self._editor.site, self.selected()
         here = list(groups_at(site, path))
         return here if path == () else [*here, *groups_at(site, ())]
@@ -265,7 +265,7 @@ class DevicesPage(Page):
         if len(path) > 1:
             self._editor.apply(f"remove {path[-1]}", lambda site: without(site, [path]))
 
-    def _edited(self, field: Row, value: object) -> None:
+    def _apply_edit(self, field: Row, value: object) -> None:
         path = self.selected()
         self._editor.apply(
             f"change {field.label.lower()} of {path[-1] if path else 'the site'}",

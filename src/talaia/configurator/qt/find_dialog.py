@@ -47,11 +47,11 @@ class FindDialog(QDialog):
         self._editor, self._talaia = editor, tuple(talaia)
         self.look = Look()
         self._process = Process(self, together=False)
-        self._process.ended.connect(self._ended)
+        self._process.ended.connect(self._on_ended)
         self._process.not_started.connect(self._not_started)
         self._since = QElapsedTimer()
         self._tick = QTimer(self, interval=100)
-        self._tick.timeout.connect(self._progress)
+        self._tick.timeout.connect(self._show_progress)
         body = QVBoxLayout(self)
         body.setSpacing(SPACE[1])
         body.addWidget(
@@ -62,7 +62,7 @@ class FindDialog(QDialog):
                 wrap=True,
             )
         )
-        body.addWidget(self._where())
+        body.addWidget(self._make_target_fields())
         self.bar = QProgressBar(maximum=1000, textVisible=False)
         self.bar.setAccessibleName("Progress")
         body.addWidget(self.bar)
@@ -82,7 +82,7 @@ class FindDialog(QDialog):
         body.addLayout(row(1, self.close_button, self.start_button))
         self._show_phase()
 
-    def _where(self) -> QWidget:
+    def _make_target_fields(self) -> QWidget:
         self.here = QRadioButton("On &this machine")
         self.there = QRadioButton("On the &robot, over ssh")
         choice = QButtonGroup(self)
@@ -162,19 +162,19 @@ class FindDialog(QDialog):
             return
         super().closeEvent(event)
 
-    def _progress(self) -> None:
+    def _show_progress(self) -> None:
         self.bar.setValue(int(1000 * self.look.progress(self._since.elapsed() / 1000)))
 
     def _not_started(self) -> None:
         program = "ssh" if self.there.isChecked() else self._talaia[0]
         self.look.not_started(program)
-        self._finish()
+        self._finish_search()
 
-    def _ended(self, code: int, said: bytes, complained: str) -> None:
+    def _on_ended(self, code: int, said: bytes, complained: str) -> None:
         self.look.ended(code, said, complained)
-        self._finish()
+        self._finish_search()
 
-    def _finish(self) -> None:
+    def _finish_search(self) -> None:
         self._tick.stop()
         self._show_phase()
         if self.look.phase is LookPhase.CANCELLED:
@@ -184,7 +184,7 @@ class FindDialog(QDialog):
         elif self.look.found is not None:
             result = merged(self._editor.site, self.look.found)
             self._editor.apply("find on robot", lambda _: result.site)
-            self._show_message(_summary(result), "")
+            self._show_message(_summary_text(result), "")
             self.left_out.setPlainText("Left out:\n" + "\n".join(result.left_out))
             self.left_out.setVisible(bool(result.left_out))
             self.close_button.setFocus()
@@ -207,7 +207,7 @@ class FindDialog(QDialog):
         self.problem.setVisible(bool(problem))
 
 
-def _summary(result: Merged) -> str:
+def _summary_text(result: Merged) -> str:
     if not result.added:
         return f"Nothing new: all {result.known} things that were found are described already."
     names = {"signals": "sensors", "streams": "cameras", "commands": "commands"}

@@ -57,7 +57,7 @@ class _Field:
     def __init__(self, form: Form, row: Row) -> None:
         self.row = row
         self._form = form
-        self.widget = self._made()
+        self.widget = self._make_widget()
         self.widget.setAccessibleName(row.label)
         self.widget.setAccessibleDescription(row.help)
         self.widget.setToolTip(row.help)
@@ -66,30 +66,30 @@ class _Field:
         self.wrong.hide()
         self.text = ""
 
-    def _made(self) -> QWidget:
+    def _make_widget(self) -> QWidget:
         row = self.row
         if row.kind in (RowKind.TRUTH, RowKind.PART):
             switch = Switch("")
-            switch.clicked.connect(lambda on=False: self._typed("true" if on else "false"))
+            switch.clicked.connect(lambda on=False: self._apply_text("true" if on else "false"))
             return switch
         if row.kind is RowKind.CHOICE:
             choice = ComboBox()
             choice.addItems(list(row.choices))
-            choice.textActivated.connect(self._typed)
+            choice.textActivated.connect(self._apply_text)
             return choice
         if row.kind in (RowKind.LIST, RowKind.PAIRS):
             lines = _Lines()
-            lines.done.connect(lambda: self._typed(lines.toPlainText()))
+            lines.done.connect(lambda: self._apply_text(lines.toPlainText()))
             return lines
         line = QLineEdit()
         if row.offers:
             completer = QCompleter([offer for offer in row.offers if offer], line)
             completer.setCompletionMode(QCompleter.CompletionMode.PopupCompletion)
             line.setCompleter(completer)
-        line.editingFinished.connect(lambda: self._typed(line.text()))
+        line.editingFinished.connect(lambda: self._apply_text(line.text()))
         return line
 
-    def _typed(self, text: str) -> None:
+    def _apply_text(self, text: str) -> None:
         if text == self.text:
             return
         try:

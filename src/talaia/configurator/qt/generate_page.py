@@ -68,10 +68,10 @@ class GeneratePage(Page):
         self._editor, self._talaia, self._save = editor, tuple(talaia), save
         self._open_page, self._data = open_page, data
         self.run, self.made = Run(), Run()
-        self._site = self._process(self.run)
-        self._deploy = self._process(self.made)
-        self.body.addWidget(self._here())
-        self.body.addWidget(self._elsewhere())
+        self._site = self._connect_process(self.run)
+        self._deploy = self._connect_process(self.made)
+        self.body.addWidget(self._make_run_card())
+        self.body.addWidget(self._make_deployment_card())
         self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=MAX_LINES)
         self.log.setAccessibleName("Log")
         self.log.setPlaceholderText("Output of the started programs.")
@@ -82,14 +82,14 @@ class GeneratePage(Page):
         editor.changed.connect(self.show_state)
         self.show_state()
 
-    def _process(self, run: Run) -> Process:
+    def _connect_process(self, run: Run) -> Process:
         process = Process(self, together=True)
         process.said.connect(lambda line: self._show_line(run, line))
-        process.ended.connect(lambda code, _out, _errors: self._over(run, code))
+        process.ended.connect(lambda code, _out, _errors: self._on_ended(run, code))
         process.not_started.connect(lambda: self._not_started(run))
         return process
 
-    def _here(self) -> QWidget:
+    def _make_run_card(self) -> QWidget:
         card = Card("Start it on this machine")
         card.body.addWidget(
             label(
@@ -112,7 +112,7 @@ class GeneratePage(Page):
         card.body.addWidget(self.problem)
         return card
 
-    def _elsewhere(self) -> QWidget:
+    def _make_deployment_card(self) -> QWidget:
         card = Card("Make a deployment")
         card.body.addWidget(
             label(
@@ -158,7 +158,7 @@ class GeneratePage(Page):
             self.show_state()
             return
         words = up_command(self._talaia, str(self._editor.file), self._data)
-        self._begin(self.run, self._site, words)
+        self._begin_run(self.run, self._site, words)
 
     def stop(self) -> None:
         """End hub and gateway; stored data is kept."""
@@ -195,14 +195,14 @@ class GeneratePage(Page):
             self.database.currentData(),
             over=self.over.isChecked(),
         )
-        self._begin(self.made, self._deploy, words)
+        self._begin_run(self.made, self._deploy, words)
 
     def open_dashboard(self) -> None:
         """Open the browser, at the first admin's page where there is nobody yet."""
         if self.run.phase is RunPhase.UP:
             self._open_page(self.run.page)
 
-    def _begin(self, run: Run, process: Process, words: list[str]) -> None:
+    def _begin_run(self, run: Run, process: Process, words: list[str]) -> None:
         run.start(words)
         self.log.appendPlainText(f"$ {run.lines[0]}")
         process.start(words)
@@ -219,7 +219,7 @@ class GeneratePage(Page):
                 self.open_button.setFocus()
                 self.open_dashboard()
 
-    def _over(self, run: Run, code: int) -> None:
+    def _on_ended(self, run: Run, code: int) -> None:
         run.ended(code)
         self.show_state()
 

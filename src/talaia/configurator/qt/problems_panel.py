@@ -52,10 +52,10 @@ class ProblemsPanel(QWidget):
             if not count
             else f"✗ {count} problem{'s' if count > 1 else ''}; click one to go to its field (F8)"
         )
-        self._paint("bad" if count else "ok")
+        self._paint_sentence("bad" if count else "ok")
         # The same ones keep their place under the pointer.
         listed = [self.list.item(index).text() for index in range(self.list.count())]
-        wanted = [_line(problem) for problem in problems[:MAX_LISTED]]
+        wanted = [_problem_line(problem) for problem in problems[:MAX_LISTED]]
         if listed != wanted:
             self.list.clear()
             for text in wanted:
@@ -80,7 +80,7 @@ class ProblemsPanel(QWidget):
     def _open_problem(self, item: QListWidgetItem) -> None:
         self.go_to(self.list.row(item))
 
-    def _paint(self, part: str) -> None:
+    def _paint_sentence(self, part: str) -> None:
         if self.sentence.property("part") != part:
             self.sentence.setProperty("part", part)
             self.sentence.style().unpolish(self.sentence)
@@ -88,6 +88,6 @@ class ProblemsPanel(QWidget):
             self.sentence.setTextInteractionFlags(Qt.TextInteractionFlag.NoTextInteraction)
 
 
-def _line(problem: Problem) -> str:
+def _problem_line(problem: Problem) -> str:
     where = problem.where.removeprefix("$.") or "site"
     return f"{where}: {problem}".replace("\n", " ")

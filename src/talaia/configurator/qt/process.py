@@ -39,9 +39,9 @@ class Process(QObject):
         self._process.setProcessEnvironment(environment)
         if together:
             self._process.setProcessChannelMode(QProcess.ProcessChannelMode.MergedChannels)
-            self._process.readyReadStandardOutput.connect(self._read)
-        self._process.finished.connect(self._finished)
-        self._process.errorOccurred.connect(self._failed)
+            self._process.readyReadStandardOutput.connect(self._read_output)
+        self._process.finished.connect(self._on_finished)
+        self._process.errorOccurred.connect(self._on_failed)
         self._end = QTimer(self, singleShot=True, interval=PATIENCE_MS)
         self._end.timeout.connect(self._process.kill)
 
@@ -66,15 +66,15 @@ class Process(QObject):
             self._process.kill()
             self._process.waitForFinished(PATIENCE_MS)
 
-    def _read(self) -> None:
+    def _read_output(self) -> None:
         while self._process.canReadLine():
             line = bytes(self._process.readLine().data())
             self.said.emit(line.decode(errors="replace").rstrip("\r\n"))
 
-    def _finished(self, code: int, status: QProcess.ExitStatus) -> None:
+    def _on_finished(self, code: int, status: QProcess.ExitStatus) -> None:
         self._end.stop()
         if self._together:
-            self._read()
+            self._read_output()
             if rest := bytes(self._process.readAll().data()):
                 self.said.emit(rest.decode(errors="replace").rstrip())
             out, errors = b"", ""
@@ -83,6 +83,6 @@ class Process(QObject):
             errors = bytes(self._process.readAllStandardError().data()).decode(errors="replace")
         self.ended.emit(-1 if status is QProcess.ExitStatus.CrashExit else code, out, errors)
 
-    def _failed(self, error: QProcess.ProcessError) -> None:
+    def _on_failed(self, error: QProcess.ProcessError) -> None:
         if error is QProcess.ProcessError.FailedToStart:
             self.not_started.emit()

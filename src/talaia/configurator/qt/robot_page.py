@@ -65,8 +65,8 @@ class _Service(Card):
         self._found, self._added, self._entries = found, added, entries
         self.switch = Switch(name)
         self.switch.setAccessibleDescription(sentence)
-        self.switch.clicked.connect(lambda on=False: self._switch(on=on))
-        self.more = button(f"More of {name} …", self._more)
+        self.switch.clicked.connect(lambda on=False: self._switch_service(on=on))
+        self.more = button(f"More of {name} …", self._show_more)
         self.where = label("", "muted", wrap=True)
         self.wrong = label("", "bad", wrap=True)
         self.buttons = row(self.switch, 1, self.more)
@@ -83,17 +83,17 @@ class _Service(Card):
             grid.addWidget(title, 0, column)
             grid.addWidget(entry.widget, 1, column)
             grid.setColumnStretch(column, 3 if entry.field[-1] in ("topic", "message") else 1)
-            self._listen(entry)
+            self._connect_entry(entry)
         self.body.addWidget(self._fields)
         self.body.addWidget(self.where)
         self.body.addWidget(self.wrong)
 
-    def _listen(self, entry: _Entry) -> None:
+    def _connect_entry(self, entry: _Entry) -> None:
         widget = entry.widget
         if isinstance(widget, QComboBox):
-            widget.activated.connect(lambda _: self._typed(entry, widget.currentData()))
+            widget.activated.connect(lambda _: self._apply_text(entry, widget.currentData()))
         else:
-            widget.editingFinished.connect(lambda: self._typed(entry, widget.text()))
+            widget.editingFinished.connect(lambda: self._apply_text(entry, widget.text()))
 
     def show_site(self) -> None:
         site = self._editor.site
@@ -125,7 +125,7 @@ class _Service(Card):
             wrong = any(problem.spot.field == entry.field for problem in problems)
             mark_wrong(entry.widget, wrong=wrong)
 
-    def _switch(self, *, on: bool) -> None:
+    def _switch_service(self, *, on: bool) -> None:
         if on:
             done = self._editor.apply(f"add {self._name.lower()}", self._added)
         else:
@@ -136,7 +136,7 @@ class _Service(Card):
         if not done:
             self.show_site()
 
-    def _typed(self, entry: _Entry, text: str) -> None:
+    def _apply_text(self, entry: _Entry, text: str) -> None:
         paths = self._found(self._editor.site)
         if not paths:
             return
@@ -156,7 +156,7 @@ class _Service(Card):
         )
         self.show_site()
 
-    def _more(self) -> None:
+    def _show_more(self) -> None:
         self._editor.show_thing(self._found(self._editor.site)[0])
 
 

@@ -46,8 +46,8 @@ class SensorsPage(Page):
             "name and number, unless you say where else it comes from.",
         )
         self._editor = editor
-        self.body.addWidget(self._adding())
-        self.body.addWidget(self._list(), 1)
+        self.body.addWidget(self._make_adding_card())
+        self.body.addWidget(self._make_list_pane(), 1)
         QShortcut(
             QKeySequence.StandardKey.Delete,
             self.table,
@@ -55,12 +55,12 @@ class SensorsPage(Page):
             context=Qt.ShortcutContext.WidgetShortcut,
         )
         editor.changed.connect(self.show_site)
-        self._choose()
+        self._choose_kind()
         self.show_site()
 
     # ── adding ──
 
-    def _adding(self) -> QWidget:
+    def _make_adding_card(self) -> QWidget:
         card = Card()
         self.kind = ComboBox()
         for kind in (*SENSORS, OTHERS):
@@ -92,45 +92,48 @@ class SensorsPage(Page):
             grid.setColumnStretch(column, stretch)
         grid.addWidget(self.add_button, 1, len(fields))
         card.body.addLayout(grid)
-        self.kind.currentIndexChanged.connect(lambda _: self._choose())
-        self.name.textChanged.connect(lambda _: self._number())
+        self.kind.currentIndexChanged.connect(lambda _: self._choose_kind())
+        self.name.textChanged.connect(lambda _: self._suggest_number())
         self.name.returnPressed.connect(self.add)
         return card
 
-    def _kind(self) -> SensorKind:
+    def _chosen_kind(self) -> SensorKind:
         kind = self.kind.currentData()
         # Qt gives a NamedTuple back as the tuple it is.
         return kind if isinstance(kind, SensorKind) else SensorKind(*kind)
 
-    def _choose(self) -> None:
-        kind = self._kind()
+    def _choose_kind(self) -> None:
+        kind = self._chosen_kind()
         own = not kind.word
         self.name.setEnabled(own)
         if not own:
             self.name.clear()
         self.unit.setCurrentIndex(max(self.unit.findData(kind.unit), 0))
-        self._number()
+        self._suggest_number()
 
-    def _number(self) -> None:
-        free = free_number(self._editor.site, self._kind(), self.name.text())
+    def _suggest_number(self) -> None:
+        free = free_number(self._editor.site, self._chosen_kind(), self.name.text())
         self.number.setValue(free)
 
     def add(self) -> None:
         """Add what is chosen, and select it."""
         new = NewSensor(
-            self._kind(), self.number.value(), self.name.text(), self.unit.currentData() or ""
+            self._chosen_kind(),
+            self.number.value(),
+            self.name.text(),
+            self.unit.currentData() or "",
         )
         if self._editor.apply(f"add {new.word}", lambda site: with_sensor(site, new)):
             path = self._model.find(new.word)
             if path is not None:
                 self.select(path)
-            self._number()
+            self._suggest_number()
         elif not new.kind.word and not new.name.strip():
             self.name.setFocus()
 
     # ── the list ──
 
-    def _list(self) -> QWidget:
+    def _make_list_pane(self) -> QWidget:
         self._model = SignalsTable(self)
         self._shown = QSortFilterProxyModel(self)
         self._shown.setSourceModel(self._model)
@@ -157,9 +160,9 @@ class SensorsPage(Page):
         header.setMinimumSectionSize(26)
         for column, width in ((1, 60), (2, 80), (3, 130), (4, 46), (REMOVE, 28)):
             self.table.setColumnWidth(column, width)
-        self.table.clicked.connect(self._clicked)
+        self.table.clicked.connect(self._on_clicked)
         self._model.switched.connect(self._first_page)
-        self.table.selectionModel().selectionChanged.connect(lambda *_: self._details())
+        self.table.selectionModel().selectionChanged.connect(lambda *_: self._show_details())
         self.remove_button = button("&Remove", self.remove_selected)
         self.count = label("", "muted")
         left = QWidget()
@@ -171,18 +174,18 @@ class SensorsPage(Page):
         body.addWidget(self.count)
         split = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=False)
         split.addWidget(left)
-        split.addWidget(self._side())
+        split.addWidget(self._make_detail_pane())
         split.setStretchFactor(0, 3)
         split.setStretchFactor(1, 2)
         split.setSizes([520, 330])
         return split
 
-    def _side(self) -> QWidget:
+    def _make_detail_pane(self) -> QWidget:
         card = Card()
         self.details = label("", "heading", wrap=True)
         card.body.addWidget(self.details)
         self.form = Form()
-        self.form.edited.connect(self._edited)
+        self.form.edited.connect(self._apply_edit)
         card.body.addWidget(Inner(self.form), 1)
         card.setMinimumWidth(290)
         return card
@@ -191,15 +194,15 @@ class SensorsPage(Page):
         """Show the site as it is now; what was selected stays so where it is still there."""
         chosen = self.selected()
         self._model.show_site(self._editor.site)
-        self._select(chosen)
+        self._select_paths(chosen)
         total = self._model.rowCount()
         self.count.setText(
             "No sensors yet. Add one above, or use Find on robot."
             if not total
             else f"{total} sensor{'s' if total != 1 else ''}; Del removes the selected ones."
         )
-        self._number()
-        self._details()
+        self._suggest_number()
+        self._show_details()
 
     def selected(self) -> list[Path]:
         """Give the paths of the selected sensors."""
@@ -211,13 +214,13 @@ class SensorsPage(Page):
         if self._model.row_of(path) is None:
             return False
         self.filter.clear()
-        self._select([path])
-        self._details()
+        self._select_paths([path])
+        self._show_details()
         if field:
             return self.form.go_to(".".join(field))
         return True
 
-    def _select(self, paths: list[Path]) -> None:
+    def _select_paths(self, paths: list[Path]) -> None:
         chosen = self.table.selectionModel()
         flags = QItemSelectionModel.SelectionFlag
         chosen.clearSelection()
@@ -229,15 +232,15 @@ class SensorsPage(Page):
             chosen.setCurrentIndex(index, flags.Select | flags.Rows)
             self.table.scrollTo(index)
 
-    def _clicked(self, index: QModelIndex) -> None:
+    def _on_clicked(self, index: QModelIndex) -> None:
         if index.column() == REMOVE:
-            self._remove([self._model.path(self._shown.mapToSource(index).row())])
+            self._remove_paths([self._model.path(self._shown.mapToSource(index).row())])
 
     def remove_selected(self) -> None:
         """Remove what is selected, as one step."""
-        self._remove(self.selected())
+        self._remove_paths(self.selected())
 
-    def _remove(self, paths: list[Path]) -> None:
+    def _remove_paths(self, paths: list[Path]) -> None:
         if not paths:
             return
         numbers = [number for path in paths if (number := self._model.row_of(path)) is not None]
@@ -246,7 +249,7 @@ class SensorsPage(Page):
             # The next one, so that Del can be pressed again.
             last = self._model.rowCount() - 1
             if last >= 0:
-                self._select([self._model.path(min(numbers[0], last))])
+                self._select_paths([self._model.path(min(numbers[0], last))])
 
     def _first_page(self, path: Path, on: object) -> None:
         self._editor.apply(
@@ -256,7 +259,7 @@ class SensorsPage(Page):
 
     # ── details ──
 
-    def _details(self) -> None:
+    def _show_details(self) -> None:
         paths = self.selected()
         self.remove_button.setEnabled(bool(paths))
         if len(paths) != 1:
@@ -273,7 +276,7 @@ class SensorsPage(Page):
         }
         self.form.show_thing(rows_at(site, path), at(site, path), wrong, path)
 
-    def _edited(self, field: Row, value: object) -> None:
+    def _apply_edit(self, field: Row, value: object) -> None:
         paths = self.selected()
         if len(paths) == 1:
             self._editor.apply(

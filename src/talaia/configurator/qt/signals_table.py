@@ -112,7 +112,7 @@ class SignalsTable(QAbstractTableModel):
                 signal.name,
                 signal.unit or ("" if signal.type == "number" else signal.type),
                 path[1],
-                _origin(signal.source),
+                _origin_text(signal.source),
                 "",
                 "✕",
             )
@@ -122,7 +122,11 @@ class SignalsTable(QAbstractTableModel):
                 return f"Remove {signal.name}"
             return f"{signal.name} on the first page: {'yes' if signal.primary else 'no'}"
         if role == Qt.ItemDataRole.ToolTipRole:
-            return _origin(signal.source) if index.column() == 3 else _TIPS[index.column()] or None
+            return (
+                _origin_text(signal.source)
+                if index.column() == 3
+                else _TIPS[index.column()] or None
+            )
         return None
 
     def setData(  # noqa: N802 - Qt's name
@@ -138,7 +142,7 @@ class SignalsTable(QAbstractTableModel):
 _OFF = Qt.CheckState.Unchecked
 
 
-def _origin(source: Source) -> str:
+def _origin_text(source: Source) -> str:
     """Say in a few words where a signal comes from."""
     if source.topic:
         inner = source.name or source.field

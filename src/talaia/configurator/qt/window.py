@@ -88,8 +88,8 @@ class Window(QMainWindow):
         )
         self.finder = FindDialog(self.editor, means.talaia, self)
         self.problems = ProblemsPanel(self.editor)
-        self._build()
-        self._actions()
+        self._build_layout()
+        self._make_actions()
         self.editor.changed.connect(self._show_state)
         self.editor.refused.connect(self._show_message)
         self.editor.wanted.connect(self.go_to)
@@ -104,7 +104,7 @@ class Window(QMainWindow):
 
     # ── building ──
 
-    def _build(self) -> None:
+    def _build_layout(self) -> None:
         self.steps = QListWidget()
         self.steps.setObjectName("steps")
         self.steps.setAccessibleName("Steps")
@@ -114,12 +114,12 @@ class Window(QMainWindow):
         self.pages = QStackedWidget()
         for page in (self.ai, self.sensors, self.robot, self.devices, self.generate):
             self.pages.addWidget(page)
-        self.steps.currentRowChanged.connect(self._turn)
+        self.steps.currentRowChanged.connect(self._turn_page)
         self.back = button("&Back", lambda: self.show_page(self.pages.currentIndex() - 1))
         self.next = button("Ne&xt", lambda: self.show_page(self.pages.currentIndex() + 1), "main")
         turning = row(1, self.back, self.next)
         turning.setContentsMargins(SPACE[4], 0, SPACE[4], SPACE[0])
-        self.notice = self._notice()
+        self.notice = self._make_notice()
         right = QWidget()
         body = QVBoxLayout(right)
         body.setContentsMargins(0, SPACE[0], 0, 0)
@@ -137,7 +137,7 @@ class Window(QMainWindow):
         self.setCentralWidget(whole)
         self.steps.setCurrentRow(0)
 
-    def _notice(self) -> QFrame:
+    def _make_notice(self) -> QFrame:
         frame = QFrame()
         frame.setProperty("part", "notice")
         self.notice_text = label("", "bad", wrap=True)
@@ -148,7 +148,7 @@ class Window(QMainWindow):
         frame.hide()
         return frame
 
-    def _actions(self) -> None:
+    def _make_actions(self) -> None:
         bar = QToolBar("File", movable=False)
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
@@ -183,7 +183,7 @@ class Window(QMainWindow):
                 QKeySequence(f"Ctrl+{number + 1}"), self, lambda at=number: self.show_page(at)
             )
         QShortcut(QKeySequence("F8"), self, self.problems.go_to_next)
-        QShortcut(QKeySequence("Ctrl+G"), self, self._generate)
+        QShortcut(QKeySequence("Ctrl+G"), self, self._show_generate)
 
     # ── turning pages ──
 
@@ -195,12 +195,12 @@ class Window(QMainWindow):
             if page is not None:
                 _focus_first(page)
 
-    def _turn(self, number: int) -> None:
+    def _turn_page(self, number: int) -> None:
         self.pages.setCurrentIndex(number)
         self.back.setEnabled(number > 0)
         self.next.setEnabled(number < len(_STEPS) - 1)
 
-    def _generate(self) -> None:
+    def _show_generate(self) -> None:
         self.show_page(len(_STEPS) - 1)
         self.generate.start()
 
@@ -231,7 +231,7 @@ class Window(QMainWindow):
     def open(self) -> None:
         """Ask for a file and open it."""
         if self._may_close():
-            name, _ = QFileDialog.getOpenFileName(self, "Open", self._folder(), _FILTER)
+            name, _ = QFileDialog.getOpenFileName(self, "Open", self._dialog_folder(), _FILTER)
             if name:
                 self.open_file(Path(name))
 
@@ -248,27 +248,29 @@ class Window(QMainWindow):
 
     def save(self) -> bool:
         """Save to the file it is from, or ask for one; false when it was not saved."""
-        self._commit()
+        self._commit_editing()
         if self.editor.file is None:
             return self.save_as()
         if self.editor.document.opened and not self.editor.document.is_changed:
             return True
-        return self._write(self.editor.file)
+        return self._write_file(self.editor.file)
 
     def save_as(self) -> bool:
         """Ask for a file and save to it."""
-        self._commit()
-        start = str(self.editor.file or Path(self._folder()) / f"{self.editor.site.site}.yaml")
+        self._commit_editing()
+        start = str(
+            self.editor.file or Path(self._dialog_folder()) / f"{self.editor.site.site}.yaml"
+        )
         name, _ = QFileDialog.getSaveFileName(self, "Save as", start, _FILTER.split(";;")[0])
         # The dialog has asked whether to write over a file of that name.
-        return bool(name) and self._write(Path(name), over=True)
+        return bool(name) and self._write_file(Path(name), over=True)
 
-    def _write(self, file: Path, *, over: bool = False) -> bool:
+    def _write_file(self, file: Path, *, over: bool = False) -> bool:
         try:
             save(self.editor.document, file, over=over)
         except FileChanged as error:
-            sure = self._ask(f"{error}. Overwrite it?", QMessageBox.StandardButton.Save)
-            return sure is QMessageBox.StandardButton.Save and self._write(file, over=True)
+            sure = self._ask_person(f"{error}. Overwrite it?", QMessageBox.StandardButton.Save)
+            return sure is QMessageBox.StandardButton.Save and self._write_file(file, over=True)
         except (NotWritten, DescriptionError) as error:
             self._show_message(str(error))
             return False
@@ -277,10 +279,10 @@ class Window(QMainWindow):
         self.editor.changed.emit()
         return True
 
-    def _folder(self) -> str:
+    def _dialog_folder(self) -> str:
         return str(self.editor.file.parent if self.editor.file else Path.cwd())
 
-    def _commit(self) -> None:
+    def _commit_editing(self) -> None:
         """Take in what is being typed: a field tells its value when the focus leaves it."""
         focused = QApplication.focusWidget()
         if focused is not None and self.isAncestorOf(focused):
@@ -289,16 +291,16 @@ class Window(QMainWindow):
 
     def _may_close(self) -> bool:
         """Ask about unsaved changes; false to stay."""
-        self._commit()
+        self._commit_editing()
         if not self.editor.document.is_changed:
             return True
         buttons = QMessageBox.StandardButton
-        answer = self._ask(
+        answer = self._ask_person(
             f"Save the changes of {self.editor.site.name}?", buttons.Save | buttons.Discard
         )
         return self.save() if answer is buttons.Save else answer is buttons.Discard
 
-    def _ask(
+    def _ask_person(
         self, question: str, buttons: QMessageBox.StandardButton
     ) -> QMessageBox.StandardButton:
         return QMessageBox.question(
@@ -313,7 +315,7 @@ class Window(QMainWindow):
         if self.generate.run.is_alive:
             buttons = QMessageBox.StandardButton
             question = "The dashboard runs as long as this window. Stop it and close?"
-            if self._ask(question, buttons.Close) is not buttons.Close:
+            if self._ask_person(question, buttons.Close) is not buttons.Close:
                 event.ignore()
                 return
         self.generate.stop_and_wait()

@@ -135,7 +135,7 @@ _TOKEN = re.compile(
 )
 
 
-def _tokens(text: str) -> list[_Token]:
+def _split_tokens(text: str) -> list[_Token]:
     found, at = [], 0
     while at < len(text):
         match = _TOKEN.match(text, at)
@@ -151,7 +151,7 @@ class _Reader:
     """Recursive descent, one method for each level of binding."""
 
     def __init__(self, text: str, kinds: Mapping[str, ValueKind]) -> None:
-        self._words = _tokens(text)
+        self._words = _split_tokens(text)
         self._kinds = kinds
         self._next = 0
         self._depth = 0
@@ -160,10 +160,10 @@ class _Reader:
 
     def read(self) -> _Node:
         start = self._word
-        tree = self._any()
+        tree = self._parse_or()
         if self._word.sort != "end":
             raise ExpressionError(self._word.at, f"{self._quoted(self._word)} is not expected here")
-        _want(tree, ValueKind.TRUTH, start)
+        _want_kind(tree, ValueKind.TRUTH, start)
         return tree
 
     @property
@@ -177,7 +177,7 @@ class _Reader:
             return word
         return None
 
-    def _expect(self, text: str) -> None:
+    def _expect_token(self, text: str) -> None:
         if self._take_token(text) is None:
             raise ExpressionError(
                 self._word.at, f"expected {text!r}, found {self._quoted(self._word)}"
@@ -187,50 +187,50 @@ class _Reader:
     def _quoted(word: _Token) -> str:
         return "the end" if word.sort == "end" else repr(word.text)
 
-    def _any(self) -> _Node:
+    def _parse_or(self) -> _Node:
         self._depth += 1
         if self._depth > _MAX_DEPTH:
             raise ExpressionError(self._word.at, f"nested deeper than {_MAX_DEPTH} levels")
-        start, parts = self._word, [self._all()]
+        start, parts = self._word, [self._parse_and()]
         while self._take_token("or"):
-            parts.append(self._all())
+            parts.append(self._parse_and())
         self._depth -= 1
-        return self._joined(parts, _or, start)
+        return self._join_conditions(parts, _any_true, start)
 
-    def _all(self) -> _Node:
-        start, parts = self._word, [self._not()]
+    def _parse_and(self) -> _Node:
+        start, parts = self._word, [self._parse_not()]
         while self._take_token("and"):
-            parts.append(self._not())
-        return self._joined(parts, _and, start)
+            parts.append(self._parse_not())
+        return self._join_conditions(parts, _all_true, start)
 
     @staticmethod
-    def _joined(
+    def _join_conditions(
         parts: list[_Node], judge: Callable[[tuple[Value, ...]], Value], start: _Token
     ) -> _Node:
         if len(parts) == 1:
             return parts[0]
         for part in parts:
-            _want(part, ValueKind.TRUTH, start)
+            _want_kind(part, ValueKind.TRUTH, start)
         return _Node(ValueKind.TRUTH, lambda _, values: judge(values), tuple(parts))
 
-    def _not(self) -> _Node:
+    def _parse_not(self) -> _Node:
         turns = 0
         while self._take_token("not"):
             turns += 1
         start, part = self._word, self._compared()
         if not turns:
             return part
-        _want(part, ValueKind.TRUTH, start)
+        _want_kind(part, ValueKind.TRUTH, start)
         if turns % 2 == 0:
             return part
         return _Node(ValueKind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,))
 
     def _compared(self) -> _Node:
-        left = self._sum()
+        left = self._parse_sum()
         sign = self._take_token(*_COMPARE)
         if sign is None:
             return left
-        right = self._sum()
+        right = self._parse_sum()
         if left.kind is not right.kind or left.kind is ValueKind.TRUTH:
             raise ExpressionError(sign.at, f"a {left.kind} cannot be compared with a {right.kind}")
         if left.kind is ValueKind.TEXT and sign.text not in {"==", "!="}:
@@ -239,128 +239,128 @@ class _Reader:
         if self._take_token(*_COMPARE):
             raise ExpressionError(again.at, "write two comparisons with `and` between them")
         compare = _COMPARE[sign.text]
-        return _Node(ValueKind.TRUTH, lambda _, v: _known(compare, v), (left, right))
+        return _Node(ValueKind.TRUTH, lambda _, v: _if_all_known(compare, v), (left, right))
 
-    def _sum(self) -> _Node:
-        return self._chain(self._product, "+", "-")
+    def _parse_sum(self) -> _Node:
+        return self._parse_chain(self._parse_product, "+", "-")
 
-    def _product(self) -> _Node:
-        return self._chain(self._signed, "*", "/")
+    def _parse_product(self) -> _Node:
+        return self._parse_chain(self._parse_signed, "*", "/")
 
-    def _chain(self, inner: Callable[[], _Node], *signs: str) -> _Node:
+    def _parse_chain(self, inner: Callable[[], _Node], *signs: str) -> _Node:
         start, left = self._word, inner()
         while (sign := self._take_token(*signs)) is not None:
             at, right = self._word, inner()
-            _want(left, ValueKind.NUMBER, start)
-            _want(right, ValueKind.NUMBER, at)
-            left = _working(_WORK[sign.text], left, right)
+            _want_kind(left, ValueKind.NUMBER, start)
+            _want_kind(right, ValueKind.NUMBER, at)
+            left = _arithmetic_node(_WORK[sign.text], left, right)
             # A long chain leans to the left: its tree is as deep as the chain is long.
             self._links += 1
             if self._links > _MAX_LINKS:
                 raise ExpressionError(sign.at, "too many sums and products")
         return left
 
-    def _signed(self) -> _Node:
+    def _parse_signed(self) -> _Node:
         minus = False
         while self._take_token("-"):
             minus = not minus
-        start, part = self._word, self._atom()
+        start, part = self._word, self._parse_atom()
         if not minus:
             return part
-        _want(part, ValueKind.NUMBER, start)
-        return _Node(ValueKind.NUMBER, lambda _, v: _known(_negative, v), (part,))
+        _want_kind(part, ValueKind.NUMBER, start)
+        return _Node(ValueKind.NUMBER, lambda _, v: _if_all_known(_negated, v), (part,))
 
-    def _atom(self) -> _Node:
+    def _parse_atom(self) -> _Node:
         word = self._word
         self._next += word.sort != "end"
         match word.sort:
             case "number":
                 number = float(word.text)
-                return _Node(ValueKind.NUMBER, lambda _, __: _finite(number))
+                return _Node(ValueKind.NUMBER, lambda _, __: _finite_or_none(number))
             case "text":
                 return _Node(ValueKind.TEXT, lambda _, __: word.text)
             case "signal":
-                return self._signal(word)
+                return self._parse_signal(word)
             case "word" if word.text in _CALLS:
-                return self._call(word)
+                return self._parse_call(word)
         if word.text == "(":
-            inner = self._any()
-            self._expect(")")
+            inner = self._parse_or()
+            self._expect_token(")")
             return inner
         what = {"word": "a signal stands in braces: {device/signal}", "end": "it ends too soon"}
         raise ExpressionError(
             word.at, what.get(word.sort, f"{self._quoted(word)} is not expected here")
         )
 
-    def _signal(self, word: _Token) -> _Node:
+    def _parse_signal(self, word: _Token) -> _Node:
         address = word.text.strip()
         kind = self._kinds.get(address)
         if kind is None:
             raise ExpressionError(word.at, f"there is no signal {address!r}")
         self.signals.append(address)
-        return _Node(kind, lambda values, _: _finite(values.get(address)))
+        return _Node(kind, lambda values, _: _finite_or_none(values.get(address)))
 
-    def _call(self, word: _Token) -> _Node:
-        self._expect("(")
+    def _parse_call(self, word: _Token) -> _Node:
+        self._expect_token("(")
         parts = []
         while True:
-            start, part = self._word, self._any()
-            _want(part, ValueKind.NUMBER, start)
+            start, part = self._word, self._parse_or()
+            _want_kind(part, ValueKind.NUMBER, start)
             parts.append(part)
             if self._take_token(",") is None:
                 break
-        self._expect(")")
+        self._expect_token(")")
         low, high = (1, 1) if word.text == "abs" else (2, _MAX_ARGUMENTS)
         if not low <= len(parts) <= high:
             wants = "one number" if high == 1 else f"{low} to {high} numbers"
             raise ExpressionError(word.at, f"{word.text} takes {wants}")
         work = _CALLS[word.text]
-        return _Node(ValueKind.NUMBER, lambda _, v: _known(work, v), tuple(parts))
+        return _Node(ValueKind.NUMBER, lambda _, v: _if_all_known(work, v), tuple(parts))
 
 
-def _working(work: _Work, left: _Node, right: _Node) -> _Node:
-    return _Node(ValueKind.NUMBER, lambda _, values: _known(work, values), (left, right))
+def _arithmetic_node(work: _Work, left: _Node, right: _Node) -> _Node:
+    return _Node(ValueKind.NUMBER, lambda _, values: _if_all_known(work, values), (left, right))
 
 
-def _want(node: _Node, kind: ValueKind, word: _Token) -> None:
+def _want_kind(node: _Node, kind: ValueKind, word: _Token) -> None:
     if node.kind is not kind:
         raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}")
 
 
-def _negative(values: tuple[Value, ...]) -> Value:
-    return -_numbers(values)[0]
+def _negated(values: tuple[Value, ...]) -> Value:
+    return -_only_numbers(values)[0]
 
 
-def _two(values: tuple[Value, ...]) -> tuple[float, float]:
-    left, right = _numbers(values)
+def _two_numbers(values: tuple[Value, ...]) -> tuple[float, float]:
+    left, right = _only_numbers(values)
     return left, right
 
 
-def _numbers(values: tuple[Value, ...]) -> list[float]:
+def _only_numbers(values: tuple[Value, ...]) -> list[float]:
     return [value for value in values if isinstance(value, float)]
 
 
-def _known(work: _Work, values: tuple[Value, ...]) -> Value:
+def _if_all_known(work: _Work, values: tuple[Value, ...]) -> Value:
     """Do it if all is known, and the outcome is a number that is one."""
     if any(value is None for value in values):
         return None
     try:
-        return _finite(work(values))
+        return _finite_or_none(work(values))
     except (ZeroDivisionError, OverflowError):
         return None
 
 
-def _finite(value: Value) -> Value:
+def _finite_or_none(value: Value) -> Value:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _and(values: tuple[Value, ...]) -> Value:
+def _all_true(values: tuple[Value, ...]) -> Value:
     if any(value is False for value in values):
         return False
     return None if None in values else True
 
 
-def _or(values: tuple[Value, ...]) -> Value:
+def _any_true(values: tuple[Value, ...]) -> Value:
     if any(value is True for value in values):
         return True
     return None if None in values else False
@@ -369,21 +369,21 @@ def _or(values: tuple[Value, ...]) -> Value:
 _Work = Callable[[tuple[Value, ...]], Value]
 
 _COMPARE: Mapping[str, _Work] = {
-    "<": lambda v: operator.lt(*_two(v)),
-    "<=": lambda v: operator.le(*_two(v)),
-    ">": lambda v: operator.gt(*_two(v)),
-    ">=": lambda v: operator.ge(*_two(v)),
+    "<": lambda v: operator.lt(*_two_numbers(v)),
+    "<=": lambda v: operator.le(*_two_numbers(v)),
+    ">": lambda v: operator.gt(*_two_numbers(v)),
+    ">=": lambda v: operator.ge(*_two_numbers(v)),
     "==": lambda v: v[0] == v[1],
     "!=": lambda v: v[0] != v[1],
 }
 _WORK: Mapping[str, _Work] = {
-    "+": lambda v: float(operator.add(*_two(v))),
-    "-": lambda v: float(operator.sub(*_two(v))),
-    "*": lambda v: float(operator.mul(*_two(v))),
-    "/": lambda v: float(operator.truediv(*_two(v))),
+    "+": lambda v: float(operator.add(*_two_numbers(v))),
+    "-": lambda v: float(operator.sub(*_two_numbers(v))),
+    "*": lambda v: float(operator.mul(*_two_numbers(v))),
+    "/": lambda v: float(operator.truediv(*_two_numbers(v))),
 }
 _CALLS: Mapping[str, _Work] = {
-    "abs": lambda v: abs(_numbers(v)[0]),
-    "min": lambda v: min(_numbers(v)),
-    "max": lambda v: max(_numbers(v)),
+    "abs": lambda v: abs(_only_numbers(v)[0]),
+    "min": lambda v: min(_only_numbers(v)),
+    "max": lambda v: max(_only_numbers(v)),
 }

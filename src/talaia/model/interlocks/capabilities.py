@@ -26,7 +26,7 @@ def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
     said = enclosure.capabilities
     follows = Capabilities(
         has_shutter=True,
-        can_rotate=enclosure.follow is not None or _turns(site, enclosure),
+        can_rotate=enclosure.follow is not None or _can_turn(site, enclosure),
         segments=max(1, len(enclosure.segments)),
         can_partial=bool(
             enclosure.stop
@@ -45,7 +45,7 @@ def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
     )
 
 
-def _turns(site: Site, enclosure: Enclosure) -> bool:
+def _can_turn(site: Site, enclosure: Enclosure) -> bool:
     """Tell whether the device that closes has a command that takes an angle."""
     device = site.devices.get(enclosure.close.command.partition("/")[0])
     commands = {} if device is None else device.commands

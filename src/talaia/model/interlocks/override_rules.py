@@ -87,8 +87,8 @@ def never_overridden(site: Site, condition: Condition) -> str:
     unsafe = set(condition.is_one_of)
     if condition.is_not:
         unsafe |= set(described.states) - set(condition.is_not)
-    states = [_words(reason) for reason in unsafe]
-    names = _words(name) | _words(described.name)
+    states = [_state_words(reason) for reason in unsafe]
+    names = _state_words(name) | _state_words(described.name)
     if _RAIN_UNIT.fullmatch(described.unit.strip().casefold()) or _is_rain(names.union(*states)):
         return "rain is never overridden"
     if names & _ON_SITE_NAMES or any(words & _ON_SITE for words in states):
@@ -96,7 +96,7 @@ def never_overridden(site: Site, condition: Condition) -> str:
     return ""
 
 
-def _words(text: str) -> set[str]:
+def _state_words(text: str) -> set[str]:
     words = [word.casefold() for word in _WORDS.findall(text)]
     # *on site* and *on_site* are one word.
     return {*words, *(a + b for a, b in pairwise(words) if a == "on")}

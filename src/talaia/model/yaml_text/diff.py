@@ -43,7 +43,9 @@ def difference(before: Site, after: Site) -> list[Difference]:
     moved = {
         old.partition(".")[0]: new.partition(".")[0] for old, new in renames(before, after).items()
     }
-    found = [Difference(ChangeKind.RENAMED, _path(new), old, new) for old, new in moved.items()]
+    found = [
+        Difference(ChangeKind.RENAMED, _path_text(new), old, new) for old, new in moved.items()
+    ]
     was, now = msgspec.to_builtins(before), msgspec.to_builtins(after)
     # What was renamed is held against what it has become.
     for old, new in moved.items():
@@ -51,7 +53,7 @@ def difference(before: Site, after: Site) -> list[Difference]:
         signal = was["devices"][of]["signals"].pop(name)
         if to in was["devices"]:
             was["devices"][to].setdefault("signals", {})[other] = signal
-    return [*found, *_parts("$", was, now)]
+    return [*found, *_part_differences("$", was, now)]
 
 
 def unified(before: str, after: str, context: int = 3) -> list[str]:
@@ -60,28 +62,28 @@ def unified(before: str, after: str, context: int = 3) -> list[str]:
     return list(lines)[2:]
 
 
-def _path(address: str) -> str:
+def _path_text(address: str) -> str:
     device, _, signal = address.partition("/")
     return f"$.devices.{device}.signals.{signal}"
 
 
-def _parts(path: str, was: object, now: object) -> Iterator[Difference]:
+def _part_differences(path: str, was: object, now: object) -> Iterator[Difference]:
     if was == now:
         return
     if not isinstance(was, dict) or not isinstance(now, dict):
-        yield Difference(ChangeKind.CHANGED, path, _short(was), _short(now))
+        yield Difference(ChangeKind.CHANGED, path, _short_text(was), _short_text(now))
         return
     for key in [*was, *(key for key in now if key not in was)]:
         at = f"{path}.{key}"
         if key not in now:
-            yield Difference(ChangeKind.REMOVED, at, _short(was[key]))
+            yield Difference(ChangeKind.REMOVED, at, _short_text(was[key]))
         elif key not in was:
-            yield Difference(ChangeKind.ADDED, at, "", _short(now[key]))
+            yield Difference(ChangeKind.ADDED, at, "", _short_text(now[key]))
         else:
-            yield from _parts(at, was[key], now[key])
+            yield from _part_differences(at, was[key], now[key])
 
 
-def _short(value: object) -> str:
+def _short_text(value: object) -> str:
     """Say a value in a line: a named part by its name."""
     if isinstance(value, dict):
         named = value.get("name") or value.get("target")

@@ -80,68 +80,68 @@ class _Document:
         self._next()  # the stream's start
         if isinstance(event := self._next(), yaml.StreamEndEvent):
             return None
-        value = self._value(self._next(), 0)
+        value = self._read_value(self._next(), 0)
         self._next()  # the document's end
         event = self._next()
         if not isinstance(event, yaml.StreamEndEvent):
-            raise _wrong("expected one document, found another after ---", event)
+            raise _yaml_error("expected one document, found another after ---", event)
         return value
 
-    def _value(self, event: object, depth: int) -> Value:
+    def _read_value(self, event: object, depth: int) -> Value:
         self._size += 1
         if isinstance(event, yaml.ScalarEvent):
-            return self._kept(event.anchor, self._scalar(event), 1)
+            return self._remember_anchor(event.anchor, self._read_scalar(event), 1)
         if depth > MAX_DEPTH:
-            raise _wrong(f"nested deeper than {MAX_DEPTH}", event)
+            raise _yaml_error(f"nested deeper than {MAX_DEPTH}", event)
         before = self._size
         value: Value
         if isinstance(event, yaml.MappingStartEvent):
-            value = self._mapping(event, depth)
+            value = self._read_mapping(event, depth)
         elif isinstance(event, yaml.SequenceStartEvent):
-            value = self._sequence(event, depth)
+            value = self._read_sequence(event, depth)
         else:
-            return self._alias(event)
-        return self._kept(event.anchor, value, self._size - before + 1)
+            return self._read_alias(event)
+        return self._remember_anchor(event.anchor, value, self._size - before + 1)
 
-    def _kept(self, anchor: str | None, value: Value, size: int) -> Value:
+    def _remember_anchor(self, anchor: str | None, value: Value, size: int) -> Value:
         if anchor is not None:
             self._anchors[anchor] = _Anchored(value, size)
         return value
 
-    def _alias(self, event: object) -> Value:
+    def _read_alias(self, event: object) -> Value:
         assert isinstance(event, yaml.AliasEvent)  # noqa: S101 - no other event begins a value
         known = self._anchors.get(event.anchor or "")
         if known is None:
-            raise _wrong(f"there is no &{event.anchor} before this", event)
+            raise _yaml_error(f"there is no &{event.anchor} before this", event)
         self._size += known.size
         if self._size > MAX_VALUES:
-            raise _wrong("the aliases make it too large", event)
+            raise _yaml_error("the aliases make it too large", event)
         return known.value
 
-    def _mapping(self, event: yaml.MappingStartEvent, depth: int) -> Value:
+    def _read_mapping(self, event: yaml.MappingStartEvent, depth: int) -> Value:
         if event.tag not in _MAPPING:
-            raise _wrong(f"the tag {event.tag} has no meaning here", event)
+            raise _yaml_error(f"the tag {event.tag} has no meaning here", event)
         made: dict[Key, Value] = {}
         while not isinstance(at := self._next(), yaml.MappingEndEvent):
             if isinstance(at, yaml.ScalarEvent) and at.value == "<<" and at.implicit[0]:
-                raise _wrong("merge keys (<<) are not read: write out what is merged", at)
-            key = self._value(at, depth + 1)
+                raise _yaml_error("merge keys (<<) are not read: write out what is merged", at)
+            key = self._read_value(at, depth + 1)
             if not isinstance(key, str | int | float | bool):
-                raise _wrong("a key must be a plain word", at)
+                raise _yaml_error("a key must be a plain word", at)
             if key in made:
-                raise _wrong(f"the key {key!r} is written twice", at)
-            made[key] = self._value(self._next(), depth + 1)
+                raise _yaml_error(f"the key {key!r} is written twice", at)
+            made[key] = self._read_value(self._next(), depth + 1)
         return made
 
-    def _sequence(self, event: yaml.SequenceStartEvent, depth: int) -> Value:
+    def _read_sequence(self, event: yaml.SequenceStartEvent, depth: int) -> Value:
         if event.tag not in _SEQUENCE:
-            raise _wrong(f"the tag {event.tag} has no meaning here", event)
+            raise _yaml_error(f"the tag {event.tag} has no meaning here", event)
         made: list[Value] = []
         while not isinstance(at := self._next(), yaml.SequenceEndEvent):
-            made.append(self._value(at, depth + 1))
+            made.append(self._read_value(at, depth + 1))
         return made
 
-    def _scalar(self, event: yaml.ScalarEvent) -> Value:
+    def _read_scalar(self, event: yaml.ScalarEvent) -> Value:
         tag, text = event.tag, event.value
         if tag is None or tag == "!":
             if not event.implicit[0]:
@@ -149,22 +149,22 @@ class _Document:
             if text in self._known:
                 return self._known[text]
             tag = self._parser.resolve(yaml.ScalarNode, text, event.implicit)
-            value = text if tag == _STR else self._of(tag, event)
+            value = text if tag == _STR else self._value_of_tag(tag, event)
             self._known[text] = value
             return value
-        return self._of(tag, event)
+        return self._value_of_tag(tag, event)
 
-    def _of(self, tag: str, event: yaml.ScalarEvent) -> Value:
+    def _value_of_tag(self, tag: str, event: yaml.ScalarEvent) -> Value:
         if tag not in _PLAIN:
-            raise _wrong(f"the tag {tag} has no meaning here", event)
+            raise _yaml_error(f"the tag {tag} has no meaning here", event)
         node = yaml.ScalarNode(tag, event.value)
         try:
             return self._parser.construct_object(node)
         except (ValueError, LookupError, AttributeError, OverflowError) as error:
             # PyYAML trusts that whoever writes a tag also writes what it means.
-            raise _wrong(f"{event.value[:80]!r} is not of {tag}", event) from error
+            raise _yaml_error(f"{event.value[:80]!r} is not of {tag}", event) from error
 
 
-def _wrong(problem: str, event: object) -> yaml.MarkedYAMLError:
+def _yaml_error(problem: str, event: object) -> yaml.MarkedYAMLError:
     mark = cast("yaml.Mark | None", getattr(event, "start_mark", None))
     return yaml.constructor.ConstructorError(None, None, problem, mark)

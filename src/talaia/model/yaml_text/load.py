@@ -168,7 +168,7 @@ def _readable_error(message: str, document: object) -> DescriptionError:
     """Turn msgspec's sentence into ours, with the names of the mapping's keys in the path."""
     match = _AT.match(message)
     problem, path = (match["problem"], match["path"] or "$") if match else (message, "$")
-    where, shape = _follow(path, document, problem)
+    where, shape = _follow_path(path, document, problem)
     unknown = _UNKNOWN_FIELD.search(problem)
     if unknown:
         return UnknownWord(f"{where}.{unknown[1]}", "key", unknown[1], _keys_of(shape))
@@ -196,7 +196,7 @@ def _words_of(shape: object) -> list[str]:
 _STEP = re.compile(r"\.([A-Za-z_]\w*)|\[(\d+|\.\.\.)\]")
 
 
-def _follow(path: str, document: object, problem: str) -> tuple[str, object]:
+def _follow_path(path: str, document: object, problem: str) -> tuple[str, object]:
     """Walk msgspec's path, naming the mapping key it writes as ``[...]``.
 
     msgspec knows the path of types, not of keys: ``$.devices[...].signals[...].unit``. Of the
@@ -205,7 +205,7 @@ def _follow(path: str, document: object, problem: str) -> tuple[str, object]:
     shape: object = msgspec.inspect.type_info(Site)
     value, said = document, "$"
     for name, index in _STEP.findall(path):
-        shape = _inner(shape, msgspec.inspect.StructType, value)
+        shape = _inner_type(shape, msgspec.inspect.StructType, value)
         if name:
             shape = _field_type(shape, name)
             value = value.get(name) if isinstance(value, dict) else None
@@ -219,10 +219,10 @@ def _follow(path: str, document: object, problem: str) -> tuple[str, object]:
             shape = _value_type(shape)
             value = value[int(index)] if isinstance(value, list) else None
             said += f"[{index}]"
-    return said, _inner(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType), value)
+    return said, _inner_type(shape, (msgspec.inspect.StructType, msgspec.inspect.EnumType), value)
 
 
-def _inner(shape: object, wanted: type | tuple[type, ...], value: object) -> object:
+def _inner_type(shape: object, wanted: type | tuple[type, ...], value: object) -> object:
     """Look through ``X | None``, and ``X | Y`` by the tag that ``value`` has, to one member."""
     if not isinstance(shape, msgspec.inspect.UnionType):
         return shape

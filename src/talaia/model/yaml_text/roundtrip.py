@@ -37,7 +37,7 @@ class _Representer(RoundTripRepresenter):
     """Writes them so."""
 
 
-def _keep(_: _Constructor, node: yaml.ScalarNode) -> WrittenFloat:
+def _construct_float(_: _Constructor, node: yaml.ScalarNode) -> WrittenFloat:
     return WrittenFloat(node.value)
 
 
@@ -45,11 +45,11 @@ def _represent_float(representer: _Representer, value: WrittenFloat) -> object:
     return representer.represent_scalar(_FLOAT, str(value))
 
 
-_Constructor.add_constructor(_FLOAT, _keep)
+_Constructor.add_constructor(_FLOAT, _construct_float)
 _Representer.add_representer(WrittenFloat, _represent_float)
 
 
-def _yaml() -> YAML:
+def _make_yaml() -> YAML:
     made = YAML(typ="rt")
     made.Constructor = _Constructor
     made.Representer = _Representer
@@ -67,7 +67,7 @@ def tree_of(text: str) -> CommentedMap:
 
     """
     try:
-        tree: CommentedMap = _yaml().load(text.replace("\r\n", "\n"))
+        tree: CommentedMap = _make_yaml().load(text.replace("\r\n", "\n"))
     except YAMLError as error:
         raise NotReadable("$", f"is not YAML: {error}") from error
     return tree
@@ -76,5 +76,5 @@ def tree_of(text: str) -> CommentedMap:
 def written_tree(tree: CommentedMap) -> str:
     """Write a tree that `tree_of` gave."""
     out = io.StringIO()
-    _yaml().dump(tree, out)
+    _make_yaml().dump(tree, out)
     return out.getvalue()

@@ -31,10 +31,10 @@ def saved(text: str, site: Site) -> str:
 
     """
     before = load_site(text)
-    if before == site and _orders(before) == _orders(site):
+    if before == site and _key_orders(before) == _key_orders(site):
         return text
     document = tree_of(text)
-    _struct(document, before, site)
+    _change_struct(document, before, site)
     after = written_tree(document)
     if load_site(after) != site:
         raise DescriptionError(
@@ -45,48 +45,48 @@ def saved(text: str, site: Site) -> str:
     return after
 
 
-def _orders(value: object) -> object:
+def _key_orders(value: object) -> object:
     """Give the order of every mapping: it is the order on the page, and that of the channels."""
     if isinstance(value, msgspec.Struct):
-        return [_orders(getattr(value, field)) for field in value.__struct_fields__]
+        return [_key_orders(getattr(value, field)) for field in value.__struct_fields__]
     if isinstance(value, dict):
-        return [(key, _orders(item)) for key, item in value.items()]
+        return [(key, _key_orders(item)) for key, item in value.items()]
     return None
 
 
-def _struct(node: CommentedMap, old: msgspec.Struct, new: msgspec.Struct) -> None:
+def _change_struct(node: CommentedMap, old: msgspec.Struct, new: msgspec.Struct) -> None:
     for field in msgspec.structs.fields(new):
         key = field.encode_name
         was, now = getattr(old, field.name), getattr(new, field.name)
-        if was == now and _orders(was) == _orders(now):
+        if was == now and _key_orders(was) == _key_orders(now):
             continue
         if _is_default(field, now):
             node.pop(key, None)
         else:
-            node[key] = _changed(node.get(key), was, now)
+            node[key] = _change_node(node.get(key), was, now)
 
 
-def _changed(node: object, was: object, now: object) -> object:
+def _change_node(node: object, was: object, now: object) -> object:
     """Give what stands at a place after the change: the old node mended, or a new one."""
     if isinstance(node, CommentedMap):
         if isinstance(was, dict) and isinstance(now, dict):
-            _mapping(node, was, now)
+            _change_mapping(node, was, now)
             return node
         if isinstance(now, msgspec.Struct) and type(was) is type(now):
             assert isinstance(was, msgspec.Struct)  # noqa: S101 - the same type
-            _struct(node, was, now)
+            _change_struct(node, was, now)
             return node
-    return _plain(now)
+    return _plain_value(now)
 
 
-def _mapping(node: CommentedMap, was: dict[str, object], now: dict[str, object]) -> None:
+def _change_mapping(node: CommentedMap, was: dict[str, object], now: dict[str, object]) -> None:
     for key in [key for key in node if key not in now]:
         del node[key]
     for key, value in now.items():
         if key not in was or key not in node:
-            node[_text(key)] = _plain(value)
-        elif was[key] != value or _orders(was[key]) != _orders(value):
-            node[key] = _changed(node[key], was[key], value)
+            node[_key_text(key)] = _plain_value(value)
+        elif was[key] != value or _key_orders(was[key]) != _key_orders(value):
+            node[key] = _change_node(node[key], was[key], value)
     if list(node) != list(now):
         for key in now:
             node.move_to_end(key)
@@ -100,24 +100,24 @@ def _is_default(field: msgspec.structs.FieldInfo, value: object) -> bool:
     return False
 
 
-def _plain(value: object) -> object:
+def _plain_value(value: object) -> object:
     """Turn values into what YAML has, with texts that would not come back as they are in quotes."""
     value = msgspec.to_builtins(value)
     if isinstance(value, dict):
         made = CommentedMap()
         for key, item in value.items():
-            made[_text(key)] = _plain(item)
+            made[_key_text(key)] = _plain_value(item)
         return made
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [_plain_value(item) for item in value]
     if isinstance(value, float) and math.isfinite(value):
         # YAML 1.1 knows no float without a point.
         written = repr(value)
         return WrittenFloat(written if "." in written else written.replace("e", ".0e", 1))
-    return _text(value) if isinstance(value, str) else value
+    return _key_text(value) if isinstance(value, str) else value
 
 
-def _text(value: str) -> str:
+def _key_text(value: str) -> str:
     """Quote what the reader, which knows YAML 1.1, would take for a truth, a number or a time."""
     read = RESOLVER.resolve(yaml.ScalarNode, value, (True, False))  # type: ignore[no-untyped-call]
     plain = value.isprintable() and read == "tag:yaml.org,2002:str"

@@ -40,7 +40,7 @@ class SourcePositions:
         if node is None or "$" not in where:
             return SourcePosition()
         for key, index in _STEP.findall(where[where.index("$") + 1 :]):
-            found = _step(node, key, index)
+            found = _step_into(node, key, index)
             if found is None:
                 break
             at, node = found
@@ -50,7 +50,7 @@ class SourcePositions:
         return SourcePosition(mark.line + 1, mark.column + 1)
 
 
-def _step(node: yaml.Node, key: str, index: str) -> tuple[yaml.Node, yaml.Node] | None:
+def _step_into(node: yaml.Node, key: str, index: str) -> tuple[yaml.Node, yaml.Node] | None:
     """Give what names a part, and the part."""
     if isinstance(node, yaml.MappingNode):
         for name, value in node.value:

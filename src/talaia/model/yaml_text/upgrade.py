@@ -45,7 +45,7 @@ class Upgraded(NamedTuple):
 
 def _link_loss_holds(tree: Tree) -> Iterator[str]:
     """``link_loss: nothing`` said what does not happen; ``hold`` says what does."""
-    for name, device in _inside(tree.get("devices")):
+    for name, device in _inner_mappings(tree.get("devices")):
         drive = device.get("drive")
         if isinstance(drive, MutableMapping) and drive.get("link_loss") == "nothing":
             drive["link_loss"] = "hold"
@@ -68,18 +68,18 @@ def upgraded(text: str, steps: tuple[UpgradeStep, ...] = STEPS, newest: int = FO
             without changing what else it says (aliases: two places that are one).
 
     """
-    wanted = _document(text)
+    wanted = _parse_tree(text)
     version = version_of(wanted.get("talaia"), newest, OLDEST)
     due = [step for step in steps if step.version >= version]
-    changes = _applied(wanted, due, version, newest)
+    changes = _apply_steps(wanted, due, version, newest)
     if not changes:
         return Upgraded(text, ())
     tree = tree_of(text)
-    _applied(tree, due, version, newest)
+    _apply_steps(tree, due, version, newest)
     after = written_tree(tree)
     if "\r\n" in text:
         after = after.replace("\n", "\r\n")
-    if _document(after) != wanted:
+    if _parse_tree(after) != wanted:
         raise DescriptionError(
             "$",
             "it cannot be changed here without changing more of it",
@@ -88,7 +88,7 @@ def upgraded(text: str, steps: tuple[UpgradeStep, ...] = STEPS, newest: int = FO
     return Upgraded(after, tuple(changes))
 
 
-def _document(text: str) -> dict[str, object]:
+def _parse_tree(text: str) -> dict[str, object]:
     try:
         document = document_of(text)
     except yaml.YAMLError as error:
@@ -98,7 +98,7 @@ def _document(text: str) -> dict[str, object]:
     return document
 
 
-def _applied(tree: Tree, steps: list[UpgradeStep], version: int, newest: int) -> list[str]:
+def _apply_steps(tree: Tree, steps: list[UpgradeStep], version: int, newest: int) -> list[str]:
     changes = [said for step in steps for said in step.change(tree)]
     if version != newest:
         tree["talaia"] = newest
@@ -106,7 +106,7 @@ def _applied(tree: Tree, steps: list[UpgradeStep], version: int, newest: int) ->
     return changes
 
 
-def _inside(value: object) -> Iterator[tuple[str, Tree]]:
+def _inner_mappings(value: object) -> Iterator[tuple[str, Tree]]:
     """Give the mappings in a mapping, whatever else stands there."""
     if isinstance(value, MutableMapping):
         for name, child in value.items():

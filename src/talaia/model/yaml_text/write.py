@@ -34,20 +34,20 @@ def _one_line(dumper: _Dumper, value: _OneLine) -> yaml.Node:
     return dumper.represent_mapping("tag:yaml.org,2002:map", value.items(), flow_style=True)
 
 
-def _listed(dumper: _Dumper, value: list[object]) -> yaml.Node:
+def _represent_list(dumper: _Dumper, value: list[object]) -> yaml.Node:
     flow = all(isinstance(item, str | int | float) for item in value)
     return dumper.represent_sequence("tag:yaml.org,2002:seq", value, flow_style=flow)
 
 
-def _text(dumper: yaml.SafeDumper, value: str) -> yaml.Node:
+def _represent_text(dumper: yaml.SafeDumper, value: str) -> yaml.Node:
     # Only double quotes can escape; the others would read a line end of Unicode's as a blank.
     style = None if value.isprintable() else '"'
     return dumper.represent_scalar("tag:yaml.org,2002:str", value, style=style)
 
 
-_Dumper.add_representer(str, _text)
+_Dumper.add_representer(str, _represent_text)
 _Dumper.add_representer(_OneLine, _one_line)
-_Dumper.add_representer(list, _listed)
+_Dumper.add_representer(list, _represent_list)
 
 
 def written(site: Site, comments: Iterable[str] = ()) -> str:
@@ -58,7 +58,7 @@ def written(site: Site, comments: Iterable[str] = ()) -> str:
         comments: lines for the top of the file; what would end a comment is taken out.
 
     """
-    plain = _styled(msgspec.to_builtins(site))
+    plain = _with_style(msgspec.to_builtins(site))
     text: str = yaml.dump(plain, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=_WIDTH)
     # A name of the robot's may hold a line end; nothing unseen comes through.
     lines = ["".join(filter(str.isprintable, line)) for line in comments]
@@ -68,11 +68,11 @@ def written(site: Site, comments: Iterable[str] = ()) -> str:
     return head + body
 
 
-def _styled(value: object, key: str = "") -> object:
+def _with_style(value: object, key: str = "") -> object:
     if isinstance(value, dict):
-        inner = {name: _styled(item, str(name)) for name, item in value.items()}
+        inner = {name: _with_style(item, str(name)) for name, item in value.items()}
         nested = any(isinstance(item, dict) for item in inner.values())
         return _OneLine(inner) if key in _ON_ONE_LINE and not nested else inner
     if isinstance(value, list | tuple):
-        return [_styled(item) for item in value]
+        return [_with_style(item) for item in value]
     return value

@@ -76,14 +76,14 @@ def answer_of(request: Request) -> tuple[bool, str]:
     )
     try:
         if request.kind == "fault":
-            return _fault(node, request)
-        return _call(node, request)
+            return _publish_fault(node, request)
+        return _call_service(node, request)
     finally:
         node.destroy_node()
         rclpy.try_shutdown()
 
 
-def _call(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN401 - rclpy has no types
+def _call_service(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN401 - rclpy has no types
     import rclpy
     from rcl_interfaces.srv import SetParametersAtomically
     from rclpy.parameter import Parameter
@@ -114,7 +114,7 @@ def _call(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN401 - rc
     return answer.success, answer.message
 
 
-def _fault(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN401
+def _publish_fault(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN401
     from std_msgs.msg import String
 
     words = str(request.values["data"])

@@ -33,7 +33,7 @@ def _answer_of(request: Request) -> tuple[bool, str]:
     name = f"{request.device}_client_{os.getpid()}"
     if request.kind == "fault":
         rospy.init_node(name, disable_signals=True, disable_rosout=True)
-        return _fault(str(request.values["data"]))
+        return _publish_fault(str(request.values["data"]))
     # A service is called without becoming a node: that saves most of a client's time.
     path = f"/{request.device}/{request.name}"
     try:
@@ -52,7 +52,7 @@ def _answer_of(request: Request) -> tuple[bool, str]:
     return answer.success, answer.message
 
 
-def _fault(words: str) -> tuple[bool, str]:
+def _publish_fault(words: str) -> tuple[bool, str]:
     publisher = rospy.Publisher("/observatory/fault", String, queue_size=10)
     until = time.monotonic() + FIND_S
     while publisher.get_num_connections() < 1:

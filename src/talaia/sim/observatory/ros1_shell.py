@@ -64,7 +64,7 @@ def main(argv: list[str]) -> int:
     names = options.only or list(DEVICES)
     if options.fits:
         options.fits.mkdir(parents=True, exist_ok=True)
-    master = _master()
+    master = _start_master()
     try:
         name = f"{names[0]}_server" if len(names) == 1 else "observatory_servers"
         rospy.init_node(name, disable_signals=True, disable_rosout=True)
@@ -75,7 +75,7 @@ def main(argv: list[str]) -> int:
                     name,
                     seed=options.seed,
                     unix_s=time.time(),
-                    call=_call,
+                    call=_call_service,
                     place=place,
                     roof=options.enclosure,
                 ),
@@ -93,7 +93,7 @@ def main(argv: list[str]) -> int:
         }
         print(json.dumps(line), flush=True)  # noqa: T201 - the one line whoever started us reads
         orders = Orders(options.orders)
-        _run(shells, options.speed, ended, orders)
+        _run_loop(shells, options.speed, ended, orders)
         orders.close()
         rospy.signal_shutdown("ended")
         ledger.close()
@@ -104,7 +104,7 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def _master() -> subprocess.Popen[bytes] | None:
+def _start_master() -> subprocess.Popen[bytes] | None:
     """Start a master where none answers, for as long as we run."""
     uri = os.environ.setdefault("ROS_MASTER_URI", "http://localhost:11311")
     if rosgraph.is_master_online(uri):
@@ -125,7 +125,7 @@ def _master() -> subprocess.Popen[bytes] | None:
     return master
 
 
-def _message(value: Value) -> Any:  # noqa: ANN401 - rospy ships no types
+def _make_message(value: Value) -> Any:  # noqa: ANN401 - rospy ships no types
     if not isinstance(value, Stamped):
         return KINDS[type(value)](value)
     message = Temperature(temperature=value.value)
@@ -133,7 +133,7 @@ def _message(value: Value) -> Any:  # noqa: ANN401 - rospy ships no types
     return message
 
 
-def _run(shells: list[_Shell], speed: float, ended: threading.Event, orders: Orders) -> None:
+def _run_loop(shells: list[_Shell], speed: float, ended: threading.Event, orders: Orders) -> None:
     tick, before = 0, time.monotonic()
     while not ended.wait(STEP_S):
         now = time.monotonic()
@@ -145,7 +145,7 @@ def _run(shells: list[_Shell], speed: float, ended: threading.Event, orders: Ord
         before, tick = now, tick + 1
 
 
-def _call(device: str, what: str) -> Ticket:
+def _call_service(device: str, what: str) -> Ticket:
     """Ask another server, in a thread: rospy waits for the answer."""
     ticket = Ticket()
 
@@ -181,24 +181,26 @@ class _Shell:
         if name == "camera":
             self._files = rospy.Publisher("/camera/fits", UInt8MultiArray, queue_size=1, latch=True)
         for service, trigger in server.triggers.items():
-            rospy.Service(f"/{name}/{service}", Trigger, self._trigger(service, trigger))
+            rospy.Service(f"/{name}/{service}", Trigger, self._serve_trigger(service, trigger))
         for service, switch in server.switches.items():
-            rospy.Service(f"/{name}/{service}", SetBool, self._switch(service, switch))
+            rospy.Service(f"/{name}/{service}", SetBool, self._serve_switch(service, switch))
         for service, ask in server.asks.items():
-            rospy.Service(f"/{name}/{service}", Trigger, self._ask(service, ask))
-            self._listen(service, ask)
+            rospy.Service(f"/{name}/{service}", Trigger, self._serve_ask(service, ask))
+            self._listen_to_parameters(service, ask)
         for topic, (kind, take) in server.hears.items():
-            self._hear(topic, kind, take)
-        rospy.Subscriber("/observatory/fault", String, lambda message: self._fault(message.data))
+            self._subscribe_topic(topic, kind, take)
+        rospy.Subscriber(
+            "/observatory/fault", String, lambda message: self._apply_fault(message.data)
+        )
 
-    def _hear(self, topic: str, kind: type, take: Callable[[Any], None]) -> None:
+    def _subscribe_topic(self, topic: str, kind: type, take: Callable[[Any], None]) -> None:
         def heard(message: Any) -> None:  # noqa: ANN401 - rospy ships no types
             with self._lock:
                 take(message.data)
 
         rospy.Subscriber(topic, KINDS[kind], heard, queue_size=1)
 
-    def _listen(self, name: str, ask: Ask) -> None:
+    def _listen_to_parameters(self, name: str, ask: Ask) -> None:
         """Take a request with one or two numbers from a topic as well."""
         numbers = [
             argument for argument, value in ask.arguments.items() if isinstance(value, float)
@@ -217,7 +219,7 @@ class _Shell:
         kind = Float64 if len(numbers) == 1 else Point
         rospy.Subscriber(f"/{self._server.name}/{name}", kind, heard, queue_size=1)
 
-    def _fault(self, words: str) -> None:
+    def _apply_fault(self, words: str) -> None:
         device, _, word = words.partition(" ")
         if device == self._server.name:
             with self._lock:
@@ -231,7 +233,7 @@ class _Shell:
         with self._lock:
             ticket = act_on(self._server, words)
         if ticket is None:
-            self._fault(f"{device} {words}")
+            self._apply_fault(f"{device} {words}")
             return
         said = ticket.message or "by hand"
         self._ledger.write(device, words.partition(" ")[2], "by hand", said, good=ticket.good)
@@ -253,23 +255,23 @@ class _Shell:
         self._ledger.write(name, asked, phase, ticket.message, good=ticket.good)
         return ticket
 
-    def _trigger(self, name: str, act: Callable[[], Ticket]) -> Callable[[Any], Any]:
+    def _serve_trigger(self, name: str, act: Callable[[], Ticket]) -> Callable[[Any], Any]:
         def answer(_: object) -> object:
             ticket = self._end_of(name, act)
             return TriggerResponse(success=ticket.good, message=ticket.message)
 
         return answer
 
-    def _switch(self, name: str, act: Callable[[bool], Ticket]) -> Callable[[Any], Any]:
+    def _serve_switch(self, name: str, act: Callable[[bool], Ticket]) -> Callable[[Any], Any]:
         def answer(request: Any) -> object:  # noqa: ANN401 - rospy ships no types
             ticket = self._end_of(f"{name} {request.data}", lambda: act(request.data))
             return SetBoolResponse(success=ticket.good, message=ticket.message)
 
         return answer
 
-    def _ask(self, name: str, ask: Ask) -> Callable[[Any], Any]:
+    def _serve_ask(self, name: str, ask: Ask) -> Callable[[Any], Any]:
         def answer(_: object) -> object:
-            values, problem = self._parameters(name, ask)
+            values, problem = self._read_parameters(name, ask)
             if problem:
                 return TriggerResponse(success=False, message=problem)
             shown = " ".join([name, *(f"{value}" for value in values.values())])
@@ -278,7 +280,7 @@ class _Shell:
 
         return answer
 
-    def _parameters(self, name: str, ask: Ask) -> tuple[dict[str, Value], str]:
+    def _read_parameters(self, name: str, ask: Ask) -> tuple[dict[str, Value], str]:
         """Take a request's values from the parameter server; each is used once."""
         values: dict[str, Value] = {}
         for argument, example in ask.arguments.items():
@@ -316,7 +318,7 @@ class _Shell:
             quick = not isinstance(value, float) and value != self._said.get(name)
             if publish or quick:
                 self._said[name] = value
-                self._publishers[name].publish(_message(value))
+                self._publishers[name].publish(_make_message(value))
         if frame is None or self._pictures is None:
             return
         image = Image(

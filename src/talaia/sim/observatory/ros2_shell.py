@@ -213,19 +213,24 @@ class _Shell:
             self._files = self.node.create_publisher(UInt8MultiArray, "/camera/fits", LATCHED)
         self._services: list[tuple[Any, Callable[[Any, Any], None]]] = []
         for name, trigger in server.triggers.items():
-            self._offer(Trigger, name, _plain(trigger))
+            self._offer_service(Trigger, name, _without_values(trigger))
         for name, switch in server.switches.items():
-            self._offer(SetBool, name, _switched(switch))
+            self._offer_service(SetBool, name, _by_switch(switch))
         for name, ask in server.asks.items():
-            self._offer(SetParametersAtomically, name, _named(ask.act))
-        self._live()
+            self._offer_service(SetParametersAtomically, name, _by_name(ask.act))
+        self._offer_liveness()
         self._ears: list[tuple[Any, Any, Callable[[Any], None]]] = []
         for topic, (kind, receive_request) in server.hears.items():
-            self._hear(topic, kind, receive_request)
-        self._hear("/observatory/fault", str, self._fault, depth=10)
+            self._subscribe_topic(topic, kind, receive_request)
+        self._subscribe_topic("/observatory/fault", str, self._apply_fault, depth=10)
 
-    def _offer(self, kind: Any, name: str, act: Callable[[dict[str, Value]], Ticket]) -> None:  # noqa: ANN401
-        service = self.node.create_service(kind, f"/{self._server.name}/{name}", _never)
+    def _offer_service(
+        self,
+        kind: Any,  # noqa: ANN401
+        name: str,
+        act: Callable[[dict[str, Value]], Ticket],
+    ) -> None:
+        service = self.node.create_service(kind, f"/{self._server.name}/{name}", _unused_callback)
 
         def receive_request(request: Any, header: Any) -> None:  # noqa: ANN401
             def answer(ticket: Ticket) -> None:
@@ -241,10 +246,10 @@ class _Shell:
 
         self._services.append((service, receive_request))
 
-    def _live(self) -> None:
+    def _offer_liveness(self) -> None:
         """Answer what every node is asked to see whether it lives; there are no parameters."""
         service = self.node.create_service(
-            GetParameters, f"/{self._server.name}_server/get_parameters", _never
+            GetParameters, f"/{self._server.name}_server/get_parameters", _unused_callback
         )
 
         def receive_request(request: Any, header: Any) -> None:  # noqa: ANN401
@@ -282,13 +287,13 @@ class _Shell:
         else:
             self._waiting.append(_Waiting(ticket, asked, answer))
 
-    def _hear(
+    def _subscribe_topic(
         self, topic: str, kind: type, receive_request: Callable[[Any], None], depth: int = 1
     ) -> None:
-        ear = self.node.create_subscription(KINDS[kind], topic, _never, depth)
+        ear = self.node.create_subscription(KINDS[kind], topic, _unused_callback, depth)
         self._ears.append((ear, KINDS[kind], receive_request))
 
-    def _fault(self, words: str) -> None:
+    def _apply_fault(self, words: str) -> None:
         device, _, word = words.partition(" ")
         if device == self._server.name:
             problem = self._server.fault(word)
@@ -300,7 +305,7 @@ class _Shell:
             return
         ticket = act_on(self._server, words)
         if ticket is None:
-            self._fault(f"{device} {words}")
+            self._apply_fault(f"{device} {words}")
             return
         asked = words.partition(" ")[2]
         said = ticket.message or "by hand"
@@ -342,10 +347,10 @@ class _Shell:
             waiting.answer(ticket)
         if self._server.silent:
             return
-        self._publish(everything=publish)
-        self._show()
+        self._publish_values(everything=publish)
+        self._publish_picture()
 
-    def _publish(self, *, everything: bool) -> None:
+    def _publish_values(self, *, everything: bool) -> None:
         """Publish all twice a second, and what is no number as soon as it changes."""
         for name, value in self._server.topics().items():
             quick = not isinstance(value, float) and value != self._said.get(name)
@@ -353,7 +358,7 @@ class _Shell:
                 self._said[name] = value
                 self._publishers[name].publish(message_of(value))
 
-    def _show(self) -> None:
+    def _publish_picture(self) -> None:
         if self._pictures is None:
             return
         frame = self._server.frame(watched=self._pictures.get_subscription_count() > 0)
@@ -368,9 +373,9 @@ class _Shell:
         image.data.frombytes(frame.data)
         self._pictures.publish(image)
         if frame.file:
-            self._keep(frame)
+            self._publish_file(frame)
 
-    def _keep(self, frame: ImageFrame) -> None:
+    def _publish_file(self, frame: ImageFrame) -> None:
         message = UInt8MultiArray()
         message.data.frombytes(frame.file)
         self._files.publish(message)
@@ -378,17 +383,17 @@ class _Shell:
             (self._fits / frame.name).write_bytes(frame.file)
 
 
-def _plain(act: Callable[[], Ticket]) -> Callable[[dict[str, Value]], Ticket]:
+def _without_values(act: Callable[[], Ticket]) -> Callable[[dict[str, Value]], Ticket]:
     return lambda _values: act()
 
 
-def _switched(act: Callable[[bool], Ticket]) -> Callable[[dict[str, Value]], Ticket]:
+def _by_switch(act: Callable[[bool], Ticket]) -> Callable[[dict[str, Value]], Ticket]:
     return lambda values: act(bool(values["data"]))
 
 
-def _named(act: Callable[..., Ticket]) -> Callable[[dict[str, Value]], Ticket]:
+def _by_name(act: Callable[..., Ticket]) -> Callable[[dict[str, Value]], Ticket]:
     return lambda values: act(**values)
 
 
-def _never(*_: object) -> None:
+def _unused_callback(*_: object) -> None:
     """Stand where rclpy wants a callback; messages are taken by `listen`."""

@@ -88,10 +88,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         from talaia.sim.observatory.ros1_start import run_ros1
 
         return run_ros1("ros1_shell", [word for word in words if word != "--ros1"])
-    return run_robot("observatory", options.domain, lambda start: _run(options, start))
+    return run_robot("observatory", options.domain, lambda start: _run_servers(options, start))
 
 
-def _run(options: argparse.Namespace, start: Start) -> None:
+def _run_servers(options: argparse.Namespace, start: Start) -> None:
     """Build every part, last built first ended."""
     with needing_ros():
         from talaia.sim.observatory.ros2_shell import Shells

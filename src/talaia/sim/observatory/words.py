@@ -65,7 +65,7 @@ def read(device: str, words: list[str]) -> Request:
         WordsWrong: in the founding design's words where it had some.
 
     """
-    server = make_server(device, seed=0, unix_s=0.0, call=_nobody)
+    server = make_server(device, seed=0, unix_s=0.0, call=_call_nobody)
     action, rest = (words[0], words[1:]) if words else ("", [])
     if device == "observatory" and action == "fault":
         return Request(device, "fault", action, {"data": " ".join(rest)})
@@ -76,11 +76,11 @@ def read(device: str, words: list[str]) -> Request:
             raise WordsWrong(f"{action}: expected on or off")
         return Request(device, "switch", action, {"data": rest == ["on"]})
     if action in server.asks:
-        return Request(device, "ask", action, _values(server, action, rest))
+        return Request(device, "ask", action, _parse_values(server, action, rest))
     raise WordsWrong(f"Invalid {device} action")
 
 
-def _values(server: Server, action: str, rest: list[str]) -> dict[str, Value]:
+def _parse_values(server: Server, action: str, rest: list[str]) -> dict[str, Value]:
     arguments = server.asks[action].arguments
     least = sum(not isinstance(argument, str) for argument in arguments.values())
     if not least <= len(rest) <= len(arguments):
@@ -93,5 +93,5 @@ def _values(server: Server, action: str, rest: list[str]) -> dict[str, Value]:
     }
 
 
-def _nobody(device: str, service: str) -> Ticket:
+def _call_nobody(device: str, service: str) -> Ticket:
     return Ticket.refused(f"/{device}/{service} is not there")

@@ -94,20 +94,20 @@ class Base:
             speed = turn = 0.0
         speed = min(max(speed, -MAX_SPEED), MAX_SPEED)
         turn = min(max(turn, -MAX_TURN), MAX_TURN)
-        return self._outside(now_ns, Change(MotionSource.TWIST, speed, turn))
+        return self._accept_command(now_ns, Change(MotionSource.TWIST, speed, turn))
 
     def key(self, now_ns: int, key: str) -> Change | None:
         """Take a key of the CloudConnect contract. Other keys change nothing."""
         asked = KEYS.get(key)
         if asked is None:
             return None
-        return self._outside(now_ns, Change(MotionSource.KEY, *asked))
+        return self._accept_command(now_ns, Change(MotionSource.KEY, *asked))
 
     def roam(self, speed: float, turn: float) -> Change | None:
         """Take where wandering would go; without effect unless it is on."""
         if not self._wandering:
             return None
-        return self._want(Change(MotionSource.WANDER, speed, turn))
+        return self._want_velocity(Change(MotionSource.WANDER, speed, turn))
 
     def wander(self, *, on: bool) -> tuple[bool, Change | None]:
         """Turn wandering on or off; says whether that was accepted. STOP refuses it."""
@@ -117,7 +117,7 @@ class Base:
             self._wandering = True
             return True, None
         was, self._wandering = self._wandering, False
-        return True, self._want(Change(MotionSource.WANDER, 0.0, 0.0)) if was else None
+        return True, self._want_velocity(Change(MotionSource.WANDER, 0.0, 0.0)) if was else None
 
     def stop(self, *, engaged: bool) -> Change | None:
         """Latch STOP, or release it. A release never moves anything."""
@@ -126,7 +126,7 @@ class Base:
             return None
         self._wandering = False
         self._commanded_ns = None
-        return self._want(Change(MotionSource.STOP, 0.0, 0.0))
+        return self._want_velocity(Change(MotionSource.STOP, 0.0, 0.0))
 
     def pass_time(self, now_ns: int) -> Change | None:
         """Notice that the last command is too old."""
@@ -135,16 +135,16 @@ class Base:
         if now_ns - self._commanded_ns < STANDSTILL_NS - BRAKING_NS:
             return None
         self._commanded_ns = None
-        return self._want(Change(MotionSource.TIME_OUT, 0.0, 0.0))
+        return self._want_velocity(Change(MotionSource.TIME_OUT, 0.0, 0.0))
 
-    def _outside(self, now_ns: int, change: Change) -> Change | None:
+    def _accept_command(self, now_ns: int, change: Change) -> Change | None:
         if self._stopped:
             return None
         self._wandering = False
         self._commanded_ns = now_ns
-        return self._want(change)
+        return self._want_velocity(change)
 
-    def _want(self, change: Change) -> Change | None:
+    def _want_velocity(self, change: Change) -> Change | None:
         before, self._wanted = self._wanted, change
         if (before.speed, before.turn) == (change.speed, change.turn) and (
             before.source == change.source or change.source is MotionSource.TIME_OUT
@@ -168,11 +168,13 @@ class Ramp:
 
     def follow(self, seconds: float, speed: float, turn: float) -> None:
         """Move both towards what is wanted (m/s, rad/s) for a while."""
-        self.speed = _towards(self.speed, speed, self.SPEED_UP * seconds, self.BRAKE * seconds)
-        self.turn = _towards(self.turn, turn, self.TURN_UP * seconds, self.TURN_BRAKE * seconds)
+        self.speed = _step_towards(self.speed, speed, self.SPEED_UP * seconds, self.BRAKE * seconds)
+        self.turn = _step_towards(
+            self.turn, turn, self.TURN_UP * seconds, self.TURN_BRAKE * seconds
+        )
 
 
-def _towards(value: float, goal: float, faster: float, slower: float) -> float:
+def _step_towards(value: float, goal: float, faster: float, slower: float) -> float:
     braking = abs(goal) < abs(value) or goal * value < 0
     most = slower if braking else faster
     return goal if abs(goal - value) <= most else value + math.copysign(most, goal - value)

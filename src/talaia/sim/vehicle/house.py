@@ -59,15 +59,15 @@ class Room:
     doors: tuple[tuple[str, float, float], ...]
 
 
-def _oak(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
+def _oak_floor(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
     return parquet(rng, (0.66, 0.48, 0.31), size, FLOOR_SCALE)
 
 
-def _clay(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
+def _clay_floor(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
     return tiles(rng, (0.70, 0.46, 0.35), metres=size, scale=FLOOR_SCALE, side=0.33)
 
 
-def _slate(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
+def _slate_floor(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
     return tiles(rng, (0.55, 0.58, 0.60), metres=size, scale=FLOOR_SCALE, side=0.25)
 
 
@@ -77,7 +77,7 @@ ROOMS = (
         (-2, -4),
         (4, 1),
         (0.93, 0.90, 0.83),
-        _oak,
+        _oak_floor,
         (("e", 0.25, 1.2), ("e", -2.25, 1.4), ("n", 0.9, 1.1)),
     ),
     Room(
@@ -85,7 +85,7 @@ ROOMS = (
         (4, -4),
         (9, -0.5),
         (0.90, 0.86, 0.74),
-        _clay,
+        _clay_floor,
         (("w", -2.25, 1.4), ("n", 7.6, 1.1)),
     ),
     Room(
@@ -93,12 +93,12 @@ ROOMS = (
         (4, -0.5),
         (9, 1),
         (0.82, 0.87, 0.86),
-        _oak,
+        _oak_floor,
         (("w", 0.25, 1.2), ("s", 7.6, 1.1), ("n", 5.1, 1.1), ("n", 7.3, 1.1)),
     ),
-    Room("bedroom", (-2, 1), (3, 4), (0.78, 0.83, 0.88), _oak, (("s", 0.9, 1.1),)),
-    Room("study", (3, 1), (6, 4), (0.80, 0.85, 0.76), _oak, (("s", 5.1, 1.1),)),
-    Room("bath", (6, 1), (9, 4), (0.80, 0.88, 0.90), _slate, (("s", 7.3, 1.1),)),
+    Room("bedroom", (-2, 1), (3, 4), (0.78, 0.83, 0.88), _oak_floor, (("s", 0.9, 1.1),)),
+    Room("study", (3, 1), (6, 4), (0.80, 0.85, 0.76), _oak_floor, (("s", 5.1, 1.1),)),
+    Room("bath", (6, 1), (9, 4), (0.80, 0.88, 0.90), _slate_floor, (("s", 7.3, 1.1),)),
 )
 
 
@@ -111,7 +111,7 @@ def build(stage: Stage, layout: np.random.Generator) -> None:
 
     """
     for room in ROOMS:
-        _walls(stage, room)
+        _add_walls(stage, room)
     _furnish_living_room(stage, layout)
     _furnish_kitchen(stage, layout)
     _furnish_others(stage, layout)
@@ -120,7 +120,7 @@ def build(stage: Stage, layout: np.random.Generator) -> None:
             _floor_and_ceiling(stage, room)
 
 
-def _walls(stage: Stage, room: Room) -> None:
+def _add_walls(stage: Stage, room: Room) -> None:
     """Four walls from the inside: for each a place in the corner whose y runs along the wall."""
     (x0, y0), (x1, y1) = room.low, room.high
     # Standing before each wall and looking into the room: where y starts, and which way it runs.
@@ -140,14 +140,16 @@ def _walls(stage: Stage, room: Room) -> None:
         for low, high in [*gaps, (length, length)]:
             if low - start > 0.01:
                 corners = (start == 0.0, low == length)
-                _wall(place, room, span=(start, low), height=(0.0, CEILING), corners=corners)
+                _add_wall(place, room, span=(start, low), height=(0.0, CEILING), corners=corners)
             if high > low:
-                _wall(place, room, span=(low, high), height=(DOOR, CEILING), corners=(False, False))
+                _add_wall(
+                    place, room, span=(low, high), height=(DOOR, CEILING), corners=(False, False)
+                )
                 _door_frame(place, low, high)
             start = high
 
 
-def _wall(
+def _add_wall(
     place: FloorPose,
     room: Room,
     *,
@@ -247,7 +249,7 @@ def _furnish_others(stage: Stage, layout: np.random.Generator) -> None:
     furniture.plant(stage.at(8.6, 1.4), 0.6)
 
 
-def _outline(hull: Hull) -> list[tuple[float, float]]:
+def _add_outline(hull: Hull) -> list[tuple[float, float]]:
     x, y, _ = hull.centre
     a, b, _ = hull.half
     corners: list[tuple[float, float]]
@@ -265,7 +267,7 @@ def _floor_and_ceiling(stage: Stage, room: Room) -> None:
     standing = [
         h for h in stage.hulls if h.centre[2] - h.half[2] < 0.1 and h.half[2] < CEILING / 2 - 0.1
     ]
-    outlines = [[(x - x0, y - y0) for x, y in _outline(hull)] for hull in standing]
+    outlines = [[(x - x0, y - y0) for x, y in _add_outline(hull)] for hull in standing]
 
     def picture(rng: np.random.Generator) -> Picture:
         return shade(room.floor(rng, size), outlines, FLOOR_SCALE)

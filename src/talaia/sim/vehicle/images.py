@@ -103,9 +103,9 @@ class _Poses:
         self.newest = (0.0, 0.0, 0.0)
         self.ended = threading.Event()
         self._source = source
-        threading.Thread(target=self._run, name="poses", daemon=True).start()
+        threading.Thread(target=self._read_poses, name="poses", daemon=True).start()
 
-    def _run(self) -> None:
+    def _read_poses(self) -> None:
         while len(raw := self._source.read(POSE.size)) == POSE.size:
             self.newest = POSE.unpack(raw)
         self.ended.set()
@@ -131,7 +131,7 @@ class Images:
         self._period = 1.0 / rate
         self._pictures = node.create_publisher(Image, "/images", NEWEST)
         self._infos = node.create_publisher(CameraInfo, "/camera_info", NEWEST)
-        self._info = _lens()
+        self._info = _make_camera_info()
 
     def publish_until_ended(self, camera: Camera) -> None:
         """Go on until no more poses come."""
@@ -145,7 +145,7 @@ class Images:
             if not self._pictures.get_subscription_count():
                 ended.wait(IDLE_S)
                 due = time.monotonic()
-                self._inform()
+                self._publish_camera_info()
                 continue
             pose = self._poses.newest
             stamp = self._node.get_clock().now().to_msg()
@@ -156,20 +156,20 @@ class Images:
                 drawn = pose
             message.header.stamp = stamp
             self._pictures.publish(message)
-            self._inform(stamp)
+            self._publish_camera_info(stamp)
             spent, before = time.process_time(), spent
             rest = (spent - before) / (SHARE * (os.cpu_count() or 1))
             due = max(due + max(self._period, rest), time.monotonic())
             ended.wait(due - time.monotonic())
 
-    def _inform(self, stamp: object | None = None) -> None:
+    def _publish_camera_info(self, stamp: object | None = None) -> None:
         """Publish what the lens is like, if somebody asks."""
         if self._infos.get_subscription_count():
             self._info.header.stamp = stamp or self._node.get_clock().now().to_msg()
             self._infos.publish(self._info)
 
 
-def _lens() -> CameraInfo:
+def _make_camera_info() -> CameraInfo:
     focal = HEIGHT / 2 / math.tan(math.radians(CAMERA_FIELD / 2))
     cx, cy = WIDTH / 2, HEIGHT / 2
     info = CameraInfo(height=HEIGHT, width=WIDTH, distortion_model="plumb_bob")

@@ -35,7 +35,7 @@ def person(at: FloorPose) -> None:
     at.ball("shirt", (0, 0, 1.27), (0.125, 0.195, 0.17))
     at.rod("shirt", (-0.01, -0.17, 1.36), (-0.01, 0.17, 1.36), 0.062)
     at.rod("skin", (0, 0, 1.38), (0.01, 0, 1.49), 0.05)
-    _head(at)
+    _add_head(at)
     # One arm hangs, the other waves.
     at.rod("shirt", (-0.01, -0.21, 1.35), (0.0, -0.26, 1.10), 0.048)
     at.rod("skin", (0.0, -0.26, 1.10), (0.07, -0.26, 0.88), 0.037)
@@ -48,7 +48,7 @@ def person(at: FloorPose) -> None:
         at.rod("skin", (0.165, y, 1.57), (0.175, y + 0.006 * (finger - 1), 1.635), 0.009)
 
 
-def _head(at: FloorPose) -> None:
+def _add_head(at: FloorPose) -> None:
     at.ball("skin", (0.02, 0, 1.60), (0.095, 0.078, 0.118))
     at.ball("hair", (-0.012, 0, 1.645), (0.105, 0.088, 0.095))
     at.ball("hair", (-0.05, 0, 1.57), (0.07, 0.088, 0.14))

@@ -65,11 +65,11 @@ class Inputs:
         self._ended = threading.Event()
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(node)
-        node.create_subscription(Twist, "/cmd_vel", self._twist, RELIABLE)
-        node.create_subscription(String, "/control", self._key, RELIABLE)
-        node.create_subscription(Bool, "/stop", self._stop, RELIABLE)
+        node.create_subscription(Twist, "/cmd_vel", self._on_twist, RELIABLE)
+        node.create_subscription(String, "/control", self._on_key, RELIABLE)
+        node.create_subscription(Bool, "/stop", self._on_stop, RELIABLE)
         node.create_service(SetBool, "/wander", self._wander)
-        self._thread = threading.Thread(target=self._run, name="inputs", daemon=True)
+        self._thread = threading.Thread(target=self._run_executor, name="inputs", daemon=True)
 
     def start(self) -> None:
         """Begin to listen."""
@@ -81,7 +81,7 @@ class Inputs:
         self._thread.join(timeout=5.0)
         self._executor.shutdown(timeout_sec=1.0)
 
-    def _run(self) -> None:
+    def _run_executor(self) -> None:
         while not self._ended.is_set():
             try:
                 self._executor.spin_once(timeout_sec=0.2)
@@ -91,20 +91,20 @@ class Inputs:
                 # A wrong message must not leave the vehicle deaf to STOP.
                 logger.exception("a ROS message or request could not be handled")
 
-    def _apply(self, change: Callable[[], Change | None]) -> None:
+    def _apply_change(self, change: Callable[[], Change | None]) -> None:
         with self._lock:
             self._log.write(change())
 
-    def _twist(self, message: Message) -> None:
+    def _on_twist(self, message: Message) -> None:
         now = self._clock.monotonic_ns()
-        self._apply(lambda: self._base.command(now, message.linear.x, message.angular.z))
+        self._apply_change(lambda: self._base.command(now, message.linear.x, message.angular.z))
 
-    def _key(self, message: Message) -> None:
+    def _on_key(self, message: Message) -> None:
         now = self._clock.monotonic_ns()
-        self._apply(lambda: self._base.key(now, message.data))
+        self._apply_change(lambda: self._base.key(now, message.data))
 
-    def _stop(self, message: Message) -> None:
-        self._apply(lambda: self._base.stop(engaged=message.data))
+    def _on_stop(self, message: Message) -> None:
+        self._apply_change(lambda: self._base.stop(engaged=message.data))
 
     def _wander(self, request: Message, response: Message) -> Message:
         with self._lock:
@@ -167,7 +167,7 @@ class Loop:
         before = due
         while not ended.is_set():
             now = time.monotonic()
-            self._tick(tick, min(now - before, LATE_S) if tick else TICK_S)
+            self._run_period(tick, min(now - before, LATE_S) if tick else TICK_S)
             before = now
             if tick == 0:
                 started()
@@ -177,7 +177,7 @@ class Loop:
                 due = time.monotonic()
             ended.wait(max(0.0, due - time.monotonic()))
 
-    def _tick(self, tick: int, seconds: float) -> None:
+    def _run_period(self, tick: int, seconds: float) -> None:
         with self._lock:
             self._log.write(self._base.pass_time(self._clock.monotonic_ns()))
             wanted = (self._base.speed, self._base.turn)

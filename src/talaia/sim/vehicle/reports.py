@@ -58,20 +58,20 @@ class Reports:
         """Create the publishers."""
         self._world = world
         self._node = node
-        self._odometry = self._topic(Odometry, "/odom")
-        self._imu = self._topic(Imu, "/imu")
-        self._joints = self._topic(JointState, "/joint_states")
-        self._transform = self._topic(TFMessage, "/tf") if TFMessage is not None else None
-        self._scan = self._topic(LaserScan, "/scan")
-        self._battery = self._topic(BatteryState, "/battery_state")
-        self._fix = self._topic(NavSatFix, "/fix")
-        self._ranges = [self._topic(Range, f"/ultrasonic{number}") for number in (1, 2, 3)]
-        self._temperature = self._topic(Temperature, "/temperature")
-        self._speed = self._topic(Float64, "/speed")
+        self._odometry = self._make_publisher(Odometry, "/odom")
+        self._imu = self._make_publisher(Imu, "/imu")
+        self._joints = self._make_publisher(JointState, "/joint_states")
+        self._transform = self._make_publisher(TFMessage, "/tf") if TFMessage is not None else None
+        self._scan = self._make_publisher(LaserScan, "/scan")
+        self._battery = self._make_publisher(BatteryState, "/battery_state")
+        self._fix = self._make_publisher(NavSatFix, "/fix")
+        self._ranges = [self._make_publisher(Range, f"/ultrasonic{number}") for number in (1, 2, 3)]
+        self._temperature = self._make_publisher(Temperature, "/temperature")
+        self._speed = self._make_publisher(Float64, "/speed")
         self._wandering = node.create_publisher(Bool, "/wandering", LASTING)
-        self._metric = self._topic(String, "/metric")
+        self._metric = self._make_publisher(String, "/metric")
         self._measured = {"ultrasonic1": 0.0, "ultrasonic2": 0.0, "ultrasonic3": 0.0}
-        self._prepare()
+        self._prepare_messages()
 
     def motion(self, stamp: Message, motion: Motion) -> None:
         """Publish odometry and inertia, and the transform where its package is installed."""
@@ -168,10 +168,10 @@ class Reports:
         """Publish whether the vehicle drives about by itself."""
         self._wandering.publish(Bool(data=on))
 
-    def _topic(self, kind: Message, name: str) -> Message:
+    def _make_publisher(self, kind: Message, name: str) -> Message:
         return self._node.create_publisher(kind, name, RELIABLE)
 
-    def _prepare(self) -> None:
+    def _prepare_messages(self) -> None:
         """Make the messages with what never changes in them."""
         # Position and yaw are known; what a plane leaves no freedom for is certain.
         small = [0.0] * 36

@@ -58,10 +58,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         arguments().error("--camera-rate: expected a number from 0.1 to 60")
     # It reports at length which accelerators it does without.
     logging.getLogger("OpenGL").setLevel(logging.WARNING)
-    return run_robot("vehicle", options.domain, lambda start: _run(options, start))
+    return run_robot("vehicle", options.domain, lambda start: _run_vehicle(options, start))
 
 
-def _run(options: argparse.Namespace, start: Start) -> None:
+def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
     """Build every part, last built first ended."""
     with needing_ros():
         import rclpy

@@ -109,7 +109,7 @@ class Stage:
             type=kind,
             pos=hull.centre,
             size=(hull.half[0], hull.half[2], 0.0) if hull.round else hull.half,
-            quat=_turned(hull.yaw),
+            quat=_yaw_quaternion(hull.yaw),
             group=HULL_GROUP,
             contype=2,
             conaffinity=1,
@@ -222,7 +222,7 @@ class FloorPose:
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=self.stage.mesh(size, radius, self.stage.repeat(finish)),
             pos=self.world(centre),
-            quat=_turned(self.yaw),
+            quat=_yaw_quaternion(self.yaw),
         )
 
     def rod(
@@ -240,7 +240,9 @@ class FloorPose:
     def ball(self, finish: str, centre: Vector, half: Vector, tilt: float = 0.0) -> None:
         """Add an ellipsoid; ``tilt`` raises its front (rad)."""
         turn = np.zeros(4)
-        mujoco.mju_mulQuat(turn, np.asarray(_turned(self.yaw)), np.asarray(_pitched(-tilt)))
+        mujoco.mju_mulQuat(
+            turn, np.asarray(_yaw_quaternion(self.yaw)), np.asarray(_pitch_quaternion(-tilt))
+        )
         self.stage.add_visual(
             finish,
             type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
@@ -250,9 +252,9 @@ class FloorPose:
         )
 
 
-def _turned(yaw: float) -> tuple[float, float, float, float]:
+def _yaw_quaternion(yaw: float) -> tuple[float, float, float, float]:
     return (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
 
 
-def _pitched(pitch: float) -> tuple[float, float, float, float]:
+def _pitch_quaternion(pitch: float) -> tuple[float, float, float, float]:
     return (math.cos(pitch / 2), 0.0, math.sin(pitch / 2), 0.0)

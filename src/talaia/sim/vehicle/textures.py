@@ -33,7 +33,9 @@ Colour = tuple[float, float, float]
 PICTURES = Path(__file__).parent / "pictures"
 
 
-def _grain(rng: np.random.Generator, height: int, width: int, coarse: tuple[int, int]) -> Field:
+def _smooth_noise(
+    rng: np.random.Generator, height: int, width: int, coarse: tuple[int, int]
+) -> Field:
     """Give smooth noise of mean 0 and deviation about 1, blotches of ``coarse`` pixels."""
     rows = max(2, height // coarse[0])
     columns = max(2, width // coarse[1])
@@ -44,7 +46,7 @@ def _grain(rng: np.random.Generator, height: int, width: int, coarse: tuple[int,
     return np.asarray(scaled, dtype=np.float64)
 
 
-def _paint(colour: Colour, light: Field) -> Picture:
+def _shaded_colour(colour: Colour, light: Field) -> Picture:
     """Give a colour (0..1) its brightness at each pixel."""
     rgb = np.asarray(colour)[None, None, :] * light[:, :, None]
     return (np.clip(rgb, 0.0, 1.0) * 255.0).astype(np.uint8)
@@ -52,26 +54,36 @@ def _paint(colour: Colour, light: Field) -> Picture:
 
 def wood(rng: np.random.Generator, colour: Colour, size: int = 256) -> Picture:
     """Grain along the width."""
-    light = 1.0 + 0.05 * _grain(rng, size, size, (3, size // 2))
-    light += 0.05 * _grain(rng, size, size, (12, size)) + 0.02 * rng.normal(size=(size, size))
-    return _paint(colour, light)
+    light = 1.0 + 0.05 * _smooth_noise(rng, size, size, (3, size // 2))
+    light += 0.05 * _smooth_noise(rng, size, size, (12, size)) + 0.02 * rng.normal(
+        size=(size, size)
+    )
+    return _shaded_colour(colour, light)
 
 
 def cloth(rng: np.random.Generator, colour: Colour, size: int = 128) -> Picture:
     """A woven fabric: threads two pixels wide."""
     rows, columns = np.indices((size, size))
     weave = np.where((rows // 2 + columns // 2) % 2 == 0, 1.04, 0.95)
-    light = weave + 0.03 * rng.normal(size=(size, size)) + 0.02 * _grain(rng, size, size, (16, 16))
-    return _paint(colour, light)
+    light = (
+        weave
+        + 0.03 * rng.normal(size=(size, size))
+        + 0.02 * _smooth_noise(rng, size, size, (16, 16))
+    )
+    return _shaded_colour(colour, light)
 
 
 def fur(rng: np.random.Generator, colour: Colour, size: int = 64) -> Picture:
     """Short strokes, lighter and darker; six pictures below each other for a cube."""
     faces = []
     for _ in range(6):
-        light = 1.0 + 0.07 * _grain(rng, size, size, (5, 2)) + 0.05 * rng.normal(size=(size, size))
-        light += 0.04 * _grain(rng, size, size, (24, 24))
-        faces.append(_paint(colour, light))
+        light = (
+            1.0
+            + 0.07 * _smooth_noise(rng, size, size, (5, 2))
+            + 0.05 * rng.normal(size=(size, size))
+        )
+        light += 0.04 * _smooth_noise(rng, size, size, (24, 24))
+        faces.append(_shaded_colour(colour, light))
     return np.concatenate(faces)
 
 
@@ -91,8 +103,10 @@ def plaster(
         light *= 1.0 - 0.18 * np.exp(-along / 0.30)
     if corners[1]:
         light *= 1.0 - 0.18 * np.exp(-(metres[0] - along) / 0.30)
-    light += 0.008 * _grain(rng, height, width, (20, 20)) + 0.008 * rng.normal(size=(height, width))
-    return _paint(colour, light)
+    light += 0.008 * _smooth_noise(rng, height, width, (20, 20)) + 0.008 * rng.normal(
+        size=(height, width)
+    )
+    return _shaded_colour(colour, light)
 
 
 def parquet(
@@ -108,11 +122,11 @@ def parquet(
     column = (columns + shift) // length
     tones = rng.normal(1.0, 0.055, size=(row.max() + 1, column.max() + 1))
     light = tones[row, column]
-    light = light + 0.035 * _grain(rng, height, width, (3, scale // 2))
+    light = light + 0.035 * _smooth_noise(rng, height, width, (3, scale // 2))
     light += 0.015 * rng.normal(size=(height, width))
     light[(rows % board) == 0] *= 0.72
     light[((columns + shift) % length) == 0] *= 0.72
-    return _paint(colour, light)
+    return _shaded_colour(colour, light)
 
 
 def tiles(
@@ -129,8 +143,8 @@ def tiles(
     pitch = max(4, int(side * scale))
     row, column = rows // pitch, columns // pitch
     tones = rng.normal(1.0, 0.04, size=(row.max() + 1, column.max() + 1))
-    light = tones[row, column] + 0.02 * _grain(rng, height, width, (12, 12))
-    picture = _paint(colour, light)
+    light = tones[row, column] + 0.02 * _smooth_noise(rng, height, width, (12, 12))
+    picture = _shaded_colour(colour, light)
     joint = max(1, scale // 80)
     gap = ((rows % pitch) < joint) | ((columns % pitch) < joint)
     picture[gap] = (np.clip(np.asarray(colour) * 0.72 + 0.12, 0, 1) * 255).astype(np.uint8)

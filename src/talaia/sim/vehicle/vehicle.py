@@ -67,10 +67,10 @@ def add_vehicle(stage: Stage) -> None:
         xyaxes=(0, -1, 0, math.sin(math.radians(1)), 0, math.cos(math.radians(1))),
     )
     if stage.looks:
-        _looks(stage, body)
+        _add_visuals(stage, body)
 
 
-def _looks(stage: Stage, body: object) -> None:
+def _add_visuals(stage: Stage, body: object) -> None:
     stage.finish("vehicle", Finish(colour=(0.12, 0.12, 0.13), shine=0.3))
     stage.finish("tyre", Finish(colour=(0.05, 0.05, 0.05), shine=0.1))
     stage.finish("lidar", Finish(colour=(0.20, 0.22, 0.26), shine=0.7))

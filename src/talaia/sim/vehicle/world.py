@@ -81,7 +81,7 @@ class World:
     def __init__(self, seed: int = 0, *, looks: bool = False) -> None:
         """Build the model and put the vehicle at its start."""
         layout, paint, noise = (np.random.default_rng([seed, part]) for part in range(3))
-        spec = _empty()
+        spec = _empty_model()
         stage = Stage(spec, paint, furniture.FINISHES | living.FINISHES, looks=looks)
         house.build(stage, layout)
         add_vehicle(stage)
@@ -158,7 +158,7 @@ class World:
 
         What is too near or too far is infinite, as a lidar driver reports it.
         """
-        distances = self._rays(self._lidar_angles, LIDAR_RANGE[1])
+        distances = self._cast_rays(self._lidar_angles, LIDAR_RANGE[1])
         distances += self._noise.normal(0.0, 0.004, distances.shape)
         bad = (distances < LIDAR_RANGE[0]) | (distances > LIDAR_RANGE[1])
         distances[bad] = math.inf
@@ -170,7 +170,7 @@ class World:
         angles: Array = np.concatenate([spread + bearing for bearing in SONAR_BEARINGS]).astype(
             np.float64
         )
-        distances = self._rays(angles, SONAR_RANGE[1]).reshape(3, 5).min(axis=1) - RADIUS
+        distances = self._cast_rays(angles, SONAR_RANGE[1]).reshape(3, 5).min(axis=1) - RADIUS
         distances += self._noise.normal(0.0, 0.005, 3)
         left, front, right = np.clip(distances, *SONAR_RANGE)
         return float(left), float(front), float(right)
@@ -179,7 +179,7 @@ class World:
         """Give a measuring error, from the world's own seed."""
         return float(self._noise.normal(0.0, deviation))
 
-    def _rays(self, angles: Array, cutoff: float) -> Array:
+    def _cast_rays(self, angles: Array, cutoff: float) -> Array:
         count = len(angles)
         headings = angles + float(self._data.qpos[2])
         vectors = np.zeros((count, 3))
@@ -211,7 +211,7 @@ class World:
         return math.cos(yaw) * vx + math.sin(yaw) * vy
 
 
-def _empty() -> Model:
+def _empty_model() -> Model:
     """Give a model with light and nothing else."""
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP_S

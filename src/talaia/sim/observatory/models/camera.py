@@ -155,11 +155,11 @@ class CcdCamera:
                 self._read_until = unix_s + READ_S
         elif unix_s >= self._read_until:
             self._count += 1
-            self.newest = self._read(begun)
+            self.newest = self._read_out(begun)
             self.state, self._begun = "idle", None
             self._ticket.end(f"{self.newest.name} is taken", good=True)
 
-    def _read(self, begun: _Begun) -> Picture:
+    def _read_out(self, begun: _Begun) -> Picture:
         scene, place = begun.scene, begun.scene.place
         jd = julian_day(begun.unix)
         ra, dec = precess(scene.ra, scene.dec, jd, J2000)
@@ -181,9 +181,9 @@ class CcdCamera:
         rows = draw(shot, self.chip)
         when = datetime.fromtimestamp(begun.unix, UTC)
         name = f"{when:%Y%m%dT%H%M%S}-{begun.frame}-{self._count:04d}.fits"
-        return Picture(rows, fits_file(rows, self._cards(begun, shot, jd)), name)
+        return Picture(rows, fits_file(rows, self._fits_cards(begun, shot, jd)), name)
 
-    def _cards(self, begun: _Begun, shot: Shot, jd: float) -> list[Card]:
+    def _fits_cards(self, begun: _Begun, shot: Shot, jd: float) -> list[Card]:
         chip, scene = self.chip, begun.scene
         at = altaz(scene.ra, scene.dec, scene.place, jd)
         when = datetime.fromtimestamp(begun.unix, UTC)
@@ -210,8 +210,8 @@ class CcdCamera:
             ("RDNOISE", chip.read, "[electron]"),
             ("CCD-TEMP", round(self.celsius, 2), "[degC] chip"),
             ("SET-TEMP", self.setpoint, "[degC] set point"),
-            ("OBJCTRA", _sexagesimal(shot.ra / 15.0), "[h m s] J2000"),
-            ("OBJCTDEC", _sexagesimal(shot.dec, signed=True), "[d m s] J2000"),
+            ("OBJCTRA", _sexagesimal_text(shot.ra / 15.0), "[h m s] J2000"),
+            ("OBJCTDEC", _sexagesimal_text(shot.dec, signed=True), "[d m s] J2000"),
             ("OBJCTALT", round(at.alt, 4), "[deg] altitude"),
             ("OBJCTAZ", round(at.az, 4), "[deg] azimuth"),
             ("DOMEOPEN", scene.dome_open, "light came in"),
@@ -250,7 +250,7 @@ class CcdCamera:
         return cards
 
 
-def _sexagesimal(value: float, *, signed: bool = False) -> str:
+def _sexagesimal_text(value: float, *, signed: bool = False) -> str:
     tenths = round(abs(value) * 36000)
     sign = ("-" if value < 0 else "+") if signed else ""
     hours, rest = divmod(tenths, 36000)

@@ -93,10 +93,10 @@ class Clamshell(SimulatedEnclosure):
             return self.lying == "opened"
         return all(shell.position >= 1.0 for shell in self.shells.values())
 
-    def _move(self, wanted: float, already: str) -> Ticket:
+    def _begin_move(self, wanted: float, already: str) -> Ticket:
         for shell in self.shells.values():
             shell.begin()
-        return super()._move(wanted, already)
+        return super()._begin_move(wanted, already)
 
     def _step_shutter(self, wanted: float, seconds: float) -> None:
         done = []

@@ -128,13 +128,13 @@ class SimulatedEnclosure:
 
     def open(self) -> Ticket:
         """Open shutter (and flap)."""
-        return self._move(1.0, "the dome is opened")
+        return self._begin_move(1.0, "the dome is opened")
 
     def close(self) -> Ticket:
         """Close shutter and flap."""
-        return self._move(0.0, "the dome is closed")
+        return self._begin_move(0.0, "the dome is closed")
 
-    def _move(self, wanted: float, already: str) -> Ticket:
+    def _begin_move(self, wanted: float, already: str) -> Ticket:
         if self.local:
             return Ticket.refused("the dome is under local control; nothing moves from afar")
         self._shutter.end("another command came", good=False)
@@ -196,11 +196,11 @@ class SimulatedEnclosure:
             return
         shutter, flap = seconds / self.can.shutter_s, seconds / self.can.flap_s
         if not self.can.has_flap or (wanted and self.position < 1.0):
-            self.position = _toward(self.position, wanted, shutter)
+            self.position = _step_toward(self.position, wanted, shutter)
         elif wanted or self.flap > 0.0:
-            self.flap = _toward(self.flap, wanted, flap)
+            self.flap = _step_toward(self.flap, wanted, flap)
         else:
-            self.position = _toward(self.position, wanted, shutter)
+            self.position = _step_toward(self.position, wanted, shutter)
         if self.position == wanted and (not self.can.has_flap or self.flap == wanted):
             self.wanted = None
             self._shutter.end("the dome is opened" if wanted else "the dome is closed", good=True)
@@ -219,5 +219,5 @@ class SimulatedEnclosure:
             self.azimuth = (self.azimuth + math.copysign(reach, way)) % 360.0
 
 
-def _toward(now: float, wanted: float, reach: float) -> float:
+def _step_toward(now: float, wanted: float, reach: float) -> float:
     return min(wanted, now + reach) if wanted > now else max(wanted, now - reach)

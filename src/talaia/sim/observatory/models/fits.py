@@ -26,20 +26,20 @@ def fits_file(rows: list[array[int]], cards: list[Card]) -> bytes:
         ("BSCALE", 1.0, "value = BZERO + BSCALE * stored"),
         ("BZERO", 32768.0, "unsigned 16-bit"),
     ]
-    header = "".join(_card(*card) for card in [*first, *cards]) + "END".ljust(80)
+    header = "".join(_card_text(*card) for card in [*first, *cards]) + "END".ljust(80)
     pixels = array("h")
     for row in rows:
         pixels.extend(array("h", [value - 32768 for value in row]))
     if sys.byteorder == "little":
         pixels.byteswap()
-    return _padded(header.encode("ascii"), b" ") + _padded(pixels.tobytes(), b"\0")
+    return _padded_block(header.encode("ascii"), b" ") + _padded_block(pixels.tobytes(), b"\0")
 
 
-def _padded(data: bytes, fill: bytes) -> bytes:
+def _padded_block(data: bytes, fill: bytes) -> bytes:
     return data + fill * (-len(data) % BLOCK)
 
 
-def _card(key: str, value: str | float | bool, comment: str) -> str:  # noqa: FBT001 - FITS has it
+def _card_text(key: str, value: str | float | bool, comment: str) -> str:  # noqa: FBT001 - FITS has it
     if isinstance(value, bool):
         shown = ("T" if value else "F").rjust(20)
     elif isinstance(value, str):

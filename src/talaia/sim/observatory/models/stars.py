@@ -95,11 +95,11 @@ def stars_near(ra: float, dec: float, radius: float) -> list[Star]:
         reach = min(180.0, radius / max(0.01, math.cos(math.radians(middle))) + width)
         first, last = math.floor((ra - reach) / width), math.floor((ra + reach) / width)
         for column in {index % count for index in range(first, min(last, first + count) + 1)}:
-            found += _cell(band, column, width)
+            found += _stars_of_cell(band, column, width)
     return found
 
 
-def _cell(band: int, column: int, width: float) -> list[Star]:
+def _stars_of_cell(band: int, column: int, width: float) -> list[Star]:
     dice = random.Random(f"talaia sky {band} {column}")  # noqa: S311 - a drawn sky
     dec = -90.0 + band * CELL
     area = width * CELL * math.cos(math.radians(dec + CELL / 2))
@@ -138,7 +138,7 @@ def draw(shot: Shot, chip: Chip) -> list[array[int]]:
     top, gain, bias = chip.full, chip.gain, chip.bias
     lit: dict[int, dict[int, float]] = {}
     if shot.light and shot.dimmed > 0.0:
-        lit = _lit(shot, chip)
+        lit = _spread_light(shot, chip)
     rows = []
     for y in range(chip.height):
         begin = dice.randrange(len(table) - chip.width)
@@ -150,7 +150,7 @@ def draw(shot: Shot, chip: Chip) -> list[array[int]]:
     return rows
 
 
-def _lit(shot: Shot, chip: Chip) -> dict[int, dict[int, float]]:
+def _spread_light(shot: Shot, chip: Chip) -> dict[int, dict[int, float]]:
     """Spread the light of each star in the field over its pixels (a Gaussian)."""
     degree = 3600.0 / chip.scale
     sigma = shot.seeing / chip.scale / 2.3548

@@ -92,18 +92,18 @@ class Telescope:
             return Ticket.refused(f"RA {ra:g} h: expected 0 to 24 h")
         if not -90.0 <= dec <= 90.0:
             return Ticket.refused(f"Dec {dec:g}: expected -90 to 90 °")
-        return self._slew(altaz(ra, dec, self.place, self.jd), (ra, dec))
+        return self._begin_slew(altaz(ra, dec, self.place, self.jd), (ra, dec))
 
     def goto_altaz(self, alt: float, az: float) -> Ticket:
         """Slew to a place above the horizon (°) and stand there."""
         if not -90.0 <= alt <= 90.0 or not 0.0 <= az <= 360.0:
             return Ticket.refused(f"Alt {alt:g}, Az {az:g}: expected -90 to 90 and 0 to 360 °")
-        return self._slew(Horizontal(alt, az % 360.0), None)
+        return self._begin_slew(Horizontal(alt, az % 360.0), None)
 
-    def _slew(self, to: Horizontal, target: tuple[float, float] | None) -> Ticket:
+    def _begin_slew(self, to: Horizontal, target: tuple[float, float] | None) -> Ticket:
         if self.state in ("parked", "parking"):
             return Ticket.refused("the telescope is parked; unpark it first")
-        problem = self._problem(to)
+        problem = self._target_problem(to)
         if problem:
             return Ticket.refused(problem)
         self._ticket.end("another command came", good=False)
@@ -113,7 +113,7 @@ class Telescope:
         self._ticket = Ticket()
         return self._ticket
 
-    def _problem(self, to: Horizontal) -> str:
+    def _target_problem(self, to: Horizontal) -> str:
         if to.alt < self.limits.horizon:
             return (
                 f"the target stands at {to.alt:.1f} °, below the limit of {self.limits.horizon:g} °"
@@ -132,8 +132,8 @@ class Telescope:
         now = self.at
         if separation(now, self.sun) < self.limits.sun:
             return False  # it is there already; every way out is better than staying
-        while _apart(now, to) > 0.5:
-            now = _moved(now, to, 2.0)
+        while _angle_between(now, to) > 0.5:
+            now = _moved_axes(now, to, 2.0)
             if separation(now, self.sun) < self.limits.sun:
                 return True
         return False
@@ -160,7 +160,7 @@ class Telescope:
             return Ticket.refused("the telescope is parked; unpark it first")
         if self.state == "slewing":
             return Ticket.refused("the telescope slews")
-        if on and (problem := self._problem(self.at)):
+        if on and (problem := self._target_problem(self.at)):
             return Ticket.refused(problem)
         self._target = self.radec if on else None
         self.state = "tracking" if on else "idle"
@@ -184,9 +184,9 @@ class Telescope:
             if self._target is not None:
                 to = altaz(*self._target, self.place, self.jd)
             if not self.stuck:
-                self.at = _moved(self.at, to, self.limits.rate * seconds)
-            if _apart(self.at, to) < 1e-6:
-                self._arrived()
+                self.at = _moved_axes(self.at, to, self.limits.rate * seconds)
+            if _angle_between(self.at, to) < 1e-6:
+                self._finish_slew()
         elif self.state == "tracking" and self._target is not None:
             to = altaz(*self._target, self.place, self.jd)
             problem = self._problem_of_tracking(to)
@@ -203,7 +203,7 @@ class Telescope:
             return "tracking ended at the Sun's limit"
         return ""
 
-    def _arrived(self) -> None:
+    def _finish_slew(self) -> None:
         if self.state == "parking":
             self.state = "parked"
             self._ticket.end("the telescope is parked", good=True)
@@ -212,17 +212,17 @@ class Telescope:
         self._ticket.end(f"the telescope is at Alt:{self.at.alt:f} Az:{self.at.az:f}", good=True)
 
 
-def _apart(now: Horizontal, to: Horizontal) -> float:
-    return max(abs(to.alt - now.alt), abs(_turn(now.az, to.az)))
+def _angle_between(now: Horizontal, to: Horizontal) -> float:
+    return max(abs(to.alt - now.alt), abs(_shortest_turn(now.az, to.az)))
 
 
-def _turn(from_az: float, to_az: float) -> float:
+def _shortest_turn(from_az: float, to_az: float) -> float:
     return (to_az - from_az + 180.0) % 360.0 - 180.0
 
 
-def _moved(now: Horizontal, to: Horizontal, reach: float) -> Horizontal:
+def _moved_axes(now: Horizontal, to: Horizontal, reach: float) -> Horizontal:
     """Move both axes at once, each by ``reach`` (°) at the most."""
-    alt, az = to.alt - now.alt, _turn(now.az, to.az)
+    alt, az = to.alt - now.alt, _shortest_turn(now.az, to.az)
     if max(abs(alt), abs(az)) <= reach:
         return to
     return Horizontal(

@@ -47,9 +47,9 @@ class CameraServer(Server):
             "/dome/closed": (bool, lambda value: setattr(scene, "dome_open", not value)),
         }
         for quantity in ("temperature", "humidity", "dew_point", "wind", "clouds", "pressure"):
-            self.hears[f"/weather/{quantity}"] = (float, self._weather(quantity))
+            self.hears[f"/weather/{quantity}"] = (float, self._weather_receiver(quantity))
 
-    def _weather(self, name: str) -> Callable[[float], None]:
+    def _weather_receiver(self, name: str) -> Callable[[float], None]:
         return lambda value: self.model.scene.weather.__setitem__(name, value)
 
     def lose_power(self) -> None:

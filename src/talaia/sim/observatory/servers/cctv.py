@@ -46,16 +46,18 @@ class CctvServer(Server):
         self._since = self.EVERY_S
         self.triggers = {"status": lambda: Ticket.done("live")}
         self.hears |= {
-            "/telescope/altitude": (float, self._see("alt")),
-            "/telescope/azimuth": (float, self._see("az")),
+            "/telescope/altitude": (float, self._value_receiver("alt")),
+            "/telescope/azimuth": (float, self._value_receiver("az")),
             "/pdu/on6": (bool, self._see_lamp),
         }
         roof = {"position": "position", "azimuth": "slit"}
         if not slit:
             roof = {"position": "position", "east_position": "east", "west_position": "west"}
-        self.hears |= {f"/dome/{topic}": (float, self._see(seen)) for topic, seen in roof.items()}
+        self.hears |= {
+            f"/dome/{topic}": (float, self._value_receiver(seen)) for topic, seen in roof.items()
+        }
 
-    def _see(self, name: str) -> Callable[[float], None]:
+    def _value_receiver(self, name: str) -> Callable[[float], None]:
         def receive_value(value: float) -> None:
             if math.isfinite(value):
                 self._seen[name] = value

@@ -28,10 +28,10 @@ class PowerServer(Server):
         self.model = model
         self.triggers = {"status": lambda: Ticket.done(model.words())}
         for number in range(1, len(OUTLETS) + 1):
-            self.switches[f"outlet{number}"] = self._switch(number)
+            self.switches[f"outlet{number}"] = self._outlet_switch(number)
         self.asks = {"reboot": Ask({"outlet": 1.0}, lambda outlet: model.reboot(int(outlet)))}
 
-    def _switch(self, number: int) -> Callable[[bool], Ticket]:
+    def _outlet_switch(self, number: int) -> Callable[[bool], Ticket]:
         return lambda on: self.model.switch(number, on=on)
 
     def topics(self) -> Mapping[str, Value]:

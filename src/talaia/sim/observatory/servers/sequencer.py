@@ -34,22 +34,24 @@ class GlobalServer(Server):
         self._failed: list[str] = []
         self.triggers = {
             "status": lambda: Ticket.done(self._name or "idle"),
-            "open": lambda: self._begin("opening", ("dome", "open"), ("telescope", "unpark")),
-            "close": lambda: self._begin(
+            "open": lambda: self._begin_sequence(
+                "opening", ("dome", "open"), ("telescope", "unpark")
+            ),
+            "close": lambda: self._begin_sequence(
                 "closing", ("camera", "abort"), ("telescope", "park"), ("dome", "close")
             ),
-            "stop": self._stop,
+            "stop": self._stop_all,
         }
         park = [("camera", "abort"), ("telescope", "park"), *[("dome", "park")] * dome_turns]
-        self.triggers["park"] = lambda: self._begin("parking", *park)
+        self.triggers["park"] = lambda: self._begin_sequence("parking", *park)
 
-    def _begin(self, name: str, *steps: tuple[str, str]) -> Ticket:
+    def _begin_sequence(self, name: str, *steps: tuple[str, str]) -> Ticket:
         self._ticket.end("another command came", good=False)
         self._ticket, self._steps, self._name = Ticket(), list(steps), name
         self._under_way, self._failed = None, []
         return self._ticket
 
-    def _stop(self) -> Ticket:
+    def _stop_all(self) -> Ticket:
         self._ticket.end("the observatory was stopped", good=False)
         self._steps, self._name, self._under_way = [], "", None
         for device in ("dome", "telescope"):
