@@ -49,6 +49,7 @@ class Part:
         self._relaunch = relaunch
         self._began = time.monotonic()
         self.last: deque[str] = deque(maxlen=_LAST_LINES)
+        # Words that somebody waits to see in the output.
         self._waiting: list[tuple[str, asyncio.Future[str]]] = []
         self._reader = asyncio.create_task(self._read())
 

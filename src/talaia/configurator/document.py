@@ -63,13 +63,16 @@ class Document:
                 stay where they are.
 
         """
+        # Each change with the site after it; undo and redo move `_now` along this list.
         self._steps = [_Step("", site)]
         self._now = 0
+        # The file's text as it was read or written last: a save changes this, comments and all.
         self._text = text
         self._saved: Site | None = site if text else None
         # A new document is not worth a question until somebody has changed it.
         self._blank = None if text else site
         self._elsewhere = dict(elsewhere or {})
+        # The last checked site and its problems: checks are asked for many times per change.
         self._checked: tuple[Site, tuple[Problem, ...]] | None = None
 
     @classmethod

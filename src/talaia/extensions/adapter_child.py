@@ -111,6 +111,7 @@ class _Session:
 
     def __init__(self, host: _Host, adapter: ExtensionAdapter, declared: AdapterExtension) -> None:
         self._host, self._adapter, self._declared = host, adapter, declared
+        # Commands under way, by the gateway's number; the gateway may cancel one by it.
         self._acts: dict[int, asyncio.Task[None]] = {}
 
     async def serve(self, reader: asyncio.StreamReader) -> EndWords:

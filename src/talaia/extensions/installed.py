@@ -86,8 +86,11 @@ class InstalledExtensions:
     ) -> None:
         """Look with ``find``, which gives a group's entry points."""
         self._find = find
+        # Entry points by group, read once: looking through all packages takes a while.
         self._entries: dict[str, list[EntryPoint]] = {}
+        # Parts that were imported, by group and name.
         self._loaded: dict[str, dict[str, InstalledExtension]] = {}
+        # What is broken, once for each reason, however often it is asked for.
         self._broken: dict[tuple[str, str, str], BrokenExtension] = {}
 
     def adapters(self) -> Mapping[str, AdapterExtension]:

@@ -59,6 +59,7 @@ class Eyes:
         self._detect = detect
         self._counted = dict(counted)
         self._sightings = Sightings(detect.classes, detect.confidence, detect.max_rate)
+        # The best picture of each class that is in sight, until its sighting is reported.
         self._moments: dict[str, NDArray[np.uint8]] = {}
 
     def recount(self, counted: Mapping[str, Source]) -> None:

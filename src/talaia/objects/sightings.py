@@ -71,7 +71,9 @@ class Sightings:
     def __init__(self, wanted: Sequence[str], least: float, rate: float = 10.0) -> None:
         """Follow classes, when they are as sure as ``least``, on ``rate`` pictures a second."""
         self._least = least
+        # What is known of each wanted class.
         self._watches = {label: _Watch() for label in wanted}
+        # Mean time between two pictures (µs), followed while they come, and the newest one's time.
         self._between_us = 1e6 / rate
         self._at_us: int | None = None
         self.fresh: frozenset[str] = frozenset()

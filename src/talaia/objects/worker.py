@@ -81,7 +81,9 @@ class Worker:
         self._models = dict(models)
         self._folder = folder
         self._told = told
+        # Detectors that run or wait to be started again, by the model's name.
         self._running: dict[str, _Running] = {}
+        # Tasks that end a detector; asyncio itself keeps only weak references to them.
         self._ending: set[asyncio.Task[None]] = set()
 
     def redescribe(self, models: Mapping[str, ObjectModel]) -> None:
@@ -156,9 +158,13 @@ class _Running:
         self._told = told
         self._child = _Child(job)
         self._thread = ThreadPoolExecutor(1, "talaia-objects")
+        # One picture at a time; asyncio's locks are fair, so pictures keep their order.
         self._turn = asyncio.Lock()
+        # Why it cannot see now, as it was reported; empty while it works.
         self._why = ""
+        # Failures in a row; the wait before the next start doubles with each.
         self._failures = 0
+        # Monotonic time of the next start, and of the last failure (s).
         self._not_before = 0.0
         self._failed_at = 0.0
         self._closed = False
@@ -172,6 +178,7 @@ class _Running:
                 raise DetectorError(self._why)
             loop = asyncio.get_running_loop()
             asked = loop.run_in_executor(self._thread, self._child.ask, rgb, least)
+            # Killing the process is the only way to end a thread that waits in `read`.
             late = loop.call_later(PATIENCE_S, self._child.kill)
             try:
                 things = await asked
@@ -189,12 +196,14 @@ class _Running:
         self._failed_at = time.monotonic()
         wait = min(LONGEST_WAIT_S, FIRST_WAIT_S * 2**self._failures)
         self._not_before = self._failed_at + wait
+        # Bounded, for 2 to the power of it must stay a number.
         self._failures = min(self._failures + 1, 10)
         if not self._why:
             self._told(why)
         self._why = why
 
     def _mark_working(self) -> None:
+        # One good picture is no recovery: a process may die after every second one.
         if self._why and time.monotonic() - self._failed_at > STEADY_S:
             self._why, self._failures = "", 0
             self._told("")
@@ -211,8 +220,11 @@ class _Child:
 
     def __init__(self, job: dict[str, Any]) -> None:
         self._job = job
+        # The process; none before the first picture and after it ended.
         self._process: subprocess.Popen[bytes] | None = None
+        # Reads stderr, so that a library's warnings never fill the pipe and stop the process.
         self._listener: threading.Thread | None = None
+        # Last lines of stderr, for the reason when it ends.
         self._words: deque[str] = deque(maxlen=20)
         self.closed = False
 
@@ -224,6 +236,7 @@ class _Child:
                 anew when asked again.
 
         """
+        # Rounded up: every n-th pixel is enough, the detector scales to its own size anyway.
         by = -(-max(rgb.shape[:2]) // MOST_PX)
         shown = np.ascontiguousarray(rgb[::by, ::by], np.uint8)
         told = self._told_of(HEAD.pack(*shown.shape[:2], least), shown.data.cast("B"))
@@ -263,6 +276,7 @@ class _Child:
         except OSError as error:
             raise DetectorError(f"the process could not be started: {error}") from error
         self._process = process
+        # `kill` may have come from the event loop while this thread was starting the process.
         if self.closed:
             process.kill()
         self._words.clear()

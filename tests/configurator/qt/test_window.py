@@ -251,7 +251,7 @@ def test_devices_and_commands_are_added_by_name_and_removed(window: Any, qt: Any
     window.open_file(AGV)
     window.show_page(3)
     answer(qt, lambda dialog: (dialog.setTextValue("Arm lift"), dialog.accept()))
-    groups = {each.key: each for each in window.devices._groups()}
+    groups = {each.key: each for each in window.devices._show_groups()}
     window.devices._ask(groups["devices"])
     assert window.devices.selected() == ("devices", "arm_lift")
     window.devices.add("commands", "Raise")

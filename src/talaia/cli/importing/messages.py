@@ -80,7 +80,9 @@ class Messages:
             self._file: MessageFile = McapFile(path) if kind == "MCAP" else Bag(path, kind)
         except Exception as error:
             raise self._file_error(error, "") from error
+        # Addresses that cannot be read, with the reason.
         self._unreadable: dict[str, str] = {}
+        # Connections of the file that are read: what is taken from each, and its decoder.
         self._read: dict[int, tuple[TopicPlan, Callable[[bytes], object]]] = {}
         self._match_channels(site)
 

@@ -37,9 +37,12 @@ class Staging:
         """Number the channels as in ``addresses``; without a writer they are only counted."""
         self._addresses = addresses
         self._writer = writer
+        # Columns that are not written yet, and how many samples they hold, by channel.
         self._parts: dict[int, list[Columns]] = {}
         self._waiting: dict[int, int] = {}
+        # Samples written so far; the next batch of a channel goes on from there.
         self._written = dict.fromkeys(range(len(addresses)), 0)
+        # Samples, first and last time (µs) of each channel, for the summary.
         self._spans: dict[int, tuple[int, int, int]] = {}
 
     @property

@@ -68,6 +68,7 @@ class Table:
         self._path = path
         self._times = times
         try:
+            # Progress is the position in the raw file: the csv reader itself does not know it.
             self._size = path.stat().st_size or 1
             self._raw = path.open("rb")
         except OSError as error:

@@ -31,10 +31,13 @@ def saved(text: str, site: Site) -> str:
 
     """
     before = load_site(text)
+    # Equal structs may differ in the order of their keys, which is written too.
     if before == site and _key_orders(before) == _key_orders(site):
         return text
     document = tree_of(text)
     _change_struct(document, before, site)
+    # Read back before anything is written: an anchor that two places share would change both,
+    # and no description may ever be saved that loads as another one.
     after = written_tree(document)
     if load_site(after) != site:
         raise DescriptionError(
@@ -60,6 +63,7 @@ def _change_struct(node: CommentedMap, old: msgspec.Struct, new: msgspec.Struct)
         was, now = getattr(old, field.name), getattr(new, field.name)
         if was == now and _key_orders(was) == _key_orders(now):
             continue
+        # A default is left out, as `omit_defaults` does, so that files stay short.
         if _is_default(field, now):
             node.pop(key, None)
         else:
@@ -68,6 +72,7 @@ def _change_struct(node: CommentedMap, old: msgspec.Struct, new: msgspec.Struct)
 
 def _change_node(node: object, was: object, now: object) -> object:
     """Give what stands at a place after the change: the old node mended, or a new one."""
+    # Mappings are changed in place: ruamel keeps comments on the mapping and its keys.
     if isinstance(node, CommentedMap):
         if isinstance(was, dict) and isinstance(now, dict):
             _change_mapping(node, was, now)
@@ -87,6 +92,7 @@ def _change_mapping(node: CommentedMap, was: dict[str, object], now: dict[str, o
             node[_key_text(key)] = _plain_value(value)
         elif was[key] != value or _key_orders(was[key]) != _key_orders(value):
             node[key] = _change_node(node[key], was[key], value)
+    # Moving every key once to the end gives the new order; comments move with their keys.
     if list(node) != list(now):
         for key in now:
             node.move_to_end(key)

@@ -166,9 +166,13 @@ class _Shell:
 
     def __init__(self, server: Server, options: argparse.Namespace, ledger: Ledger) -> None:
         self._server, self._fits, self._ledger = server, options.fits, ledger
+        # rospy calls back from threads of its own; the server is touched under this lock only.
         self._lock = threading.RLock()
+        # Notified after each step, for the threads that wait for the end of a request.
         self._moved = threading.Condition(self._lock)
+        # What was published last, by topic: all but numbers go out as soon as they change.
         self._said: dict[str, Value] = {}
+        # How the hardware stood at the last entry of the ledger.
         self._truth = ""
         name = server.name
         self._publishers = {

@@ -123,6 +123,7 @@ class Shells:
         self._ledger = ledger
         self._shells: list[_Shell] = []
         self._clients: dict[tuple[str, str], Any] = {}
+        # Requests to other servers that wait for an answer, by client and sequence number.
         self._asked: dict[tuple[str, str], dict[int, Ticket]] = {}
 
     def add(self, server: Server) -> None:
@@ -198,8 +199,11 @@ class _Shell:
         self.node = rclpy.create_node(
             f"{server.name}_server", enable_rosout=False, start_parameter_services=False
         )
+        # Requests of others whose end is still to be answered.
         self._waiting: list[_Waiting] = []
+        # What was published last, by topic: all but numbers go out as soon as they change.
         self._said: dict[str, Value] = {}
+        # How the hardware stood at the last entry of the ledger.
         self._truth = ""
         self._publishers = {
             name: self.node.create_publisher(kind_of(value), f"/{server.name}/{name}", 10)

@@ -60,9 +60,13 @@ class Base:
 
     def __init__(self, *, wandering: bool = False) -> None:
         """Start standing still."""
+        # The velocity that is wanted now, and what asked for it.
         self._wanted = Change(MotionSource.TIME_OUT, 0.0, 0.0)
+        # Monotonic time of the last command from outside; none while no time-out is due.
         self._commanded_ns: int | None = None
+        # STOP is latched: commands are refused until it is released.
         self._stopped = False
+        # It drives about by itself until the next command from outside or STOP.
         self._wandering = wandering
 
     @property
@@ -132,6 +136,7 @@ class Base:
         """Notice that the last command is too old."""
         if self._commanded_ns is None:
             return None
+        # Braking begins early enough that the vehicle stands when the time is over.
         if now_ns - self._commanded_ns < STANDSTILL_NS - BRAKING_NS:
             return None
         self._commanded_ns = None
@@ -145,6 +150,8 @@ class Base:
         return self._want_velocity(change)
 
     def _want_velocity(self, change: Change) -> Change | None:
+        # A time-out at standstill changes nothing and is not logged. The same velocity from another
+        # source is: the log says who moves the vehicle.
         before, self._wanted = self._wanted, change
         if (before.speed, before.turn) == (change.speed, change.turn) and (
             before.source == change.source or change.source is MotionSource.TIME_OUT
@@ -156,6 +163,7 @@ class Base:
 class Ramp:
     """Bounds how fast the wanted velocity is taken up; braking is quicker than speeding up."""
 
+    # Bounds of acceleration: m/s² for the first two, rad/s² for the turn.
     SPEED_UP = 2.5
     BRAKE = 5.0
     TURN_UP = 15.0

@@ -39,6 +39,7 @@ class CameraProcess:
         os.set_blocking(self._poses, False)
         self._process = subprocess.Popen(words, stdin=poses, stdout=subprocess.PIPE)  # noqa: S603 - our own words
         os.close(poses)
+        # The process is gone, and this was logged.
         self._lost = False
 
     def wait(self) -> str:

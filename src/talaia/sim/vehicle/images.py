@@ -128,6 +128,7 @@ class Images:
         """Create the publishers."""
         self._node = node
         self._poses = poses
+        # Least time between two pictures (s).
         self._period = 1.0 / rate
         self._pictures = node.create_publisher(Image, "/images", NEWEST)
         self._infos = node.create_publisher(CameraInfo, "/camera_info", NEWEST)

@@ -157,7 +157,9 @@ class Loop:
         self._wander = Wander(seed)
         self._battery = Battery()
         self._eye = eye
+        # Time simulated so far (s).
         self._seconds = 0.0
+        # What was published last; none before the first time.
         self._told_wandering: bool | None = None
 
     def run(self, ended: threading.Event, started: Callable[[], None]) -> None:

@@ -34,8 +34,10 @@ class Wander:
     def __init__(self, seed: int = 0) -> None:
         """Start without a preference."""
         self._rng = np.random.default_rng([seed, 77])
+        # The side it leans to in open space (-1 to 1), and for how long still (s).
         self._leaning = 0.0
         self._left_s = 0.0
+        # Turn rate while it turns on the spot (rad/s); 0 while it drives.
         self._spinning = 0.0
         self._headings = np.radians(np.arange(-170.0, 181.0, 10.0))
 

@@ -89,11 +89,16 @@ class World:
         self._data: Any = mujoco.MjData(self.model)
         self._noise = noise
         self._body: int = self.model.body(BODY).id
+        # Time that is not simulated yet because it is less than a physics step (s).
         self._pending = 0.0
+        # Angles that the left and the right wheel have turned (rad).
         self._wheels = [0.0, 0.0]
+        # Mean forward acceleration of the last step (m/s²), for the inertial sensor.
         self._acceleration = 0.0
+        # Something was touched during the last step.
         self._touching = False
         self._lidar_angles: Array = np.radians(np.arange(360.0))
+        # Rays meet hulls only, as collisions do: what only a camera sees does not stop a lidar.
         self._groups = np.zeros(6, dtype=np.uint8)
         self._groups[HULL_GROUP] = 1
         mujoco.mj_forward(self.model, self._data)
@@ -110,6 +115,7 @@ class World:
         data = self._data
         data.ctrl[:] = (speed, 0.0, turn)
         self._pending += seconds
+        # The small term keeps a sum of rounded fractions from losing a step.
         steps = int(self._pending / STEP_S + 1e-6)
         self._pending -= steps * STEP_S
         before = self._forward_speed()
@@ -119,6 +125,8 @@ class World:
             self._touching = self._touching or data.ncon > 0
             forward, spin = self._forward_speed(), float(data.qvel[2])
             for wheel, side in enumerate((-1, 1)):
+                # Kinematics of a differential drive: each wheel rolls on a circle about the
+                # point the vehicle turns on; it never slips lengthwise.
                 rolled = forward + side * spin * self.WHEEL_BASE / 2
                 self._wheels[wheel] += rolled * STEP_S / self.WHEEL_RADIUS
         if steps:
@@ -129,6 +137,7 @@ class World:
         """Tell where the vehicle is and how it moves."""
         x, y, yaw = (float(value) for value in self._data.qpos[:3])
         vx, vy, spin = (float(value) for value in self._data.qvel[:3])
+        # MuJoCo gives the velocity in the world's axes; odometry has it in the vehicle's.
         c, s = math.cos(yaw), math.sin(yaw)
         return Motion(
             x=x,
@@ -159,6 +168,7 @@ class World:
         What is too near or too far is infinite, as a lidar driver reports it.
         """
         distances = self._cast_rays(self._lidar_angles, LIDAR_RANGE[1])
+        # The ranging error: a standard deviation of 4 mm.
         distances += self._noise.normal(0.0, 0.004, distances.shape)
         bad = (distances < LIDAR_RANGE[0]) | (distances > LIDAR_RANGE[1])
         distances[bad] = math.inf
@@ -166,10 +176,12 @@ class World:
 
     def sonars(self) -> tuple[float, float, float]:
         """Measure left, front and right: the nearest thing in each cone (m), 4.0 for nothing."""
+        # Five rays stand for the cone: the nearest echo is what an ultrasonic sensor reports.
         spread: Array = np.linspace(-SONAR_FIELD / 2, SONAR_FIELD / 2, 5)
         angles: Array = np.concatenate([spread + bearing for bearing in SONAR_BEARINGS]).astype(
             np.float64
         )
+        # Rays begin in the vehicle's middle, the sensors sit on its rim.
         distances = self._cast_rays(angles, SONAR_RANGE[1]).reshape(3, 5).min(axis=1) - RADIUS
         distances += self._noise.normal(0.0, 0.005, 3)
         left, front, right = np.clip(distances, *SONAR_RANGE)
@@ -215,7 +227,9 @@ def _empty_model() -> Model:
     """Give a model with light and nothing else."""
     spec = mujoco.MjSpec()
     spec.option.timestep = STEP_S
+    # Implicit: stays stable at this step although the motors' velocity control is stiff.
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    # The vehicle slides on two axes and a hinge, so that weight would only cost contacts.
     spec.option.gravity = (0.0, 0.0, 0.0)
     spec.visual.global_.offwidth = 640
     spec.visual.global_.offheight = 480

@@ -95,8 +95,11 @@ class CcdCamera:
         self.newest: Picture | None = None
         self._ambient = ambient
         self._ticket = Ticket.done("")
+        # The exposure under way, until it is read out.
         self._begun: _Begun | None = None
+        # When the read-out ends (s, UTC).
         self._read_until = 0.0
+        # Pictures so far, for their names.
         self._count = 0
 
     # ── what may be asked ──

@@ -63,9 +63,12 @@ class SimulatedEnclosure:
         self.lost = False
         self.lying = ""
         self.wanted: float | None = None
+        # Azimuth that it turns to (°); none while it does not turn.
         self._to: float | None = None
+        # The requests under way, of the shutter and of the rotation.
         self._shutter = Ticket.done("")
         self._turn = Ticket.done("")
+        # For how long the shutter did not move although it should (s).
         self._stalled = 0.0
         self._stopped = False
         self._error = False

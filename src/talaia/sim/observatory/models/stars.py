@@ -90,8 +90,10 @@ def stars_near(ra: float, dec: float, radius: float) -> list[Star]:
     high = math.floor((dec + radius + 90.0) / CELL)
     for band in range(max(0, low), min(round(180 / CELL) - 1, high) + 1):
         middle = -90.0 + (band + 0.5) * CELL
+        # Cells of about equal area: a band nearer the pole has fewer of them.
         count = max(1, round(360.0 * math.cos(math.radians(middle)) / CELL))
         width = 360.0 / count
+        # Right ascension spans more degrees near the pole; a whole cell is added for the edges.
         reach = min(180.0, radius / max(0.01, math.cos(math.radians(middle))) + width)
         first, last = math.floor((ra - reach) / width), math.floor((ra + reach) / width)
         for column in {index % count for index in range(first, min(last, first + count) + 1)}:
@@ -100,9 +102,11 @@ def stars_near(ra: float, dec: float, radius: float) -> list[Star]:
 
 
 def _stars_of_cell(band: int, column: int, width: float) -> list[Star]:
+    # Seeded by the cell, so that the same field shows the same stars every night.
     dice = random.Random(f"talaia sky {band} {column}")  # noqa: S311 - a drawn sky
     dec = -90.0 + band * CELL
     area = width * CELL * math.cos(math.radians(dec + CELL / 2))
+    # Star counts grow exponentially with magnitude: log N = SLOPE · m + ZERO.
     mean = area * 10 ** (SLOPE * FAINTEST + ZERO)
     number = max(0, round(dice.gauss(mean, math.sqrt(mean))))
     stars = []
@@ -116,6 +120,7 @@ def _stars_of_cell(band: int, column: int, width: float) -> list[Star]:
 
 def project(ra: float, dec: float, ra0: float, dec0: float) -> tuple[float, float] | None:
     """Give standard coordinates (°, to the east and north) about a centre; the TAN projection."""
+    # Gnomonic projection: Calabretta and Greisen 2002, A&A 395, 1077, section 5.1.3.
     a, d, d0 = math.radians(ra - ra0), math.radians(dec), math.radians(dec0)
     cosine = math.sin(d0) * math.sin(d) + math.cos(d0) * math.cos(d) * math.cos(a)
     if cosine <= 0.0:
@@ -153,6 +158,7 @@ def draw(shot: Shot, chip: Chip) -> list[array[int]]:
 def _spread_light(shot: Shot, chip: Chip) -> dict[int, dict[int, float]]:
     """Spread the light of each star in the field over its pixels (a Gaussian)."""
     degree = 3600.0 / chip.scale
+    # Full width at half maximum is 2 √(2 ln 2) σ.
     sigma = shot.seeing / chip.scale / 2.3548
     radius = math.hypot(chip.width, chip.height) / 2 / degree
     lit: dict[int, dict[int, float]] = {}
@@ -164,6 +170,7 @@ def _spread_light(shot: Shot, chip: Chip) -> dict[int, dict[int, float]]:
         y = (chip.height - 1) / 2 + flat[1] * degree
         if not (-10 < x < chip.width + 10 and -10 < y < chip.height + 10):
             continue
+        # Pogson: five magnitudes are a factor of 100; `zero` gives one electron a second.
         light = shot.seconds * shot.dimmed * 10 ** (0.4 * (chip.zero - star.mag))
         reach = math.ceil(sigma * 4)
         for py in range(max(0, round(y) - reach), min(chip.height, round(y) + reach + 1)):

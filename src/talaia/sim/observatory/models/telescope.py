@@ -58,9 +58,13 @@ class Telescope:
         self.limits = limits or Limits()
         self.at = self.PARK
         self.state = "parked"
+        # A fault for tests: the motors do not move whatever is asked.
         self.stuck = False
+        # Time of its clock (s, UTC).
         self._unix = unix_s
+        # Right ascension (h) and declination (°) that it follows; none where it stands still.
         self._target: tuple[float, float] | None = None
+        # Where a slew ends that follows no target, and the request under way.
         self._stand = self.PARK
         self._ticket = Ticket.done("")
 
@@ -132,6 +136,7 @@ class Telescope:
         now = self.at
         if separation(now, self.sun) < self.limits.sun:
             return False  # it is there already; every way out is better than staying
+        # Steps of 2° are far finer than the Sun's limit, so that no passage falls between two.
         while _angle_between(now, to) > 0.5:
             now = _moved_axes(now, to, 2.0)
             if separation(now, self.sun) < self.limits.sun:
@@ -180,6 +185,7 @@ class Telescope:
         """Let time pass."""
         self._unix = unix_s
         if self.state in ("slewing", "parking"):
+            # The sky turns while the mount slews: the goal is reckoned anew at each step.
             to = self._stand
             if self._target is not None:
                 to = altaz(*self._target, self.place, self.jd)
@@ -213,10 +219,12 @@ class Telescope:
 
 
 def _angle_between(now: Horizontal, to: Horizontal) -> float:
+    # Both axes turn at once, so the longer way decides; this is no angle on the sphere.
     return max(abs(to.alt - now.alt), abs(_shortest_turn(now.az, to.az)))
 
 
 def _shortest_turn(from_az: float, to_az: float) -> float:
+    # The shorter way round: -180 to 180°.
     return (to_az - from_az + 180.0) % 360.0 - 180.0
 
 

@@ -48,7 +48,9 @@ class Weather:
     def __init__(self, seed: int, unix_s: float) -> None:
         """Start a day of fair weather."""
         self._random = random.Random(seed)  # noqa: S311 - weather, not a secret
+        # Deviation of each quantity from its mean, in units of its spread.
         self._walk = {name: self._random.gauss(0.0, 0.3) for name in _MEAN}
+        # What a test forces; empty for the weather as it comes.
         self._forced: dict[str, float] = {}
         self.lying = False
         self.gust = 0.0
@@ -72,11 +74,14 @@ class Weather:
     def step(self, seconds: float, unix_s: float) -> None:
         """Let time pass."""
         self._unix = unix_s
+        # An Ornstein-Uhlenbeck process, stepped exactly: its spread does not depend on the step
+        # (Gillespie 1996, Phys. Rev. E 54, 2084).
         decay = math.exp(-seconds / _RELAX_S)
         for name in self._walk:
             kick = self._random.gauss(0.0, 1.0) * math.sqrt(max(0.0, 1.0 - decay * decay))
             self._walk[name] = self._walk[name] * decay + kick
         real = {name: _MEAN[name] + _SPREAD[name] * self._walk[name] for name in _MEAN}
+        # It rains from 85 % of cloud cover on, more with more clouds.
         real["rain"] = max(0.0, (real["clouds"] - 85.0) / 10.0)
         now = {**real, **({**FORCES["clear"]} if self.lying else self._forced)}
         self.clouds = min(100.0, max(0.0, now["clouds"]))
@@ -87,6 +92,7 @@ class Weather:
         hour = unix_s / 3600.0 % 24.0
         # Warmest at three in the afternoon.
         self.temperature = 14.0 + 5.0 * math.cos((hour - 15.0) * math.pi / 12.0)
+        # Gusts are 1.2 times the mean wind and more; the fastest is forgotten within minutes.
         blow = self.wind * (1.2 + 0.2 * abs(self._random.gauss(0.0, 1.0)))
         self.gust = max(blow, self.gust * math.exp(-seconds / 180.0))
 
