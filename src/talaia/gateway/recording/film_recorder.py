@@ -1,25 +1,20 @@
 """Decides which cameras are filmed, holds their last seconds, and writes films in its own thread.
 
 The encoding thread only puts encoded pictures into a ring or a queue, under a lock that is held for
-a moment. What is written is cut into files wherever a film would not tell the truth: where the
-camera was silent, where the clock was put back, and where the picture's size changed.
-
-Long, because a film's whole life is told here: asked for, held, written, ended, failed.
+a moment.
 """
 
 from __future__ import annotations
 
-import contextlib
-import logging
 import threading
 from collections import deque
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
 from talaia.gateway.ports import Filming
-from talaia.gateway.recording.film_file import FilmFile
 from talaia.gateway.recording.film_ring import FilmRing
-from talaia.gateway.recording.recording_store import NoRoom, StoredRecording, new_id
+from talaia.gateway.recording.film_writer import CameraReel, FilmWriter
+from talaia.gateway.recording.recording_store import NoRoom
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -32,34 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["FilmRecorder"]
 
-log = logging.getLogger(__name__)
 _MB = 1_000_000
 _LOOK_S = 0.25
-# A camera that is silent for so long has ended its film, so that none shows it standing still; one
-# that is slow may be silent for so many times its last interval (µs).
-_SILENT_US, _INTERVALS, _LONGEST_US = 3_000_000, 3, 60_000_000
-
-
-class _Reel:
-    """One camera: what is held of it, and what is being written."""
-
-    def __init__(self, stream: str, ring: FilmRing) -> None:
-        self.stream = stream
-        self.ring = ring
-        # Decided under the lock.
-        self.rolling = False
-        self.until_ns = 0
-        self.why = self.who = self.note = ""
-        self.wants_key = True
-        self.asked_ns = self.asked_us = 0
-        self.lost = 0
-        # Of the writing thread alone.
-        self.file: FilmFile | None = None
-        self.kept: StoredRecording | None = None
-        self.wrote_ns = 0
-        self.seen_us = 0
-        self.silent_us = _SILENT_US
-        self.failed = False
 
 
 class FilmRecorder:
@@ -91,18 +60,35 @@ class FilmRecorder:
         self._plan = plan
         self._shelf = shelf
         self._clock = clock
-        self._events = events
-        self._finished = finished
-        self._told = changed
+        self._changed = changed
+        # Guards all that follows, and wakes the writing thread.
         self._wake = threading.Condition()
-        self._reels: dict[str, _Reel] = {}
-        self._queue: deque[tuple[_Reel, PictureFrame]] = deque()
+        self._writer = FilmWriter(
+            plan=plan,
+            shelf=shelf,
+            clock=clock,
+            events=events,
+            lock=self._wake,
+            finished=finished,
+            changed=changed,
+        )
+        # By camera, whether or not it is being filmed now.
+        self._reels: dict[str, CameraReel] = {}
+        # Pictures that are to be written, in order, and their bytes.
+        self._queue: deque[tuple[CameraReel, PictureFrame]] = deque()
         self._queued = 0
+        # Everything is finished and nothing is begun any more.
         self._ending = False
+        # When the disk's room was looked at last (monotonic).
         self._looked_ns = 0
-        self.problem = ""
+        # Filmed with each recording.
         self._cameras = frozenset(cameras)
         self._thread = threading.Thread(target=self._run, name="talaia-films", daemon=True)
+
+    @property
+    def problem(self) -> str:
+        """Say why the last film could not be written; empty when it could."""
+        return self._writer.problem
 
     def start(self) -> None:
         """Begin to write what is asked for."""
@@ -120,7 +106,7 @@ class FilmRecorder:
         """Film other cameras with each recording from now on."""
         with self._wake:
             self._cameras = frozenset(cameras)
-        self._told()
+        self._changed()
 
     # ── what is asked for ──
 
@@ -145,7 +131,7 @@ class FilmRecorder:
             for name in names:
                 self._roll(self._reel(name), who, why, until_ns)
             self._wake.notify()
-        self._told()
+        self._changed()
 
     def end(self, who: str, stream: str = "") -> None:
         """End what is filmed of one camera, or of all that are filmed with each recording."""
@@ -157,16 +143,16 @@ class FilmRecorder:
                     reel.until_ns = 0
             self._wake.notify()
 
-    def _reel(self, stream: str) -> _Reel:
+    def _reel(self, stream: str) -> CameraReel:
         reel = self._reels.get(stream)
         if reel is None:
             # All cameras together take no more than is allowed.
             share = round(self._plan.ring_mb * _MB / max(1, len(self._cameras)))
             ring = FilmRing(round(self._plan.before * 1e6), share)
-            reel = self._reels[stream] = _Reel(stream, ring)
+            reel = self._reels[stream] = CameraReel(stream, ring)
         return reel
 
-    def _roll(self, reel: _Reel, who: str, why: str, until_ns: int) -> None:
+    def _roll(self, reel: CameraReel, who: str, why: str, until_ns: int) -> None:
         if reel.rolling:
             if why not in reel.why:
                 reel.why = f"{reel.why}; {why}"[:1000]
@@ -236,23 +222,23 @@ class FilmRecorder:
                 ending = self._ending
                 reels = list(self._reels.values())
             for reel, picture in queue:
-                self._guard(reel, self._write_picture, picture)
+                self._writer.write_picture(reel, picture)
             for reel in reels:
                 if reel in over or ending:
-                    self._guard(reel, self._finish)
-                elif self._is_silent(reel):
+                    self._writer.finish(reel)
+                elif self._writer.is_silent(reel):
                     reel.note = reel.note or "the camera was silent"
-                    self._guard(reel, self._finish)
+                    self._writer.finish(reel)
             self._look_at_disk()
             if over:
-                self._told()
+                self._changed()
             if ending:
                 return
 
     def _active(self) -> bool:
         return any(reel.rolling or reel.file is not None for reel in self._reels.values())
 
-    def _over(self) -> list[_Reel]:
+    def _over(self) -> list[CameraReel]:
         """End what has lasted long enough. Under the lock."""
         now_ns = self._clock.monotonic_ns()
         over = [
@@ -263,10 +249,6 @@ class FilmRecorder:
         for reel in over:
             reel.rolling, reel.wants_key = False, True
         return over
-
-    def _is_silent(self, reel: _Reel) -> bool:
-        silent_ns = self._clock.monotonic_ns() - reel.wrote_ns
-        return reel.file is not None and silent_ns > reel.silent_us * 1000
 
     def _look_at_disk(self) -> None:
         """End all films while there is still room to finish them."""
@@ -280,107 +262,7 @@ class FilmRecorder:
             self._shelf.check_room()
         except NoRoom as error:
             with self._wake:
-                self.problem = str(error)
+                self._writer.problem = str(error)
                 for reel in self._reels.values():
                     if reel.rolling:
                         reel.until_ns, reel.note = 0, str(error)
-
-    def _guard(self, reel: _Reel, work: Callable[..., None], *arguments: PictureFrame) -> None:
-        """Do a step of one film; what goes wrong with it harms no other."""
-        try:
-            work(reel, *arguments)
-        except Exception as error:  # noqa: BLE001 - told once, and the next film may go well
-            self._fail(reel, error)
-
-    def _write_picture(self, reel: _Reel, picture: PictureFrame) -> None:
-        if reel.failed:
-            return
-        interval_us, reel.seen_us = picture.time_us - reel.seen_us, picture.time_us
-        silent = interval_us > reel.silent_us
-        reel.silent_us = min(max(_SILENT_US, _INTERVALS * interval_us), _LONGEST_US)
-        file = reel.file
-        full = file is not None and file.size > self._plan.file_mb * _MB
-        cut = silent or (file is not None and not file.fits(picture)) or (full and picture.key)
-        if not picture.key and (full or cut or file is None):
-            # Before anything that takes a while: pictures come meanwhile.
-            with self._wake:
-                reel.wants_key = True
-        if cut:
-            self._finish(reel)
-        if reel.file is not None:
-            reel.file.add(picture)
-        elif picture.key:
-            self._open(reel, picture)
-        reel.wrote_ns = self._clock.monotonic_ns()
-
-    def _open(self, reel: _Reel, first: PictureFrame) -> None:
-        with self._wake:
-            why, who = reel.why, reel.who
-        kept = StoredRecording(
-            id=new_id(first.time_us * 1000),
-            why=why,
-            who=who,
-            begin_us=first.time_us,
-            stream=reel.stream,
-        )
-        for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
-            self._events.report_event(
-                "recording_dropped", f"{gone.id}: it waited for the hub, and the disk is full"
-            )
-        reel.kept = kept
-        reel.file = FilmFile(self._shelf.part(kept.id), first)
-        self.problem = ""
-        device = reel.stream.split("/", 1)[0]
-        self._events.report_event(
-            "recording_started", f"film of {reel.stream}: {why}", who=who, device=device
-        )
-        self._told()
-
-    def _finish(self, reel: _Reel) -> None:
-        file, kept = reel.file, reel.kept
-        if file is None or kept is None:
-            return
-        with self._wake:
-            kept.why = reel.why
-            note = [reel.note] if reel.note else []
-            if reel.lost:
-                note.append(f"{reel.lost} pictures are missing: the disk did not keep up")
-            reel.note, reel.lost = "", 0
-        kept.note = "; ".join(note)
-        kept.messages, kept.end_us = file.pictures, file.end_us
-        part = self._shelf.part(kept.id)
-        file.finish(part, self._shelf.whole(kept.id))
-        reel.file = reel.kept = None
-        part.unlink(missing_ok=True)
-        self._shelf.finish(kept)
-        said = f"film of {reel.stream}: {kept.messages} pictures, {kept.size / _MB:.1f} MB"
-        self._events.report_event(
-            "recording_ended",
-            f"{said}{'; ' if note else ''}{kept.note}",
-            who=kept.who,
-            device=reel.stream.split("/", 1)[0],
-            good=True,
-        )
-        self._finished()
-
-    def _fail(self, reel: _Reel, error: Exception) -> None:
-        """End a film that cannot be written. The next start makes whole what the disk has of it."""
-        log.warning("the film of %s failed: %s", reel.stream, error)
-        file, kept = reel.file, reel.kept
-        reel.file = reel.kept = None
-        reel.failed = True
-        with self._wake:
-            reel.rolling, reel.wants_key = False, True
-            self.problem = f"{reel.stream}: {error}"[:2000]
-        if file is not None:
-            file.drop()
-        if kept is not None:
-            with contextlib.suppress(OSError):
-                self._shelf.whole(kept.id).unlink(missing_ok=True)
-        self._events.report_event(
-            "recording_failed",
-            f"film of {reel.stream}: {error}",
-            who=reel.who,
-            device=reel.stream.split("/", 1)[0],
-        )
-        self._told()
