@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Device, Site
 
-__all__ = ["ConnectionScope", "ReconfigurableAdapter", "scopes_of"]
+__all__ = ["ConnectionScope", "scopes_of"]
 
 
 class ConnectionScope(NamedTuple):
@@ -36,18 +36,6 @@ class ConnectionScope(NamedTuple):
     devices: Mapping[str, Device]
     channel: Mapping[str, int]
     guarded: frozenset[str]
-
-
-@runtime_checkable
-class ReconfigurableAdapter(Protocol):
-    """An `Adapter` that takes another scope of the site while it runs.
-
-    What is the same in both goes on without a break: none of its samples is lost or comes twice.
-    """
-
-    def redescribe(self, scope: ConnectionScope) -> None:
-        """Serve this from here on. Its connection is the one it has. Returns at once."""
-        ...
 
 
 def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[ConnectionScope]:

@@ -26,7 +26,6 @@ class DescriptionPart(GatewayPart):
     """What the gateway was started with, and what counts now.
 
     Attributes:
-        site: what all parts are built of, with the signals that its cameras imply.
         file: the description's; none leaves it as it is until the end.
         current: what counts now.
         numbering: of channels, which stays while the gateway runs.
@@ -37,7 +36,7 @@ class DescriptionPart(GatewayPart):
 
     def __init__(self, *, base: FoundationPart, site: Site, file: DescriptionFile | None) -> None:
         """Make ready what takes long."""
-        self.site = site = with_counts(site)
+        site = with_counts(site)
         self.file = file
         text = file.text if file is not None and file.editable else ""
         self.current = CurrentDescription(prepared(site, text))
@@ -47,3 +46,8 @@ class DescriptionPart(GatewayPart):
         if notice := unguarded_notice(site):
             log.warning("%s", notice)
             base.events.report_event("nothing_closes", notice)
+
+    @property
+    def site(self) -> Site:
+        """What counts now, with the signals that its cameras imply."""
+        return self.current.now.site

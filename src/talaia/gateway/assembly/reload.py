@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.recording import RecordingPart
     from talaia.gateway.assembly.samples import SamplesPart
     from talaia.gateway.assembly.supervision import SupervisionPart
+    from talaia.model.description_follower import DescriptionFollower
     from talaia.model.site import Site
 
 __all__ = ["ReloadPart"]
@@ -52,9 +53,9 @@ class ReloadPart(GatewayPart):
         """Follow nothing yet."""
         settings = base.settings
         # In this order: what records before what is read, what acts after what it acts through.
-        followers: list[Callable[[Site], None]] = []
+        followers: list[DescriptionFollower[Site]] = []
         if recording.recorders is not None:
-            followers.append(recording.recorders.redescribe)
+            followers.append(recording.recorders)
         connections = ConnectionExchange(
             site=description.site,
             numbering=description.numbering,
@@ -64,19 +65,19 @@ class ReloadPart(GatewayPart):
             make=adapters.make_adapter,
         )
         followers += [
-            connections.exchange,
-            actuation.actuation.redescribe,
-            detection.redescribe,
-            supervision.redescribe,
+            connections,
+            actuation.actuation,
+            detection,
+            supervision,
         ]
         if legacy.server is not None:
-            followers.append(legacy.server.redescribe)
+            followers.append(legacy.server)
         self.reload = DescriptionReload(
             current=description.current,
             numbering=description.numbering,
             connections=connections,
             actuation=actuation.actuation,
-            renumber=samples.redescribe,
+            samples=samples,
             followers=followers,
             say=base.lanes.send,
             begin_again=description.restart.begin,

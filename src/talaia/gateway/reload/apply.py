@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from talaia.gateway.reload.connection_exchange import ConnectionExchange
     from talaia.gateway.reload.current_description import CurrentDescription, PreparedDescription
     from talaia.gateway.samples.channel_numbering import ChannelNumbering
+    from talaia.model.description_follower import DescriptionFollower
     from talaia.model.site import Site
     from talaia.wire.frames import DescriptionUpdate
 
@@ -33,8 +34,8 @@ class DescriptionReload:
         numbering: ChannelNumbering,
         connections: ConnectionExchange,
         actuation: Actuation,
-        renumber: Callable[[PreparedDescription], None],
-        followers: Sequence[Callable[[Site], None]],
+        samples: DescriptionFollower[PreparedDescription],
+        followers: Sequence[DescriptionFollower[Site]],
         say: Callable[[DescriptionUpdate], None],
         begin_again: Callable[[Site], None],
     ) -> None:
@@ -45,7 +46,7 @@ class DescriptionReload:
             numbering: the numbers of channels.
             connections: says whether this machine can use those of another description.
             actuation: says what is under way, and lets go of devices.
-            renumber: numbers, keeps and sends samples by another description; before the hub is
+            samples: numbers, keeps and sends samples by another description; before the hub is
                 told of it, so that none is named by the wrong one.
             followers: take the description then, in this order.
             say: tells the hub.
@@ -56,7 +57,7 @@ class DescriptionReload:
         self._numbering = numbering
         self._connections = connections
         self._actuation = actuation
-        self._renumber = renumber
+        self._samples = samples
         self._followers = followers
         self._say = say
         self._begin_again = begin_again
@@ -117,8 +118,8 @@ class DescriptionReload:
             self._begin_again(after)
             return
         self._current.replace(next_, renamed)
-        self._renumber(next_)
+        self._samples.redescribe(next_)
         self._say(next_.described(renamed, change_id, who))
-        for follow in self._followers:
-            follow(after)
+        for follower in self._followers:
+            follower.redescribe(after)
         self._actuation.timer.touch()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.connection_scope import ReconfigurableAdapter, scopes_of
+from talaia.gateway.adapters.connection_scope import scopes_of
+from talaia.model.description_follower import DescriptionFollower
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -63,7 +64,7 @@ class ConnectionExchange:
             if known is None or known.connection != scope.connection:
                 self._make(scope)
 
-    def exchange(self, after: Site) -> None:
+    def redescribe(self, after: Site) -> None:
         """Serve another description; connections that stay as they were go on undisturbed."""
         of = {name: after.connection_of(name) for name in after.devices}
         self._reachability.redescribe(of)
@@ -76,7 +77,7 @@ class ConnectionExchange:
                 adapters[name] = self._make(scope)
             elif known == scope:
                 adapters[name] = pair
-            elif isinstance(pair[0], ReconfigurableAdapter):
+            elif isinstance(pair[0], DescriptionFollower):
                 # The connection to the robot stays; only what is read of it changes.
                 pair[0].redescribe(scope)
                 adapters[name] = pair

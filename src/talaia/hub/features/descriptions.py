@@ -14,12 +14,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from talaia.hub.features.feature import Core
-    from talaia.hub.live.gateways.description_intake import DescriptionFollower
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
+    from talaia.hub.live.sites import LiveSite
     from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
     from talaia.hub.store.sites.site_registry import SiteRegistry
+    from talaia.model.description_follower import DescriptionFollower
 
 __all__ = ["DescriptionsFeature"]
 
@@ -38,7 +39,7 @@ class DescriptionsFeature(Feature):
         self,
         core: Core,
         *,
-        followers: Sequence[DescriptionFollower],
+        followers: Sequence[DescriptionFollower[LiveSite]],
         reporting: RobotEvents,
         media: PictureFanout,
         history: History,

@@ -63,7 +63,7 @@ class DetectionFeature(Feature):
     async def open(self) -> None:
         """Look at the cameras of the sites that are known."""
         for live in self._core.sites:
-            self.cameras.described(live)
+            self.cameras.redescribe(live)
 
     async def close(self) -> None:
         """Look no more; what was in sight has ended."""

@@ -94,7 +94,7 @@ class ImportedSites:
             await self._registry.said_hello(head.site, head.description, "", "")
             live = self._sites.describe(description, "")
             live.why = "only recordings of it were imported"
-            self._alarms.described(live)
+            self._alarms.redescribe(live)
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
         self._audit.append_record(
             "history imported", who="command line", message=message, site=head.site

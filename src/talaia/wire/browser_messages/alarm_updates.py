@@ -6,13 +6,13 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from talaia.wire.browser_messages.subjects import DeviceMessage, StreamMessage
 from talaia.wire.gateway_messages.field_types import Count, Micros, Name, Sentence, Share, Word
-from talaia.wire.message import Message
 
 __all__ = ["AlarmUpdate", "AnomalyUpdate", "SightingUpdate"]
 
 
-class AlarmUpdate(Message, frozen=True, kw_only=True, tag="alarm"):
+class AlarmUpdate(DeviceMessage, frozen=True, kw_only=True, tag="alarm"):
     """How an alarm stands; told to a page that comes, and whenever it changes.
 
     Attributes:
@@ -54,7 +54,7 @@ class AlarmUpdate(Message, frozen=True, kw_only=True, tag="alarm"):
     gone: bool = False
 
 
-class SightingUpdate(Message, frozen=True, kw_only=True, tag="sighting"):
+class SightingUpdate(StreamMessage, frozen=True, kw_only=True, tag="sighting"):
     """Something came into sight of a camera, is seen surer or more often, or is gone.
 
     Attributes:
@@ -75,7 +75,7 @@ class SightingUpdate(Message, frozen=True, kw_only=True, tag="sighting"):
     ended_us: Micros = 0
 
 
-class AnomalyUpdate(Message, frozen=True, kw_only=True, tag="anomaly"):
+class AnomalyUpdate(DeviceMessage, frozen=True, kw_only=True, tag="anomaly"):
     """How a detector of a signal stands, told when that changes; its scores come as `Values`.
 
     Subscribe to ``<signal>~<detector>`` for the scores. What stood before a page came is asked for

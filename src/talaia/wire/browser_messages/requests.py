@@ -6,9 +6,9 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from talaia.wire.browser_messages.subjects import DeviceMessage, SessionMessage, SiteMessage
 from talaia.wire.gateway_messages.driving import LeaseOp
 from talaia.wire.gateway_messages.field_types import Arguments, Count, Name, Units, Word
-from talaia.wire.message import Message
 
 __all__ = [
     "PageCommand",
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 
-class Subscribe(Message, frozen=True, kw_only=True, tag="subscribe"):
+class Subscribe(SiteMessage, frozen=True, kw_only=True, tag="subscribe"):
     """Send me these channels of a site, at most every so many ms.
 
     Attributes:
@@ -42,13 +42,13 @@ class Subscribe(Message, frozen=True, kw_only=True, tag="subscribe"):
     every_ms: Annotated[int, Meta(ge=0, le=60_000)] = 50
 
 
-class Unsubscribe(Message, frozen=True, kw_only=True, tag="unsubscribe"):
+class Unsubscribe(SessionMessage, frozen=True, kw_only=True, tag="unsubscribe"):
     """No more of this subscription."""
 
     sub: Count
 
 
-class PageLease(Message, frozen=True, kw_only=True, tag="lease"):
+class PageLease(DeviceMessage, frozen=True, kw_only=True, tag="lease"):
     """Take, renew or free the lease of a device; ask its holder for it, or answer an ask."""
 
     site: Name
@@ -56,14 +56,14 @@ class PageLease(Message, frozen=True, kw_only=True, tag="lease"):
     op: LeaseOp
 
 
-class PageLeaseForce(Message, frozen=True, kw_only=True, tag="lease_force"):
+class PageLeaseForce(DeviceMessage, frozen=True, kw_only=True, tag="lease_force"):
     """Take the lease from its holder, who said no or nothing to your ask."""
 
     site: Name
     device: Name
 
 
-class PageDrive(Message, frozen=True, kw_only=True, tag="drive"):
+class PageDrive(DeviceMessage, frozen=True, kw_only=True, tag="drive"):
     """A driving frame; the fields are those of `frames.DriveFrame`."""
 
     site: Name
@@ -77,7 +77,7 @@ class PageDrive(Message, frozen=True, kw_only=True, tag="drive"):
     picture_ms: float = -1.0
 
 
-class PageStop(Message, frozen=True, kw_only=True, tag="stop"):
+class PageStop(DeviceMessage, frozen=True, kw_only=True, tag="stop"):
     """STOP (software). Repeat with the same id until `StopUpdate` with it comes."""
 
     site: Name
@@ -85,7 +85,7 @@ class PageStop(Message, frozen=True, kw_only=True, tag="stop"):
     id: Name
 
 
-class PageReset(Message, frozen=True, kw_only=True, tag="reset"):
+class PageReset(DeviceMessage, frozen=True, kw_only=True, tag="reset"):
     """Release STOP: first without a token, then with the one that `ResetTokenUpdate` brought."""
 
     site: Name
@@ -94,7 +94,7 @@ class PageReset(Message, frozen=True, kw_only=True, tag="reset"):
     token: Word = ""
 
 
-class PageCommand(Message, frozen=True, kw_only=True, tag="command"):
+class PageCommand(DeviceMessage, frozen=True, kw_only=True, tag="command"):
     """Ask a device to do something once. ``id`` is the page's own, never used twice.
 
     ``units`` are those the page showed beside the arguments, and ``over`` is somebody else's
@@ -110,7 +110,7 @@ class PageCommand(Message, frozen=True, kw_only=True, tag="command"):
     over: Word = ""
 
 
-class PageCommandCancel(Message, frozen=True, kw_only=True, tag="cancel"):
+class PageCommandCancel(DeviceMessage, frozen=True, kw_only=True, tag="cancel"):
     """End a command that is under way, if the robot can; `CommandUpdate` tells what came of it."""
 
     site: Name
@@ -118,7 +118,7 @@ class PageCommandCancel(Message, frozen=True, kw_only=True, tag="cancel"):
     id: Name
 
 
-class PageOverride(Message, frozen=True, kw_only=True, tag="override"):
+class PageOverride(SiteMessage, frozen=True, kw_only=True, tag="override"):
     """Override a condition of an interlock for so many seconds, with the reason; 0 s ends that.
 
     Attributes:
@@ -133,7 +133,7 @@ class PageOverride(Message, frozen=True, kw_only=True, tag="override"):
     condition: Word = ""
 
 
-class PagePing(Message, frozen=True, kw_only=True, tag="ping"):
+class PagePing(SessionMessage, frozen=True, kw_only=True, tag="ping"):
     """Every second.
 
     Attributes:

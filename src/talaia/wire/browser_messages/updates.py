@@ -6,6 +6,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
+from talaia.wire.browser_messages.subjects import DeviceMessage, SessionMessage, SiteMessage
 from talaia.wire.columns import MAX_SAMPLES
 from talaia.wire.gateway_messages.commands import CommandPhase
 from talaia.wire.gateway_messages.field_types import (
@@ -20,7 +21,7 @@ from talaia.wire.gateway_messages.field_types import (
     ValueColumn,
     Word,
 )
-from talaia.wire.message import PROTOCOL, Message
+from talaia.wire.message import PROTOCOL
 
 __all__ = [
     "CommandUpdate",
@@ -43,7 +44,7 @@ __all__ = [
 ]
 
 
-class Greeting(Message, frozen=True, kw_only=True, tag="greeting"):
+class Greeting(SessionMessage, frozen=True, kw_only=True, tag="greeting"):
     """First frame: who the hub takes you for."""
 
     protocol: Count = PROTOCOL
@@ -53,7 +54,7 @@ class Greeting(Message, frozen=True, kw_only=True, tag="greeting"):
     time_us: Micros
 
 
-class SiteUpdate(Message, frozen=True, kw_only=True, tag="site"):
+class SiteUpdate(SiteMessage, frozen=True, kw_only=True, tag="site"):
     """A site's link came up or went down, or its description changed (``catalogue``).
 
     Attributes:
@@ -72,14 +73,14 @@ class SiteUpdate(Message, frozen=True, kw_only=True, tag="site"):
     rival_us: Micros = 0
 
 
-class Subscribed(Message, frozen=True, kw_only=True, tag="subscribed"):
+class Subscribed(SessionMessage, frozen=True, kw_only=True, tag="subscribed"):
     """Answer to `Subscribe`. Channels you may not see, or that are not there, are refused."""
 
     sub: Count
     refused: Annotated[list[Name], Meta(max_length=10_000)] = []
 
 
-class Values(Message, frozen=True, kw_only=True, tag="values"):
+class Values(SessionMessage, frozen=True, kw_only=True, tag="values"):
     """Samples of a subscription as columns; see `wire.columns`.
 
     The first `Values` of a subscription holds the last known sample of each channel;
@@ -95,7 +96,7 @@ class Values(Message, frozen=True, kw_only=True, tag="values"):
     age_ms: Annotated[list[float], Meta(max_length=MAX_SAMPLES)] = []
 
 
-class LeaseUpdate(Message, frozen=True, kw_only=True, tag="lease_news"):
+class LeaseUpdate(DeviceMessage, frozen=True, kw_only=True, tag="lease_news"):
     """Who holds a device. ``epoch`` is not 0 only when it is you (``yours``).
 
     Attributes:
@@ -120,14 +121,14 @@ class LeaseUpdate(Message, frozen=True, kw_only=True, tag="lease_news"):
     forceable: bool = False
 
 
-class TickUpdate(Message, frozen=True, kw_only=True, tag="tick"):
+class TickUpdate(SiteMessage, frozen=True, kw_only=True, tag="tick"):
     """The gateway's newest time mark; echo it in `PageDrive`."""
 
     site: Word
     tick: Count
 
 
-class DriveUpdate(Message, frozen=True, kw_only=True, tag="drive_news"):
+class DriveUpdate(DeviceMessage, frozen=True, kw_only=True, tag="drive_news"):
     """What the robot is being told; see `frames.DriveState`."""
 
     site: Word
@@ -142,7 +143,7 @@ class DriveUpdate(Message, frozen=True, kw_only=True, tag="drive_news"):
     sent: Word = ""
 
 
-class StopUpdate(Message, frozen=True, kw_only=True, tag="stop_news"):
+class StopUpdate(DeviceMessage, frozen=True, kw_only=True, tag="stop_news"):
     """STOP (software): see `frames.StopState`."""
 
     site: Word
@@ -154,7 +155,7 @@ class StopUpdate(Message, frozen=True, kw_only=True, tag="stop_news"):
     id: Word = ""
 
 
-class ResetTokenUpdate(Message, frozen=True, kw_only=True, tag="reset_key"):
+class ResetTokenUpdate(DeviceMessage, frozen=True, kw_only=True, tag="reset_key"):
     """The token for the second step of a reset, or why there is none."""
 
     site: Word
@@ -163,7 +164,7 @@ class ResetTokenUpdate(Message, frozen=True, kw_only=True, tag="reset_key"):
     refused: Sentence = ""
 
 
-class CommandUpdate(Message, frozen=True, kw_only=True, tag="command_news"):
+class CommandUpdate(DeviceMessage, frozen=True, kw_only=True, tag="command_news"):
     """Where a one-shot command stands; ``blocked_by`` as in `frames.CommandState`.
 
     A page that comes while somebody acts is told of that first.
@@ -187,7 +188,7 @@ class CommandUpdate(Message, frozen=True, kw_only=True, tag="command_news"):
     acting_s: float = 0.0
 
 
-class InterlockUpdate(Message, frozen=True, kw_only=True, tag="interlock_news"):
+class InterlockUpdate(SiteMessage, frozen=True, kw_only=True, tag="interlock_news"):
     """How an interlock of a site stands; shown on every page while it locks or is overridden.
 
     Attributes:
@@ -229,7 +230,7 @@ class InterlockUpdate(Message, frozen=True, kw_only=True, tag="interlock_news"):
     no_override: Sentence = ""
 
 
-class DeviceUpdate(Message, frozen=True, kw_only=True, tag="device_news"):
+class DeviceUpdate(DeviceMessage, frozen=True, kw_only=True, tag="device_news"):
     """Whether a site's gateway reaches a device; a page hears of those that it does not.
 
     Attributes:
@@ -245,7 +246,7 @@ class DeviceUpdate(Message, frozen=True, kw_only=True, tag="device_news"):
     since_us: Micros = 0
 
 
-class EventUpdate(Message, frozen=True, kw_only=True, tag="event"):
+class EventUpdate(DeviceMessage, frozen=True, kw_only=True, tag="event"):
     """Something happened at a site that people should know of."""
 
     site: Word
@@ -257,7 +258,7 @@ class EventUpdate(Message, frozen=True, kw_only=True, tag="event"):
     good: bool = True
 
 
-class PagePong(Message, frozen=True, kw_only=True, tag="pong"):
+class PagePong(SessionMessage, frozen=True, kw_only=True, tag="pong"):
     """Answer to `PagePing`, with the hub's monotonic clock (µs) so that ages can be told."""
 
     n: Count
@@ -265,7 +266,7 @@ class PagePong(Message, frozen=True, kw_only=True, tag="pong"):
     hub_us: Micros
 
 
-class RequestError(Message, frozen=True, kw_only=True, tag="problem"):
+class RequestError(SessionMessage, frozen=True, kw_only=True, tag="problem"):
     """What you asked was not done, and why.
 
     Attributes:
@@ -280,7 +281,7 @@ class RequestError(Message, frozen=True, kw_only=True, tag="problem"):
     about: Word = ""
 
 
-class SessionUpdate(Message, frozen=True, kw_only=True, tag="session"):
+class SessionUpdate(SessionMessage, frozen=True, kw_only=True, tag="session"):
     """Your session ends soon; said in good time, so that a driver can stop and hand over.
 
     Attributes:
@@ -293,7 +294,7 @@ class SessionUpdate(Message, frozen=True, kw_only=True, tag="session"):
     idle: bool = False
 
 
-class SessionEnded(Message, frozen=True, kw_only=True, tag="ended"):
+class SessionEnded(SessionMessage, frozen=True, kw_only=True, tag="ended"):
     """Your session is over; the socket closes after this."""
 
     reason: Sentence

@@ -165,7 +165,7 @@ class Ros2Adapter:
             self._thread.run_soon(self._update_subscriptions)
 
     def redescribe(self, scope: ConnectionScope) -> None:
-        """See `ReconfigurableAdapter.redescribe`."""
+        """See `DescriptionFollower`."""
         if self._thread is None:
             # It is joined with the next `run`.
             self._scope = scope

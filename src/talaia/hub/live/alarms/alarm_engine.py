@@ -102,12 +102,12 @@ class AlarmEngine:
         for made in await self._store.made():
             self._made.setdefault(made.site, {})[made.alarm] = made
         for live in self._sites:
-            self.described(live)
+            self.redescribe(live)
         await self.refresh_troubles()
 
     # ── what is watched ─────────────────────────────────────────────────────────────────────
 
-    def described(self, live: LiveSite) -> None:
+    def redescribe(self, live: LiveSite) -> None:
         """Take a site's description, new or the same; alarms that stay keep their state."""
         known = self._of.get(live.name)
         if known is None:
@@ -232,14 +232,14 @@ class AlarmEngine:
         """Keep an alarm that was made in the page, in place of the one of its name."""
         await self._store.define(made)
         self._made.setdefault(made.site, {})[made.alarm] = made
-        self.described(live)
+        self.redescribe(live)
 
     async def forget(self, live: LiveSite, alarm: str) -> bool:
         """Remove an alarm that was made in the page; False when there is none."""
         if not await self._store.forget(live.name, alarm):
             return False
         self._made.get(live.name, {}).pop(alarm, None)
-        self.described(live)
+        self.redescribe(live)
         return True
 
     async def run(self) -> None:

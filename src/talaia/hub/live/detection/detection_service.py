@@ -119,7 +119,7 @@ class DetectionService:
         self._ended: set[asyncio.Task[None]] = set()
         self._closing = False
 
-    def described(self, live: LiveSite) -> None:
+    def redescribe(self, live: LiveSite) -> None:
         """Look at what a site's description says from here on; what is the same goes on."""
         wanted = {
             name: detect

@@ -164,7 +164,7 @@ class SightingJournal:
         """Wait for what this run of the gateway says of what another one saw last."""
         self._site(live.name).asked_s = self._now_s()
 
-    def described(self, live: LiveSite) -> None:
+    def redescribe(self, live: LiveSite) -> None:
         """End what nobody watches any more."""
         site = live.description
         self._end(live.name, lambda known: detect_of(site, known.camera) is None, self._now_us())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -30,9 +30,10 @@ if TYPE_CHECKING:
     from talaia.hub.ports import History
     from talaia.hub.store.sites.descriptions import Descriptions
     from talaia.hub.store.sites.site_registry import SiteRegistry
+    from talaia.model.description_follower import DescriptionFollower
     from talaia.model.site import Site
 
-__all__ = ["DescriptionFollower", "DescriptionIntake", "Redescription", "source_of"]
+__all__ = ["DescriptionIntake", "Redescription", "source_of"]
 
 _LOG = logging.getLogger(__name__)
 _RETRY_S = 1.0
@@ -49,14 +50,6 @@ def source_of(message: frames.Hello | frames.DescriptionUpdate) -> str:
     return inflated(message.source) if message.source else ""
 
 
-class DescriptionFollower(Protocol):
-    """A part that works by a site's description."""
-
-    def described(self, live: LiveSite) -> None:
-        """Go by the site's description of now."""
-        ...
-
-
 class DescriptionIntake:
     """Puts another description in a site's place: history, tables, pages, versions."""
 
@@ -64,7 +57,7 @@ class DescriptionIntake:
         self,
         *,
         sites: Sites,
-        followers: Sequence[DescriptionFollower],
+        followers: Sequence[DescriptionFollower[LiveSite]],
         reporting: RobotEvents,
         media: PictureFanout,
         history: History,
@@ -106,7 +99,7 @@ class DescriptionIntake:
     def notify_followers(self, live: LiveSite) -> None:
         """Let every part that follows a description take the site's new one."""
         for follower in self._followers:
-            follower.described(live)
+            follower.redescribe(live)
 
     def receive_change_state(self, live: LiveSite, state: frames.ChangeState) -> None:
         """Pass on what a gateway says of a change."""

@@ -99,7 +99,7 @@ class Fanout:
         ]
         return len(sizes), sum(sizes)
 
-    def described(self, live: LiveSite) -> None:
+    def redescribe(self, live: LiveSite) -> None:
         """Start every subscription of a site anew, after its channels changed."""
         members = [
             (member[0], asked)

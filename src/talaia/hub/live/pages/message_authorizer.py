@@ -12,13 +12,14 @@ from talaia.hub.policy import (
     allows,
     need_of_message,
 )
-from talaia.wire.browser import PageLease, PageStop, RequestError, SightingUpdate, Subscribe
+from talaia.wire.browser import PageLease, PageStop, RequestError, Subscribe
+from talaia.wire.browser_messages.subjects import StreamMessage
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
     from talaia.hub.live.sites import Sites
-    from talaia.wire.message import Message
+    from talaia.wire.browser import FromBrowser, ToBrowser
 
 __all__ = ["STORE", "MessageAuthorizer"]
 
@@ -45,13 +46,13 @@ class MessageAuthorizer:
         self._sites = sites
         self._rights = rights
 
-    def refusal(self, grants: Grants, message: Message) -> RequestError | None:
+    def refusal(self, grants: Grants, message: FromBrowser) -> RequestError | None:
         """Say why a message from a browser is refused; None when it may pass.
 
         What a person may not see is told like what does not exist.
         """
         need = need_of_message(FROM_BROWSER, message)
-        site, device = _object(message)
+        site, device, _ = message.subject()
         live = self._sites.get(site) if site else None
         described = live.description if live else None
         tag = str(type(message).__struct_config__.tag)
@@ -70,28 +71,22 @@ class MessageAuthorizer:
             code="forbidden", message="you do not have the right to do this", about=tag
         )
 
-    def may_get(self, grants: Grants, message: Message) -> bool:
+    def may_get(self, grants: Grants, message: ToBrowser) -> bool:
         """Tell whether a message may be sent to a person."""
         need = need_of_message(TO_BROWSER, message)
         if need is AccessNeed.SESSION:
             return True
-        site, device = _object(message)
+        site, device, stream = message.subject()
         live = self._sites.get(site)
         described = live.description if live else None
-        if isinstance(message, SightingUpdate):
-            # Like the pictures themselves.
-            camera, _, stream = message.camera.partition("/")
-            return described is not None and sees_stream(grants, described, camera, stream)
+        if isinstance(message, StreamMessage):
+            # What a camera saw is like its pictures themselves.
+            return described is not None and sees_stream(grants, described, device, stream)
         return allows(need, grants, described, device)
 
 
-def _makes_safe(message: Message) -> bool:
+def _makes_safe(message: FromBrowser) -> bool:
     """Tell whether a message may pass even when it is not known who may do what."""
     return isinstance(message, PageStop) or (
         isinstance(message, PageLease) and message.op is LeaseOp.FREE
     )
-
-
-def _object(message: Message) -> tuple[str, str]:
-    """Name the site and the device that a message is about."""
-    return getattr(message, "site", ""), getattr(message, "device", "")

@@ -196,7 +196,7 @@ class PageCommands:
                 f"{about} refused",
                 who=browser.who.name,
                 site=asked.site,
-                device=getattr(asked, "device", ""),
+                device=asked.subject().device,
                 message=message,
                 good=False,
             )
