@@ -85,9 +85,13 @@ class Checkpoints:
         """Use ``reader`` for the bulk and ``engine``, the writing thread's, for the rest."""
         self._engine = engine
         self._reader = reader
+        # Written since the last checkpoint.
         self._bytes = 0
+        # A checkpoint that is under way, if one is.
         self._bulk: Future[None] | None = None
+        # One of its own: a checkpoint waits for the disk, and neither a commit nor a reader may.
         self._thread = ThreadPoolExecutor(1, "history-checkpoint")
+        # The others look after their log by themselves.
         self._active = engine.dialect.name == "sqlite"
 
     def after_commit(self, size: int) -> None:

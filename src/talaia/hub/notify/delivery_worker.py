@@ -61,8 +61,11 @@ class DeliveryWorker:
         self._store = store
         self._sender = sender
         self._clock = clock
+        # Called when a message was delivered, or could not be.
         self._told = told
+        # Set when there may be something in the outbox before the next look.
         self._news = asyncio.Event()
+        # A slow server of one channel takes one turn, never all of them.
         self._turns = asyncio.Semaphore(_AT_ONCE)
 
     def wake(self) -> None:

@@ -52,7 +52,9 @@ class Tail:
 
     def __init__(self) -> None:
         """Start empty."""
+        # In the order in which they came; joined when somebody needs them in one piece.
         self.parts: list[BlockSamples] = []
+        # Samples in all parts.
         self.size = 0
         self.oldest_row: int | None = None
         self.saved = False
@@ -92,12 +94,19 @@ class Tails:
             recent: deal out when so many samples wait.
 
         """
+        # Readers on other threads see either the recent batches or the tails made of them.
         self._lock = threading.Lock()
+        # Committed batches, as they came, not yet dealt out.
         self._recent: list[Chunk] = []
+        # Samples in ``_recent``.
         self._waiting = 0
+        # By channel id; a channel has one only while it has samples outside blocks.
         self._tails: dict[int, Tail] = {}
+        # Taking batches apart pays only from so many samples on.
         self._enough = recent
+        # What a reader finds in blocks below it is not here, and the other way round.
         self.block = block
+        # The journal is needed from the row after it, whatever the tails say.
         self.dealt_row = row
 
     def items(self) -> Mapping[int, Tail]:
@@ -125,6 +134,7 @@ class Tails:
         chunks = self._recent
         if not chunks:
             return False
+        # Outside the lock: it is the long part, and only this thread changes what it reads.
         dealt = _deal(chunks)
         with self._lock:
             for channel, row, samples in dealt:

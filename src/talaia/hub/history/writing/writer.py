@@ -53,13 +53,19 @@ class Writer:
         self._checkpoints = checkpoints
         self._clock = clock
         self._linger_s = linger_s
+        # Guards the queue, which the event loop fills and the writing thread empties.
         self._changed = threading.Condition()
+        # Jobs in the order in which they came, each with the future of who waits for it.
         self._queue: deque[_Waiting] = deque()
+        # Of the queue; a job that is no batch counts as `ENOUGH`, so that it waits for nobody.
         self._samples = 0
+        # Set once: what waits is written, and nothing more is taken.
         self._ending = False
         # Why the last commit failed; empty when it did not.
         self.trouble = ""
+        # Answers are given there, since futures belong to one loop; none before `start`.
         self._loop: asyncio.AbstractEventLoop | None = None
+        # Daemon: a database that hangs must not keep the process from ending.
         self._thread: threading.Thread | None = None
 
     async def start(self) -> None:
@@ -157,6 +163,7 @@ class Writer:
 
     def _store(self, jobs: Sequence[Job]) -> Sequence[Answer]:
         try:
+            # What is in memory may be ahead of a database that took only half; read it anew.
             if self.trouble:
                 self._ledger.load()
             answers = self._ledger.store(jobs)

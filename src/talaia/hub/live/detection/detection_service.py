@@ -70,10 +70,14 @@ class _SiteEyes:
 
     def __init__(self, live: LiveSite, ingest: Ingest) -> None:
         self.live = live
+        # By stream: what it is set up by, what looks, and the task in which it does.
         self.cameras: dict[str, tuple[DetectionSetup, CameraDetection, asyncio.Task[None]]] = {}
+        # Stores what is counted, as a gateway's samples are.
         self.ingest = ingest
         self.storing = asyncio.create_task(ingest.run())
+        # Of the next sample; the hub is a gateway of its own here.
         self.sequence = 0
+        # People were told that some cameras are not looked at.
         self.too_many = False
 
 
@@ -109,14 +113,20 @@ class DetectionService:
         self._samples = samples
         self._history = history
         self._make = make_worker
+        # The process that detects; none before the first camera needs it.
         self._worker: Worker | None = None
         self._clock = clock
         # Names this run, of which nothing was ever stored.
         self.boot = f"{OWN}{secrets.token_hex(8)}"
+        # By site; kept while the hub runs, since its samples are numbered on.
         self._of: dict[str, _SiteEyes] = {}
+        # Of all sites, by ``<site>/<model>``.
         self._models: dict[str, ObjectModel] = {}
+        # By model: cameras look one after the other, or one would starve the rest.
         self._turns: dict[str, asyncio.Lock] = {}
+        # Held, for the loop itself holds a task only weakly.
         self._ended: set[asyncio.Task[None]] = set()
+        # Set once: no camera is begun any more.
         self._closing = False
 
     def redescribe(self, live: LiveSite) -> None:

@@ -75,13 +75,20 @@ class Ingest:
         """Tell the gateway when samples are safe; gather for ``gather_s`` before a commit."""
         self._history = history
         self._site = site
+        # Acknowledges, or asks again, on the link to the gateway.
         self._tell = tell
         self._gather_s = gather_s
+        # In the order in which it came, which is the order in which it is stored.
         self._waiting: deque[Batch | SampleGap | Renaming] = deque()
+        # Of what waits; bounded by `_MOST_WAITING`, since the link is read on.
         self._samples = 0
+        # Set when there is something to store, or the end.
         self._news = asyncio.Event()
+        # What found no room, by run: from which sequence number to before which.
         self._owed: dict[str, tuple[int, int]] = {}
+        # What is known to be stored, by run of the gateway.
         self._runs: dict[str, StoredRun] = {}
+        # Set once: what waits is stored, and `run` ends.
         self._ending = False
 
     async def start(self, boot: str) -> int:

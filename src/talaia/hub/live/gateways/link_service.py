@@ -110,7 +110,9 @@ class LinkService:
         self._admission = admission
         self._settings = settings
         self._clock = clock
+        # A second gateway with one key is kept out, and people are told.
         self._rivals = DuplicateGateways(reporting)
+        # Comings and goings of links are written down one after the other.
         self._parting = asyncio.Lock()
 
     async def serve(self, socket: WebSocket, key: GatewayKey) -> None:

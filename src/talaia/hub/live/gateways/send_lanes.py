@@ -30,6 +30,8 @@ class PrioritySendQueue:
 
     def __init__(self) -> None:
         """Start empty."""
+        # STOP; driving and leases; commands; all else. Never merged: a lane that is behind
+        # holds up only those after it.
         self._lanes: tuple[deque[FromHub], ...] = (deque(), deque(), deque(), deque())
 
     def __bool__(self) -> bool:
@@ -47,6 +49,7 @@ class PrioritySendQueue:
 
         """
         lane = self._lanes[_lane_of(message)]
+        # Only the newest velocity counts, and an old one must not move the robot later.
         if isinstance(message, DriveFrame):
             older = [
                 waiting
@@ -57,6 +60,7 @@ class PrioritySendQueue:
             ]
             for frame in older:
                 lane.remove(frame)
+        # One says all that those before it said.
         elif isinstance(message, Ack):
             for ack in [waiting for waiting in lane if isinstance(waiting, Ack)]:
                 if ack.boot == message.boot:
@@ -83,10 +87,12 @@ def _lets_go(frame: DriveFrame) -> bool:
 
 def _lane_of(message: FromHub) -> int:
     match message:
+        # Nothing stands before it, driving of the same device included.
         case StopRequest():
             return 0
         case DriveFrame() | LeaseRequest() | LeaseForceRequest() | ResetRequest():
             return 1
+        # Asked by people, who may wait for a driving frame, but not for acknowledgements.
         case CommandRequest() | CommandCancel() | OverrideRequest():
             return 2
         case _:

@@ -53,7 +53,9 @@ class Fanout:
         """Find sites in ``sites``; ``clock`` paces the sending."""
         self._sites = sites
         self._clock = clock
+        # By site, then by rate and channels: pages that ask alike are encoded for once.
         self._groups: dict[str, dict[tuple[int, tuple[str, ...]], _Group]] = {}
+        # By page and its number of the subscription.
         self._of: dict[tuple[Browser, int], _Group] = {}
 
     def subscribe(self, browser: Browser, asked: Subscribe) -> None:

@@ -70,15 +70,21 @@ class Outbox:
         self._known = known
         # What is owed before the values that wait, and behind them.
         self._owed_first: dict[int, set[int]] = {}
+        # Channels of which something was dropped; their newest value is sent when there is room.
         self._owed: dict[int, set[int]] = {}
+        # Messages that each count, in order.
         self._notes: list[Frame] = []
+        # Messages of which only the newest counts, by what they are about.
         self._states: dict[Hashable, Frame] = {}
+        # Samples that wait, by subscription.
         self._values: dict[int, _Pending] = {}
         self._notes_budget = budget // _NOTES_SHARE
         self._values_budget = budget // _HEADROOM
+        # Bytes of each kind that wait; each kind has its own bound, so none starves another.
         self._notes_weight = 0
         self._states_weight = 0
         self._values_weight = 0
+        # For figures: messages that were dropped, and how often samples were thinned.
         self.dropped_notes = 0
         self.conflated = 0
 

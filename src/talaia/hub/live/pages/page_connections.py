@@ -79,19 +79,25 @@ class Browser:
     def __init__(self, socket: WebSocket, who: Who, gate: MessageAuthorizer, *, text: bool) -> None:
         """Speak JSON with ``text``, else MessagePack."""
         self.who = who
+        # Names this page to gateways: a lease is held by a page, not by a person.
         self.key = new_token()
         self.text = text
         self._socket = socket
         self._gate = gate
         # Asked for the newest values of a subscription's channels, by their places in its list.
         self.known: Callable[[Browser, int, list[int]], list[Values]] = lambda *_: []
+        # What waits to be sent, bounded.
         self._outbox = Outbox(self.encode, known=lambda sub, at: self.known(self, sub, at))
+        # Something waits in the outbox, or the end.
         self._wake = asyncio.Event()
+        # The session is over: only the reason is still sent.
         self._over = asyncio.Event()
         self._reason = ""
+        # A person has done something since this was last asked.
         self._used = False
         # Subscriptions that could not be judged, by their number, in the order they were asked.
         self._wishes: dict[int, Subscribe] = {}
+        # There are such subscriptions.
         self._wished = asyncio.Event()
 
     @property

@@ -61,11 +61,17 @@ class SocketSessions:
         """Ask ``register`` who is still signed in."""
         self._register = register
         self._clock = clock
+        # How long before its end a session is warned (µs).
         self._warn_us = round(min(settings.warn_s, settings.idle_s / 2) * 1e6)
+        # So long after the last good check only STOP is passed on (ns).
         self._unsure_ns = round(settings.unsure_s * 1e9)
+        # Open sockets of all people; one session may have several.
         self._seats: set[SessionSocket] = set()
+        # Sockets that were told of the end, with the end they were told (UTC, µs).
         self._warned: dict[SessionSocket, int] = {}
+        # The sessions of the last good check, by which sockets end while the database is away.
         self._last: Mapping[str, LiveSession] = {}
+        # When the last good check began (monotonic); see `sure`.
         self._checked_ns = clock.monotonic_ns()
 
     @property

@@ -36,9 +36,13 @@ class PictureFanout:
         self._sites = sites
         self._clock = clock
         self._linger_s = linger_s
+        # By site and stream: the sockets that watch.
         self._viewers: dict[tuple[str, str], set[Viewer]] = {}
+        # By site and stream: ends the stream when nobody has come back by then.
         self._timers: dict[tuple[str, str], asyncio.TimerHandle] = {}
+        # What the gateway was asked for last; asked again only when it changes.
         self._forms: dict[tuple[str, str], frozenset[PictureForm]] = {}
+        # Streams of which boxes are asked for, too.
         self._boxed: set[tuple[str, str]] = set()
         # Who looks for the hub itself: in which form, and who is handed each picture.
         self._eyes: dict[tuple[str, str], tuple[PictureForm, Callable[[PictureFrame], None]]] = {}
