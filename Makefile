@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV := .venv/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup demo demo-indi test test-quick proofs check bench faults soak docs lock pages clean
+.PHONY: help setup demo demo-indi test test-quick coverage proofs check bench faults soak docs lock pages clean
 
 help:  ## list the words
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -24,6 +24,9 @@ test: setup  ## all tests: Python with real ROS 2 and Chromium, and the pages'
 
 test-quick: setup  ## the tests that start nothing; under two minutes
 	$(VENV)/python tools/run_tests.py --quick $(ARGS)
+
+coverage: setup  ## `make test`, with the line coverage of all of it (slower)
+	$(VENV)/python tools/run_tests.py --coverage $(ARGS)
 
 proofs: setup  ## hours: what takes too long for each change (ONLY=name, AGAIN=1)
 	$(VENV)/python tools/proofs.py $(ONLY) $(if $(AGAIN),--again)

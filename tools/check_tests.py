@@ -43,6 +43,8 @@ def is_replacement(call: ast.Call) -> bool:
     match call.func:
         case ast.Attribute(value=ast.Name(id="monkeypatch"), attr="setattr" | "setitem"):
             return True
+    if isinstance(call.func, ast.Attribute) and any(word.arg == "json" for word in call.keywords):
+        return False  # a request: HTTP's PATCH
     return name_of(call) in MOCKS
 
 

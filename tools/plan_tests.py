@@ -29,7 +29,7 @@ GROUP_S = 110.0
 # these folders, and each file that says `pytestmark = pytest.mark.pure`.
 PURE_FOLDERS = ("tests/model", "tests/wire", "tests/test_clock.py")
 PURE = re.compile(r"^pytestmark = .*pytest\.mark\.pure\b", re.MULTILINE)
-# Each starts a whole site with browsers, demos on one port among them: one of them at a time.
+# Each starts a whole site with browsers: as many of them at a time as there are cores.
 WHOLE_SITES = ("tests/system",)
 # They run two sites side by side themselves: what runs beside them leaves half of the cores free.
 CALM = ("tests/system/faults/test_rows.py", "tests/system/enclosure/test_rows.py")
@@ -60,6 +60,7 @@ class Group:
         files: paths below the project's folder.
         wall, cpu: about what it takes and computes (s), see `Cost`.
         whole: it starts a whole site; ``calm``: it wants cores that are not all in use.
+        pure: its files are the quick ring's.
         skip: tests not to run, for they have run.
         now: the test that runs; ``since`` (monotonic, s).
 
@@ -71,6 +72,7 @@ class Group:
     whole: bool = False
     calm: bool = False
     skip: list[str] = field(default_factory=list)
+    pure: bool = False
     number: int = 0
     process: subprocess.Popen[bytes] | None = None
     folder: Path = Path()
@@ -111,7 +113,8 @@ def list_files(*, quick: bool) -> list[str]:
 
 def is_pure(file: str) -> bool:
     """Tell whether a file is in the quick ring."""
-    return lies_in(file, PURE_FOLDERS) or bool(PURE.search((ROOT / file).read_text()))
+    path = ROOT / file
+    return lies_in(file, PURE_FOLDERS) or (path.exists() and bool(PURE.search(path.read_text())))
 
 
 def lies_in(file: str, folders: tuple[str, ...]) -> bool:
@@ -120,19 +123,24 @@ def lies_in(file: str, folders: tuple[str, ...]) -> bool:
 
 
 def make_groups(files: list[str], costs: dict[str, Cost]) -> list[Group]:
-    """Put files of one folder and one kind together, up to `GROUP_S`."""
+    """Put files of one part of the product and one kind together, up to `GROUP_S`.
+
+    The folders in ``tests/hub`` are no groups of their own: each would begin a process.
+    """
     groups: list[Group] = []
-    at: tuple[str, bool, bool] | None = None
+    last: dict[tuple[str, bool, bool, bool], Group] = {}
     for file in files:
         cost = costs.get(file, UNKNOWN)
-        calm, whole = lies_in(file, CALM), lies_in(file, WHOLE_SITES)
-        kind = (file.rpartition("/")[0], calm, whole)
-        if not groups or kind != at or groups[-1].wall + cost.wall > GROUP_S:
-            groups.append(Group([], whole=whole, calm=calm))
-        at = kind
-        groups[-1].files.append(file)
-        groups[-1].wall += cost.wall
-        groups[-1].cpu += cost.cpu
+        calm, whole, pure = lies_in(file, CALM), lies_in(file, WHOLE_SITES), is_pure(file)
+        # The quick ring's need nothing of each other: of all folders together.
+        kind = ("" if pure else "/".join(file.split("/")[:-1][:2]), calm, whole, pure)
+        group = last.get(kind)
+        if group is None or group.wall + cost.wall > GROUP_S:
+            group = last[kind] = Group([], whole=whole, calm=calm, pure=pure)
+            groups.append(group)
+        group.files.append(file)
+        group.wall += cost.wall
+        group.cpu += cost.cpu
     return groups
 
 
@@ -159,7 +167,7 @@ def choose_next(waiting: list[Group], running: list[Group]) -> Group | None:
 def _fits(group: Group, running: list[Group]) -> bool:
     """Tell whether what runs leaves a group the cores that it needs."""
     together = [*running, group]
-    if group.whole and sum(each.whole for each in running) >= 1:
+    if group.whole and sum(each.whole for each in running) >= CORES:
         return False
     load = sum(each.load for each in together)
     if calm := [each for each in together if each.calm]:

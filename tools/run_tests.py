@@ -2,9 +2,10 @@
 
     .venv/bin/python tools/run_tests.py              all
     .venv/bin/python tools/run_tests.py --quick      the pure ones: under two minutes
+    .venv/bin/python tools/run_tests.py --coverage   all, and which lines of Python they cover
     .venv/bin/python tools/run_tests.py ARGUMENTS    pytest alone, with these arguments
 
-Files of one folder make a group, up to two minutes of expected time (`tests/durations.json`,
+Files of one part make a group, up to two minutes of expected time (`tests/durations.json`,
 written by ``--save-durations``); each group is a pytest process. `plan_tests` says which run beside
 each other. Failures are printed at once, and every ten seconds where the run is.
 
@@ -33,6 +34,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests")]
 
+import measure_coverage  # noqa: E402
 from leftovers import MARK, end_processes, remove_dead_shared_memory  # noqa: E402
 from plan_tests import (  # noqa: E402
     PAGES,
@@ -68,9 +70,10 @@ class Run:
 
     """
 
-    def __init__(self, groups: list[Group], folder: Path) -> None:
-        """Put temporary files below ``folder``."""
+    def __init__(self, groups: list[Group], folder: Path, *, measure_all: bool) -> None:
+        """Put temporary files below ``folder``; measure the coverage of all groups, or of some."""
         self._folder = folder
+        self._measure_all = measure_all
         # Modification times in memory file systems are a little coarser than the clock.
         self._began, self._since = time.monotonic(), time.time() - 1.0
         self._expected = sum(group.wall for group in groups) or 1.0
@@ -135,17 +138,13 @@ class Run:
         # Database servers run as users of their own and have to find their files there.
         for folder in (group.folder, temporary):
             folder.chmod(0o711)
-        words = [sys.executable, "tools/node.py", "run", "test"]
-        if group.files != [PAGES]:
-            # Two at once write nothing into the tree, so that they do not meet there.
-            words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
-            words += ["--tb=short", f"--basetemp={group.folder / 'pytest'}"]
-            words += group.files
-            (group.folder / "skip.json").write_text(json.dumps(group.skip))
+        (group.folder / "skip.json").write_text(json.dumps(group.skip))
+        words = self._words_of(group)
         environment = {
             **os.environ,
             MARK: self._mark(group),
             "TMPDIR": str(temporary),
+            **measure_coverage.environment(self._folder),
             "TALAIA_TEST_REPORT": str(group.report),
         }
         # Hundreds of processes would compile the same modules, each for itself.
@@ -156,6 +155,23 @@ class Run:
                 stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
             )  # fmt: skip
         self.running.append(group)
+
+    def _words_of(self, group: Group) -> list[str]:
+        """Give the command that runs a group, with its coverage measured where it is to be."""
+        measurable = measure_coverage.is_measurable()
+        if group.files == [PAGES]:
+            words = [sys.executable, "tools/node.py", "run", "test"]
+            if measurable:
+                reports = measure_coverage.report_folder(self._folder)
+                words += ["--", "--coverage", f"--coverage.reportsDirectory={reports}"]
+            return words
+        words = [sys.executable, "-m", "pytest"]
+        if measurable and (self._measure_all or group.pure):
+            words = measure_coverage.words_before("pytest", processes=self._measure_all)
+        # Two at once write nothing into the tree, so that they do not meet there.
+        words += ["-q", "-p", "no:cacheprovider"]
+        words += ["--tb=short", f"--basetemp={group.folder / 'pytest'}"]
+        return words + group.files
 
     def _read_report(self, group: Group) -> None:
         with group.report.open("rb") as file:
@@ -220,7 +236,9 @@ class Run:
         self._fail(group, during or group.files[0], f"the process ended with {code}:\n{said}")
         if during and len(group.files) > 0:
             skip = [*group.skip, *group.done, during]
-            rest = Group(group.files, group.wall, group.cpu, group.whole, group.calm, skip)
+            rest = Group(
+                group.files, group.wall, group.cpu, group.whole, group.calm, skip, group.pure
+            )
             self.waiting.append(rest)
             self._expected += group.wall
 
@@ -290,6 +308,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--quick", action="store_true", help="the pure tests only")
     parser.add_argument("--only", nargs="+", help="these files or folders, as a ring runs them")
     parser.add_argument("--save-durations", action="store_true", help="write durations.json")
+    parser.add_argument("--coverage", action="store_true", help="measure all files' coverage")
     parser.add_argument("--times", action="store_true", help="print what took longest")
     chosen, words = parser.parse_known_args(arguments)
     if words:
@@ -311,14 +330,18 @@ def main(arguments: list[str]) -> int:
         os.environ["XDG_RUNTIME_DIR"] = str(folder)
     folder = Path(tempfile.mkdtemp(prefix="talaia-tests-"))
     folder.chmod(0o711)
-    run = Run(groups, folder)
+    run = Run(groups, folder, measure_all=chosen.coverage)
     try:
         run.work()
         if chosen.save_durations:
             save_costs(run.spent, costs)
         if chosen.times:
             print_slowest(run.spent)
-        return finish(run)
+        code = finish(run)
+        covered = measure_coverage.print_shares(
+            folder, everything=chosen.coverage, whole_ring=not chosen.only
+        )
+        return code or int(not covered)
     except KeyboardInterrupt:
         print("\nended by hand")
         return 130

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import pytest
 from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, expect, sync_playwright
+from ports import free_port
 
 from .stack import Stack
 
@@ -92,9 +93,13 @@ def start_demo(data: Path, *more: str) -> Demo:
 
 
 def begin_demo(word: str, folder: Path, *more: str) -> Demo:
-    """Run ``talaia WORD`` until it says that it is ready; what it throws away is in ``folder``."""
+    """Run ``talaia WORD`` until it says that it is ready; what it throws away is in ``folder``.
+
+    It gets a port of its own: two that look for the usual one at once may find the same one free.
+    """
+    port = str(free_port())
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia", word, "--no-browser", *more],
+        [sys.executable, "-m", "talaia", word, "--no-browser", "--port", port, *more],
         env={**os.environ, "TMPDIR": str(folder)},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

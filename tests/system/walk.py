@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import httpx
 from patience import PATIENCE_S
+from ports import free_port
 
 from talaia.model.site import Site
 from talaia.model.yaml_text.load import read_site
@@ -70,8 +71,9 @@ def walked(here: dict[str, str], folder: Path, *init: str) -> Iterator[Walked]:
 @contextlib.contextmanager
 def up(here: dict[str, str], site: Path, data: Path) -> Iterator[tuple[httpx.Client, str]]:
     """Run ``talaia up``; gives a client that is signed in, and the address."""
+    words = ["up", str(site), "--no-browser", "--data", str(data), "--port", str(free_port())]
     process = subprocess.Popen(
-        [sys.executable, "-m", "talaia", "up", str(site), "--no-browser", "--data", str(data)],
+        [sys.executable, "-m", "talaia", *words],
         env=here, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
     )  # fmt: skip
     alarm = threading.Timer(90, process.kill)

@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PARTS = (
     "tools/run_tests.py",
     "tools/plan_tests.py",
+    "tools/measure_coverage.py",
     "tests/leftovers.py",
     "tests/report_progress.py",
 )
@@ -176,11 +177,11 @@ def test_what_runs_beside_a_calm_group_leaves_half_of_the_cores_free() -> None:
     assert plan.choose_next(calm, [light]) is calm[0]
 
 
-def test_one_whole_site_runs_at_a_time() -> None:
+def test_no_more_whole_sites_run_than_there_are_cores() -> None:
     plan = load_plan()
     sites = [plan.Group([f"{at}"], wall=60.0, cpu=6.0, whole=True) for at in range(3)]
-    assert plan.choose_next(sites, []) is sites[0]
-    assert plan.choose_next(sites, sites[:1]) is None
+    assert plan.choose_next(sites, sites[:1]) is sites[0]
+    assert plan.choose_next(sites, sites[:2]) is None
 
 
 def old(path: Path) -> Path:

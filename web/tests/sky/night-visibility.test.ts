@@ -19,7 +19,7 @@ interface Moment {
 
 // Written by astropy; tests/model/units/test_sky_vectors.py holds them to it.
 const { place, moments } = JSON.parse(
-  readFileSync(new URL("../../../tests/model/sky_vectors.json", import.meta.url), "utf8"),
+  readFileSync(new URL("../../../tests/model/units/sky_vectors.json", import.meta.url), "utf8"),
 ) as { place: { latitude: number; longitude: number }; moments: readonly Moment[] };
 const M31 = { ra: 10.68470833 / 15, dec: 41.26875 };
 const VEGA = { ra: 279.23473479 / 15, dec: 38.78368896 };
