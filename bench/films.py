@@ -20,7 +20,8 @@ import numpy as np
 from talaia.gateway.ports import Filming
 from talaia.gateway.recording.film_file import FilmFile
 from talaia.gateway.video.camera import PictureStream
-from talaia.model.site import Source, Stream
+from talaia.model.connection import RosSource
+from talaia.model.site import Stream
 from talaia.wire.frames import PictureForm, PictureFrame
 
 WIDTH, HEIGHT, STEP_US = 640, 480, 33_333
@@ -95,7 +96,7 @@ def run(sink: Sink, count: int) -> float:
 def once(sink: Sink, count: int) -> float:
     """Give the same of one run."""
     sink.filmed.clear()
-    source = Source(topic="/i", type="sensor_msgs/msg/Image")
+    source = RosSource(topic="/i", type="sensor_msgs/msg/Image")
     taker = PictureStream("c/f", Stream(name="F", source=source), lambda raw: raw, lambda *_: None)
     sent = pictures(count)
     begin = 0.0

@@ -24,6 +24,7 @@ from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build
 from talaia.hub.settings import Settings
 from talaia.model import ai_services, connection, site
+from talaia.model.base import FOREIGN_KEYS, SourceShape
 from talaia.model.schema import site_schema
 from talaia.model.units.unit import UNITS
 from talaia.wire import browser, frames
@@ -79,10 +80,10 @@ def main(*, check_only: bool) -> int:
 def site_page() -> str:
     """Describe every key of the site description."""
     shapes = [
-        site.Site, site.Ros2Settings, *get_args(connection.Connection),
-        site.Device, site.Signal, site.Source, site.Stream, site.Command,
-        site.Argument, site.Drive, site.Stop, ai_services.AiServices,
-    ]  # fmt: skip
+        *(site.Site, site.Ros2Settings, *get_args(connection.Connection)),
+        *(site.Device, site.Signal, *get_args(connection.Source), site.Stream, site.Command),
+        *(site.Argument, site.Drive, site.Stop, ai_services.AiServices),
+    ]
     parts = [
         NOTE + "# Site description\n",
         "One YAML file says all there is to know of a site. `talaia check FILE` says whether it is"
@@ -176,8 +177,11 @@ def struct_section(shape: type[msgspec.Struct], level: str = "##", *, wire: bool
             meaning(shape, field.encode_name, notes) if wire else notes.get(field.encode_name, ""),
         )
         for field in info.fields
+        if field.encode_name != FOREIGN_KEYS
     ]
-    tag = f" · `{info.tag}`" if isinstance(info.tag, str) else ""
+    # A source's tag is never written: the device's connection says it.
+    tagged = isinstance(info.tag, str) and not issubclass(shape, SourceShape)
+    tag = f" · `{info.tag}`" if tagged else ""
     return f"{level} {shape.__name__}{tag}\n\n{head.strip()}\n\n" + table(
         ("field", "type", *(("limits",) if wire else ()), "default", "meaning"), rows
     )

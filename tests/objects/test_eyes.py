@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from talaia.model.connection import DetectionSource
 from talaia.model.detection import Detect
-from talaia.model.site import Source
 from talaia.objects.eyes import MOST_THUMBNAIL, Eyes, jpeg_of, least_of, surroundings
 from talaia.objects.things import Thing
 
@@ -19,12 +19,14 @@ def person(score: float = 0.8, left: float = 0.4, bottom: float = 0.9) -> Thing:
     return Thing("person", score, left, 0.2, left + 0.2, bottom)
 
 
-def eyes(**counted: Source) -> Eyes:
+def eyes(**counted: DetectionSource) -> Eyes:
     return Eyes(Detect(classes=("person",), confidence=0.5), counted)
 
 
-def source(within: tuple[float, float, float, float] | None = None, sees: str = "person") -> Source:
-    return Source(stream="front", sees=sees, within=within)
+def source(
+    within: tuple[float, float, float, float] | None = None, sees: str = "person"
+) -> DetectionSource:
+    return DetectionSource(stream="front", sees=sees, within=within)
 
 
 def test_only_those_are_counted_whose_feet_are_in_the_part() -> None:

@@ -1,12 +1,12 @@
 """Counts for interlocks stay while somebody is in view, and follow at once when more come."""
 
+from talaia.model.connection import DetectionSource
 from talaia.model.detection import Detect
-from talaia.model.site import Source
 from talaia.objects.steady import SteadyCounts
 from talaia.objects.things import Thing
 
 STEP = 200_000
-PERSON = {"path": Source(stream="front", sees="person")}
+PERSON = {"path": DetectionSource(stream="front", sees="person")}
 
 
 def person(score: float = 0.8, left: float = 0.4) -> Thing:

@@ -14,7 +14,7 @@ import pytest
 from playwright.sync_api import Browser, expect
 
 from talaia.model.checks.site_checks import check
-from talaia.model.site import Source
+from talaia.model.connection import RosSource, Source
 from talaia.model.yaml_text.load import read_site
 from talaia.sim import domain
 
@@ -106,4 +106,5 @@ def test_an_unknown_robot_has_a_dashboard_with_every_numeric_field_within_a_minu
 
 def _never(source: Source) -> bool:
     """Tell whether this robot only ever says NaN there."""
+    assert isinstance(source, RosSource)
     return "battery" in source.topic and source.field == "temperature"

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.configurator.errors import ConfiguratorError, WordTaken
-from talaia.configurator.places import Path, at, take_out, with_value
+from talaia.configurator.places import Path, at, new_source, take_out, with_value
 from talaia.model.ai_services import AiServices
-from talaia.model.connection import ROS_KINDS, kind_of
+from talaia.model.connection import ROS_KINDS, RosSource, kind_of, source_as
 from talaia.model.discovery.ros_units import word_of
 from talaia.model.site import (
     Argument,
@@ -30,7 +30,6 @@ from talaia.model.site import (
     Signal,
     SignalType,
     Site,
-    Source,
     Stream,
 )
 
@@ -130,7 +129,11 @@ def _taken_addresses(site: Site) -> dict[str, str]:
         for device_id, device in site.devices.items()
         for word, signal in device.signals.items()
     ]
-    heard = {signal.source.name: address for address, _, signal in signals if signal.source.name}
+    heard = {
+        name: address
+        for address, _, signal in signals
+        if (name := source_as(signal.source, RosSource).name)
+    }
     return heard | {word: address for address, word, _ in signals}
 
 
@@ -157,7 +160,7 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
         unit=unit,
         minimum=new.kind.minimum if usual else None,
         maximum=new.kind.maximum if usual else None,
-        source=Source(topic=METRIC, type=TEXT, name=new.word),
+        source=RosSource(topic=METRIC, type=TEXT, name=new.word),
     )
     return with_value(site, ("devices", place, "signals", new.word), signal)
 
@@ -236,7 +239,7 @@ def with_camera(site: Site, topic: str = IMAGES) -> Site:
     site, place = with_device(site, "camera", "Camera", DeviceKind.CAMERA)
     word = free_word("front", site.devices[place].streams)
     name = "Front camera" if word == "front" else f"Camera {word.rpartition('_')[2]}"
-    source = Source(topic=topic, type="sensor_msgs/msg/Image")
+    source = RosSource(topic=topic, type="sensor_msgs/msg/Image")
     site = with_value(site, ("devices", place, "streams", word), Stream(name=name, source=source))
     return _seen_while_driving(site, "picture", f"{place}/{word}")
 
@@ -251,7 +254,7 @@ def with_gps(site: Site, topic: str = FIX) -> Site:
         frame=PositionFrame.WGS84,
         max_age=FIX_AGE_S,
         primary=False,
-        source=Source(topic=topic, type="sensor_msgs/msg/NavSatFix"),
+        source=RosSource(topic=topic, type="sensor_msgs/msg/NavSatFix"),
     )
     site = with_value(site, ("devices", place, "signals", word), signal)
     return _seen_while_driving(site, "position", f"{place}/{word}")
@@ -313,10 +316,13 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
     mapping = at(site, (*path, key))
     assert isinstance(mapping, dict)  # noqa: S101 - `groups_at` names mappings
     word = free_word(word_of(name), mapping)
+    source = new_source(site, path[1]) if len(path) > 1 else RosSource()
+    ros = isinstance(source, RosSource)
+    pictures = RosSource(type="sensor_msgs/msg/Image") if ros else source
     made: dict[str, Shape] = {
         "devices": Device(name=name),
-        "signals": Signal(name=name, source=Source()),
-        "streams": Stream(name=name, source=Source(type="sensor_msgs/msg/Image")),
+        "signals": Signal(name=name, source=source),
+        "streams": Stream(name=name, source=pictures),
         "commands": Command(name=name, target="", confirm=True),
         "arguments": Argument(type=ArgumentType.NUMBER, field=word, name=name),
     }

@@ -158,4 +158,5 @@ def _identity_of(thing: object) -> tuple[str, ...]:
         command: Command = thing  # type: ignore[assignment]
         return ("command", command.kind, command.target)
     kind = type(thing).__name__
-    return (kind, *(str(part) for part in msgspec.structs.astuple(source)))
+    read = (str(part) for part in msgspec.structs.astuple(source))
+    return (kind, type(source).__name__, *read)

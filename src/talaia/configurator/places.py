@@ -6,16 +6,18 @@ A `Path` is ``("devices", "base", "signals", "speed", "unit")``, as findings wri
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import msgspec
 
 from talaia.configurator.errors import NoSuchPlace
+from talaia.model.connection import RosSource, SourceShape, kind_of, rules_of
+from talaia.model.yaml_text.source_tags import SOURCE_KEYS, plain_of, source_of_plain
 
 if TYPE_CHECKING:
-    from talaia.model.site import Site
+    from talaia.model.site import Site, Source
 
-__all__ = ["Path", "Spot", "at", "spot_of", "take_out", "with_value"]
+__all__ = ["Path", "Spot", "at", "new_source", "spot_of", "take_out", "with_value"]
 
 Path = tuple[str, ...]
 
@@ -64,7 +66,7 @@ def with_value(site: Site, path: Path, value: object) -> Site:
     """
     made = _replaced(site, path, value, path)
     assert isinstance(made, type(site))  # noqa: S101 - the same type comes out
-    return made
+    return _with_fitting_sources(made, path)
 
 
 def _replaced(value: object, rest: Path, new: object, path: Path) -> object:
@@ -74,9 +76,50 @@ def _replaced(value: object, rest: Path, new: object, path: Path) -> object:
     last = len(rest) == 1
     if isinstance(value, dict) and (last or step in value):
         return {**value, step: _replaced(value.get(step), tuple(more), new, path)}
+    if isinstance(value, SourceShape) and last:
+        if step not in SOURCE_KEYS:
+            raise NoSuchPlace(f"the description has nothing at {'.'.join(('$', *path))}")
+        return _source_with(value, step, new)
     inner = _replaced(_child_at(value, step, path), tuple(more), new, path)
     assert isinstance(value, msgspec.Struct)  # noqa: S101 - `_child_at` knows dicts and structs
     return msgspec.structs.replace(value, **{step: inner})
+
+
+def new_source(site: Site, device: str) -> Source:
+    """Give an empty source of the connection by which a device is reached."""
+    link = site.links().get(site.connection_of(device)) if device in site.devices else None
+    shape = RosSource if link is None else rules_of(link).source
+    return cast("Source", shape())
+
+
+def _source_with(source: SourceShape, key: str, new: object) -> Source:
+    """Give a source with another value, whichever protocol's key it is."""
+    plain = cast("dict[str, object]", plain_of(source))
+    return source_of_plain({**plain, key: msgspec.to_builtins(new)}, None)
+
+
+def _with_fitting_sources(site: Site, path: Path) -> Site:
+    """Let what a change touched be sources of their device's connection, as when it is read."""
+    if len(path) < 3 or path[0] != "devices":
+        return site
+    device = site.devices[path[1]]
+    link = site.links().get(site.connection_of(path[1]))
+    if len(path) == 6 and path[4] == "source":
+        places: list[Path] = [path[:5]]
+    elif path[2:] == ("connection",):
+        places = [("devices", path[1], "signals", signal, "source") for signal in device.signals]
+        places += [("devices", path[1], "streams", stream, "source") for stream in device.streams]
+    else:
+        return site
+    # As if the file were read again: the keys decide, and a source left empty follows the
+    # connection.
+    for place in places:
+        plain = cast("dict[str, object]", plain_of(at(site, place)))
+        source = source_of_plain(plain, None if link is None else kind_of(link))
+        made = _replaced(site, place, source, place)
+        assert isinstance(made, type(site))  # noqa: S101 - the same type comes out
+        site = made
+    return site
 
 
 def take_out(site: Site, path: Path) -> Site:

@@ -19,6 +19,7 @@ import yaml
 
 from talaia.configurator.errors import BadValue
 from talaia.configurator.places import Path, at
+from talaia.model.base import SourceShape
 from talaia.model.connection import ROS_KINDS, ConnectionKind, kind_of
 from talaia.model.discovery.ros_units import human
 from talaia.model.site import Command, CommandKind, Signal, SignalType, Stream
@@ -127,9 +128,10 @@ def _collect_rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
     help_of = _help_texts(shape)
     for field in info.fields:
         path = (*above, field.name)
+        if field.name in _FLAT:
+            yield from _flat_rows(field.type, path)
+            continue
         if isinstance(field.type, msgspec.inspect.StructType):
-            if field.name in _FLAT:
-                yield from _collect_rows(field.type.cls, path)
             continue
         part = _optional_shape(field.type) if field.name in _PARTS else None
         if part is not None:
@@ -141,6 +143,19 @@ def _collect_rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
         if row is not None:
             default = None if field.default is msgspec.NODEFAULT else field.default
             yield row._replace(help=help_of.get(field.name, ""), default=default)
+
+
+def _flat_rows(kind: msgspec.inspect.Type, path: Path) -> Iterator[Row]:
+    """List the fields of a shape inside a shape; of one of several the fields of all, once."""
+    members = kind.types if isinstance(kind, msgspec.inspect.UnionType) else (kind,)
+    listed: set[Path] = set()
+    for member in members:
+        if isinstance(member, msgspec.inspect.StructType):
+            # `stamp` is a key of two protocols and one row.
+            for row in _collect_rows(member.cls, path):
+                if row.path not in listed:
+                    listed.add(row.path)
+                    yield row
 
 
 def _optional_shape(kind: msgspec.inspect.Type) -> type[msgspec.Struct] | None:
@@ -266,7 +281,9 @@ def _by_kind(row: Row, thing: object) -> bool:
 def value_of(thing: object, row: Row) -> object:
     """Give what stands in the row's field."""
     for step in row.path:
-        thing = getattr(thing, step)
+        foreign = thing.foreign if isinstance(thing, SourceShape) else {}
+        # A key of another protocol's source is as empty as one that is not set.
+        thing = foreign[step] if step in foreign else getattr(thing, step, row.default)
     return thing is not None if row.kind is RowKind.PART else thing
 
 

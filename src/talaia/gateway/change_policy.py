@@ -13,7 +13,14 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.model.checks.identifiers import Finding
-from talaia.model.connection import ExtensionConnection, ProcessConnection
+from talaia.model.connection import (
+    DetectionSource,
+    ExtensionConnection,
+    ExtensionSource,
+    ProcessConnection,
+    ProcessSource,
+    source_as,
+)
 from talaia.model.derived_signals import detection_setup_of
 
 if TYPE_CHECKING:
@@ -75,10 +82,14 @@ def _runs(site: Site) -> dict[str, str]:
         at = f"$.devices.{name}"
         for signal_id, signal in device.signals.items():
             if isinstance(link, ProcessConnection):
-                runs[f"{at}.signals.{signal_id}.source.run"] = signal.source.run
+                runs[f"{at}.signals.{signal_id}.source.run"] = source_as(
+                    signal.source, ProcessSource
+                ).run
             else:
                 # They may name a file or a program: only the extension knows.
-                keys = msgspec.json.encode(signal.source.keys, order="sorted")
+                keys = msgspec.json.encode(
+                    source_as(signal.source, ExtensionSource).keys, order="sorted"
+                )
                 runs[f"{at}.signals.{signal_id}.source.keys"] = keys.decode()
         for command_id, command in device.commands.items():
             said = msgspec.json.encode((command.target, command.fixed, command.arguments))
@@ -140,4 +151,4 @@ def _meant(site: Site, address: str) -> tuple[object, ...] | None:
     # Its range stays: what is outside of it is unknown, and unknown is unsafe.
     plain = {"name": "", "decimals": -1, "keep": 0.0}
     looks = msgspec.structs.replace(signal, **plain, primary=True, was="")
-    return looks, detection_setup_of(site, device, signal.source.stream)
+    return looks, detection_setup_of(site, device, source_as(signal.source, DetectionSource).stream)

@@ -1,182 +1,60 @@
-"""How a gateway reaches robots: one shape for each robot protocol.
+"""How a gateway reaches robots: all kinds of connections and their sources, in one table.
 
 A connection has a name in the description; devices say which one they are reached by. Nothing
-here is a secret: a password or token stands in a file or a variable that is named.
+here is a secret: a password or token stands in a file or a variable that is named. Each protocol
+has a module of its own in `connections`.
 """
 
 from __future__ import annotations
 
-from enum import StrEnum
-
-from talaia.model.base import Shape
+from talaia.model.base import SourceShape
+from talaia.model.connections.extension import (
+    ExtensionConnection,
+    ExtensionKindRules,
+    ExtensionScalar,
+    ExtensionSource,
+)
+from talaia.model.connections.indi import IndiConnection, IndiRules, IndiSource
+from talaia.model.connections.kinds import ROS_KINDS, ConnectionKind
+from talaia.model.connections.process import ProcessConnection, ProcessRules, ProcessSource
+from talaia.model.connections.ros import RosSource
+from talaia.model.connections.ros1 import Ros1Connection, Ros1Rules
+from talaia.model.connections.ros2 import Ros2Connection, Ros2Rules, Ros2Settings
+from talaia.model.connections.rosbridge import RosbridgeConnection, RosbridgeRules
+from talaia.model.connections.rules import ConnectionRules, SourceT, keys_given, own_keys
+from talaia.model.connections.video import VideoConnection, VideoRules, VideoSource
+from talaia.model.detection import DetectionSource
 
 __all__ = [
     "ROS_KINDS",
+    "RULES",
     "Connection",
     "ConnectionKind",
+    "ConnectionRules",
+    "DetectionSource",
     "ExtensionConnection",
     "ExtensionScalar",
+    "ExtensionSource",
     "IndiConnection",
+    "IndiSource",
     "ProcessConnection",
+    "ProcessSource",
     "Ros1Connection",
     "Ros2Connection",
     "Ros2Settings",
+    "RosSource",
     "RosbridgeConnection",
+    "Source",
+    "SourceShape",
     "VideoConnection",
+    "VideoSource",
+    "keys_given",
     "kind_of",
+    "own_keys",
+    "rules_of",
+    "source_as",
+    "topic_of",
 ]
-
-
-class ConnectionKind(StrEnum):
-    """The robot protocols."""
-
-    ROS2 = "ros2"
-    ROS1 = "ros1"
-    ROSBRIDGE = "rosbridge"
-    INDI = "indi"
-    PROCESS = "process"
-    VIDEO = "video"
-    # Whatever an installed extension speaks; see docs/how-to/extend.
-    EXTENSION = "extension"
-
-
-# These name things as ROS does: topics, services, types.
-ROS_KINDS = frozenset({ConnectionKind.ROS2, ConnectionKind.ROS1, ConnectionKind.ROSBRIDGE})
-
-
-class Ros2Settings(Shape, frozen=True, kw_only=True):
-    """How the gateway joins ROS 2.
-
-    Attributes:
-        domain: the ROS domain id; none takes ROS_DOMAIN_ID or 0.
-        node: the gateway's node name.
-
-    """
-
-    domain: int | None = None
-    node: str = "talaia_gateway"
-
-
-class Ros2Connection(Ros2Settings, frozen=True, kw_only=True, tag_field="kind", tag="ros2"):
-    """ROS 2, joined as a node.
-
-    Attributes:
-        domain: the ROS domain id; none takes ROS_DOMAIN_ID or 0.
-        node: the gateway's node name.
-
-    """
-
-
-class Ros1Connection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="ros1"):
-    """ROS 1, joined as a node by rospy in the machine's own Python.
-
-    Attributes:
-        master: where the master answers; empty takes ROS_MASTER_URI or http://localhost:11311.
-        namespace: names that do not begin with ``/`` are below it.
-        node: the gateway's node name.
-        python: the interpreter that has rospy.
-
-    """
-
-    master: str = ""
-    namespace: str = "/"
-    node: str = "talaia_gateway"
-    python: str = "/usr/bin/python3"
-
-
-class RosbridgeConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="rosbridge"):
-    """ROS 1 or ROS 2 behind a rosbridge server, for machines that nothing can be installed on.
-
-    Attributes:
-        url: of the server's WebSocket: ``ws://robot.local:9090``.
-        ros: which ROS stands behind it, 1 or 2: the two write times and types differently.
-        ca: file of certificate authorities for ``wss://``; empty takes the system's.
-        token_file: a file that holds what is sent as ``Authorization: Bearer``; empty for none.
-        token_env: a variable that holds it, instead of a file.
-        cbor: take pictures as CBOR, which is a quarter smaller than JSON.
-
-    """
-
-    url: str
-    ros: int = 2
-    ca: str = ""
-    token_file: str = ""
-    token_env: str = ""
-    cbor: bool = True
-
-
-class IndiConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="indi"):
-    """An INDI server.
-
-    Attributes:
-        host: where the server answers.
-        port: its TCP port.
-        discover: make devices of what the server has and the description does not name.
-        devices: with ``discover``: only INDI devices of these names; empty takes all.
-        connect: tell drivers to connect to their hardware when they come, and again after a
-            crash; one that somebody disconnects is left so until somebody connects it.
-
-    """
-
-    host: str = "127.0.0.1"
-    port: int = 7624
-    discover: bool = True
-    connect: bool = True
-    devices: tuple[str, ...] = ()
-
-
-class ProcessConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="process"):
-    """Commands of the operating system that are run, and whose answers are read.
-
-    Attributes:
-        file: a JSON command file (``command``, ``devices``) whose devices are taken in; a path
-            beside the description or an absolute one; empty for none.
-        prefix: stands before every argument line: ``ros2 run``.
-        poll: what is read is asked for so often (s).
-        timeout: a command that has not ended by then is ended (s).
-
-    """
-
-    file: str = ""
-    prefix: str = ""
-    poll: float = 1.0
-    timeout: float = 10.0
-
-
-class VideoConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="video"):
-    """Cameras without ROS: on the network by RTSP, or at this computer's USB.
-
-    Attributes:
-        user: whom a camera's server asks for; empty for nobody.
-        password_file: a file that holds that user's password; empty for none.
-        udp: let the network drop what is late, where a camera can do no TCP.
-        here: cameras' servers may run on the gateway's own computer (``127.0.0.1``), which is
-            refused otherwise.
-
-    """
-
-    user: str = ""
-    password_file: str = ""
-    udp: bool = False
-    here: bool = False
-
-
-ExtensionScalar = bool | int | float | str
-
-
-class ExtensionConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="extension"):
-    """A protocol that an extension speaks, which is installed at the gateway.
-
-    Attributes:
-        extension: its name, as ``talaia extensions`` lists it: ``snmp``.
-        keys: what the extension asks for, by its own names; ``talaia extensions`` lists them. A
-            hub on which it is not installed keeps them as they are.
-
-    """
-
-    extension: str
-    keys: dict[str, ExtensionScalar] = {}
-
 
 Connection = (
     Ros2Connection
@@ -188,21 +66,51 @@ Connection = (
     | ExtensionConnection
 )
 
+# Where a signal or a picture comes from: which of them goes by the connection of its device, but
+# what a camera sees is counted by the gateway itself.
+Source = RosSource | IndiSource | ProcessSource | VideoSource | ExtensionSource | DetectionSource
+
+_ALL_RULES: tuple[type[ConnectionRules], ...] = (
+    Ros2Rules,
+    Ros1Rules,
+    RosbridgeRules,
+    IndiRules,
+    ProcessRules,
+    VideoRules,
+    ExtensionKindRules,
+)
+RULES = {rules.kind: rules for rules in _ALL_RULES}
+
+
+def rules_of(connection: Connection) -> ConnectionRules:
+    """Give what a connection asks of what it reaches."""
+    match connection:
+        case Ros2Connection():
+            return Ros2Rules(connection)
+        case Ros1Connection():
+            return Ros1Rules(connection)
+        case RosbridgeConnection():
+            return RosbridgeRules(connection)
+        case IndiConnection():
+            return IndiRules(connection)
+        case ProcessConnection():
+            return ProcessRules(connection)
+        case VideoConnection():
+            return VideoRules(connection)
+        case ExtensionConnection():
+            return ExtensionKindRules(connection)
+
 
 def kind_of(connection: Connection) -> ConnectionKind:
     """Tell the protocol of a connection."""
-    match connection:
-        case Ros2Connection():
-            return ConnectionKind.ROS2
-        case Ros1Connection():
-            return ConnectionKind.ROS1
-        case RosbridgeConnection():
-            return ConnectionKind.ROSBRIDGE
-        case IndiConnection():
-            return ConnectionKind.INDI
-        case ProcessConnection():
-            return ConnectionKind.PROCESS
-        case VideoConnection():
-            return ConnectionKind.VIDEO
-        case ExtensionConnection():
-            return ConnectionKind.EXTENSION
+    return rules_of(connection).kind
+
+
+def source_as(source: SourceShape, shape: type[SourceT]) -> SourceT:
+    """Give a source as one protocol reads it: for that protocol another's says nothing."""
+    return source if isinstance(source, shape) else shape()
+
+
+def topic_of(source: Source) -> str:
+    """Name the ROS topic that a source reads; empty for one of another protocol."""
+    return source.topic if isinstance(source, RosSource) else ""

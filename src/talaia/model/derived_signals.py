@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.model.coco_classes import COCO
-from talaia.model.detection import Detect
-from talaia.model.site import Signal, Source
+from talaia.model.detection import Detect, DetectionSource
+from talaia.model.site import Signal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from talaia.model.detection import ObjectModel
-    from talaia.model.site import Device, Site, Stream
+    from talaia.model.site import Device, Site, Source, Stream
 
 __all__ = [
     "DetectionSetup",
@@ -27,7 +27,6 @@ __all__ = [
     "detect_of",
     "detecting",
     "detection_setup_of",
-    "is_seen",
     "with_counts",
 ]
 
@@ -35,11 +34,6 @@ _LONGEST_ID, _LONGEST_NAME = 63, 100
 _NO_WORD = re.compile(r"[^a-z0-9_]+")
 # A count is told at least once a second, or with each picture where they are rarer.
 _MAX_AGE_S, _PICTURES = 5.0, 3.0
-
-
-def is_seen(source: Source) -> bool:
-    """Tell whether a signal counts what a camera sees, and does not come from the robot."""
-    return bool(source.stream or source.sees)
 
 
 def detect_of(site: Site, stream: Stream) -> Detect | None:
@@ -73,8 +67,10 @@ def counts_of(site: Site) -> dict[str, tuple[str, Detect]]:
     counts = {}
     for device_id, device in site.devices.items():
         for signal_id, signal in device.signals.items():
+            if not isinstance(signal.source, DetectionSource):
+                continue
             camera = f"{device_id}/{signal.source.stream}"
-            if is_seen(signal.source) and camera in cameras:
+            if camera in cameras:
                 counts[f"{device_id}/{signal_id}"] = (camera, cameras[camera])
     return counts
 
@@ -116,7 +112,7 @@ def _with_counts(site: Site, device: Device) -> Device:
     has = {
         (signal.source.stream, signal.source.sees)
         for signal in signals.values()
-        if signal.source.within is None
+        if isinstance(signal.source, DetectionSource) and signal.source.within is None
     }
     for stream_id, stream in device.streams.items():
         detect = detect_of(site, stream)
@@ -145,7 +141,7 @@ def _count(stream_id: str, stream: Stream, label: str, detect: Detect) -> Signal
     rare = _PICTURES / detect.max_rate if detect.max_rate > 0 else 0.0
     return Signal(
         name=f"{label[:1].upper()}{label[1:]}, {stream.name}"[:_LONGEST_NAME],
-        source=Source(stream=stream_id, sees=label),
+        source=DetectionSource(stream=stream_id, sees=label),
         minimum=0,
         decimals=0,
         max_age=max(_MAX_AGE_S, rare),

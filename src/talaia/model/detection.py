@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from talaia.model.base import Shape
+from talaia.model.base import Shape, SourceShape
 
-__all__ = ["Detect", "DetectAt", "ModelKind", "ObjectModel"]
+__all__ = ["Detect", "DetectAt", "DetectionSource", "ModelKind", "ObjectModel"]
 
 
 class DetectAt(StrEnum):
@@ -68,3 +68,19 @@ class ObjectModel(Shape, frozen=True, kw_only=True):
     mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
     spread: tuple[float, float, float] = (255.0, 255.0, 255.0)
     blue_first: bool = False
+
+
+class DetectionSource(SourceShape, frozen=True, kw_only=True, tag="detection"):
+    """Where a signal comes from that counts what a camera sees, whatever the connection.
+
+    Attributes:
+        stream: a camera of the same device, by its name.
+        sees: how many of this class are on its newest picture; goes with ``stream``.
+        within: only those whose feet (the middle of the box's lower edge) are in this part of the
+            picture: left, top, right, bottom, each 0 to 1; the drive path, say.
+
+    """
+
+    stream: str = ""
+    sees: str = ""
+    within: tuple[float, float, float, float] | None = None

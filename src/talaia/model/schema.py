@@ -7,8 +7,10 @@ from inspect import cleandoc
 
 import msgspec
 
+from talaia.model.base import FOREIGN_KEYS, SOURCE_TAG
 from talaia.model.checks.extension_rules import NO_RULES, ExtensionRules
 from talaia.model.site import Site
+from talaia.model.yaml_text.source_tags import SOURCES
 
 _ATTRIBUTE = re.compile(r"^ {4}(\w+): (.*(?:\n {8,}.*)*)", re.MULTILINE)
 
@@ -22,9 +24,12 @@ def site_schema(rules: ExtensionRules = NO_RULES) -> dict[str, object]:
         rules: extensions whose keys it is to know.
 
     """
-    (reference,), parts = msgspec.json.schema_components([Site], ref_template="#/$defs/{name}")
+    (reference,), parts = msgspec.json.schema_components(
+        [Site], schema_hook=_anything, ref_template="#/$defs/{name}"
+    )
     for kind in _structs(msgspec.inspect.type_info(Site), {}).values():
         _explain(kind, parts[kind.__name__])
+    _without_tags(parts)
     _add_extensions(parts, rules)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -52,6 +57,38 @@ def _structs(kind: object, found: dict[str, type]) -> dict[str, type]:
         case _:
             pass
     return found
+
+
+def _anything(kind: type) -> dict[str, object]:
+    """Say of `object` (keys that are there by mistake) that it may be anything."""
+    return {"description": "anything"}
+
+
+def _without_tags(parts: dict[str, dict[str, object]]) -> None:
+    """Leave out what tells sources apart in the model: people do not write it."""
+    sources = {shape.__name__ for shape in SOURCES}
+    for name, part in parts.items():
+        for key in ("properties", "required"):
+            inner = part.get(key)
+            if name in sources and isinstance(inner, dict):
+                inner.pop(SOURCE_TAG)
+                inner.pop(FOREIGN_KEYS)
+            elif name in sources and isinstance(inner, list):
+                inner.remove(SOURCE_TAG)
+        _drop_discriminator(part)
+
+
+def _drop_discriminator(part: object) -> None:
+    """Leave out the tag of a union of sources, wherever in a part it stands."""
+    if isinstance(part, dict):
+        told = part.get("discriminator")
+        if isinstance(told, dict) and told.get("propertyName") == SOURCE_TAG:
+            del part["discriminator"]
+        for inner in part.values():
+            _drop_discriminator(inner)
+    elif isinstance(part, list):
+        for inner in part:
+            _drop_discriminator(inner)
 
 
 def _explain(kind: type, part: dict[str, object]) -> None:

@@ -10,8 +10,6 @@ the history carry: a channel is a number or a text.
 
 from __future__ import annotations
 
-from enum import StrEnum
-
 import msgspec
 
 from talaia.model.ai_services import AiServices  # noqa: TC001 - msgspec reads it
@@ -20,12 +18,24 @@ from talaia.model.alarms.alarm import Alarm  # noqa: TC001 - msgspec reads it
 # These stand beside: what they need of a site is its addresses only.
 from talaia.model.alarms.anomaly import Watch  # noqa: TC001 - msgspec reads it
 from talaia.model.base import Shape
+from talaia.model.closed_lists import (
+    ArgumentType,
+    CommandKind,
+    DeviceKind,
+    DriveMessage,
+    KeyMode,
+    LinkLoss,
+    PositionFrame,
+    SignalType,
+    Visibility,
+)
 from talaia.model.connection import (
     Connection,
-    ExtensionScalar,
     Ros1Connection,
     Ros2Connection,
     Ros2Settings,
+    Source,
+    topic_of,
 )
 from talaia.model.detection import Detect, ObjectModel  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa: TC001 - msgspec reads them
@@ -57,154 +67,6 @@ __all__ = [
     "Visibility",
     "parts_of",
 ]
-
-
-class SignalType(StrEnum):
-    """What a signal holds. The list is closed: every part downstream knows each."""
-
-    NUMBER = "number"
-    STATE = "state"
-    TEXT = "text"
-    POSITION = "position"
-
-
-class PositionFrame(StrEnum):
-    """How a position is given: metres in a local frame (REP-105), or WGS 84 degrees."""
-
-    LOCAL = "local"
-    WGS84 = "wgs84"
-
-
-class DeviceKind(StrEnum):
-    """What a device is, so that its page can look the part."""
-
-    VEHICLE = "vehicle"
-    DOME = "dome"
-    TELESCOPE = "telescope"
-    CAMERA = "camera"
-    WEATHER = "weather"
-    POWER = "power"
-    OTHER = "other"
-
-
-class Visibility(StrEnum):
-    """Who sees it: everyone (guests too), or those with the right to view."""
-
-    PUBLIC = "public"
-    VIEW = "view"
-
-
-class ArgumentType(StrEnum):
-    """What a command's argument may be."""
-
-    NUMBER = "number"
-    INTEGER = "integer"
-    BOOLEAN = "boolean"
-    TEXT = "text"
-
-
-class CommandKind(StrEnum):
-    """How a one-shot command reaches the robot."""
-
-    SERVICE = "service"
-    TOPIC = "topic"
-    ACTION = "action"
-    # ROS: sets parameters. INDI: sends a property. Process: runs a command. Extension: its own.
-    PARAMETER = "parameter"
-    INDI = "indi"
-    PROCESS = "process"
-    EXTENSION = "extension"
-
-
-class DriveMessage(StrEnum):
-    """What a driven device listens to."""
-
-    TWIST = "geometry_msgs/msg/Twist"
-    TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
-    KEYS = "std_msgs/msg/String"
-
-
-class KeyMode(StrEnum):
-    """How a device that is driven by characters takes them.
-
-    ``press``: each character changes a velocity that the device keeps until ``s``, as the founding
-    vehicle's teleoperation does; one is sent for a press, and ``s`` when the press ends.
-    ``repeat``: each character is good for a moment, so it is sent again and again while a key is
-    held. Never for a device that adds them up.
-    """
-
-    PRESS = "press"
-    REPEAT = "repeat"
-
-
-class LinkLoss(StrEnum):
-    """What a driven device is told when the hub cannot be reached.
-
-    A hold that is on ends with zeros in any case. ``stop`` says zeros also to a device that
-    nobody drives, so that it halts whatever it is doing; ``hold`` leaves that as it is.
-    """
-
-    STOP = "stop"
-    HOLD = "hold"
-    # The former word for `HOLD`.
-    NOTHING = "nothing"
-
-
-class Source(Shape, frozen=True, kw_only=True):
-    """Where a signal or a picture comes from. Which keys stand here goes by the connection.
-
-    Attributes:
-        topic: ROS: the topic, absolute (``/odom``).
-        type: ROS: the topic's type, ``package/msg/Name``.
-        field: ROS: the path of the field in the message: ``pose.pose.position.x``,
-            ``ranges[0]``.
-        name: ROS: for a topic that carries many sensors by name (CloudConnect's ``/metric``):
-            which.
-        parameter: ROS: a parameter instead of a topic, asked for once a second:
-            ``/node/name``.
-        property: INDI: the property (``EQUATORIAL_EOD_COORD``).
-        element: INDI: the element of the property (``RA``); without it a state is that of the
-            property itself (Idle, Ok, Busy, Alert), and of a switch the element that is on.
-        device: INDI: another device than `Device.indi`.
-        run: process: the arguments of the command whose answer is the value, as one line; there
-            is no shell.
-        pattern: process: a regular expression with one group, which is the value; without it the
-            whole answer is.
-        url: video: of the camera's own server, ``rtsp://camera.local/stream``; without a password.
-        file: video: the camera's device file, ``/dev/video0``.
-        messages: process: what an answer means, in words: ``{opened: the dome is opened}``.
-        stream: what is seen on pictures: a camera of the same device, by its name.
-        sees: how many of this class are on its newest picture; goes with ``stream``.
-        stamp: the value's own time, which tells an old value that goes on arriving from a new
-            one. ROS: its path in the message, ``header.stamp``. INDI: ``timestamp``, the attribute
-            of the property. Interlocks count a value from when its stamp last advanced.
-        synchronized: the clock behind ``stamp`` and the gateway's agree (NTP): a stamp that is
-            further from the gateway's clock than ``max_age`` makes its value unknown.
-        within: only those whose feet (the middle of the box's lower edge) are in this part of the
-            picture: left, top, right, bottom, each 0 to 1; the drive path, say.
-        keys: extension: what the extension of the connection asks for, by its own names.
-
-    """
-
-    topic: str = ""
-    type: str = ""
-    field: str = ""
-    name: str = ""
-    parameter: str = ""
-    property: str = ""
-    element: str = ""
-    device: str = ""
-    run: str = ""
-    pattern: str = ""
-    url: str = ""
-    file: str = ""
-    messages: dict[str, str] = {}
-    stream: str = ""
-    sees: str = ""
-    stamp: str = ""
-    synchronized: bool = False
-    within: tuple[float, float, float, float] | None = None
-    keys: dict[str, ExtensionScalar] = {}
 
 
 class Signal(Shape, frozen=True, kw_only=True):
@@ -519,11 +381,11 @@ class Site(Shape, frozen=True, kw_only=True):
             return ()
         links = self.links()
         read = (
-            signal.source.topic
+            topic_of(signal.source)
             for name, device in self.devices.items()
             if isinstance(links.get(self.connection_of(name)), Ros2Connection | Ros1Connection)
             for signal in device.signals.values()
-            if signal.source.topic
+            if topic_of(signal.source)
         )
         return tuple(dict.fromkeys(self.recording.topics or read))
 
@@ -536,7 +398,7 @@ class Site(Shape, frozen=True, kw_only=True):
             f"{name}/{key}"
             for name, device in self.devices.items()
             for key, stream in device.streams.items()
-            if stream.source.topic in topics
+            if topic_of(stream.source) in topics
         )
         return tuple(dict.fromkeys((*self.recording.cameras, *recorded)))
 

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from talaia.model.detection import Detect
-    from talaia.model.site import Source
+    from talaia.model.detection import Detect, DetectionSource
     from talaia.objects.things import Thing
 
 __all__ = ["MOST_THUMBNAIL", "SHOWN_FROM", "Eyes", "Told", "counts_as", "least_of"]
@@ -48,7 +47,7 @@ def least_of(detect: Detect) -> float:
 class Eyes:
     """What is seen on one camera."""
 
-    def __init__(self, detect: Detect, counted: Mapping[str, Source]) -> None:
+    def __init__(self, detect: Detect, counted: Mapping[str, DetectionSource]) -> None:
         """Take what is to be seen.
 
         Args:
@@ -62,7 +61,7 @@ class Eyes:
         # The best picture of each class that is in sight, until its sighting is reported.
         self._moments: dict[str, NDArray[np.uint8]] = {}
 
-    def recount(self, counted: Mapping[str, Source]) -> None:
+    def recount(self, counted: Mapping[str, DetectionSource]) -> None:
         """Count for these signals from here on; what is in sight stays so."""
         self._counted = dict(counted)
 
@@ -102,7 +101,7 @@ class Eyes:
         return told
 
 
-def counts_as(source: Source, thing: Thing) -> bool:
+def counts_as(source: DetectionSource, thing: Thing) -> bool:
     """Tell whether a signal counts a thing: its class, and where it stands."""
     if thing.label != source.sees:
         return False

@@ -15,8 +15,7 @@ from talaia.objects.eyes import counts_as
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from talaia.model.detection import Detect
-    from talaia.model.site import Source
+    from talaia.model.detection import Detect, DetectionSource
     from talaia.objects.things import Thing
 
 __all__ = ["SteadyCounts"]
@@ -44,7 +43,7 @@ class SteadyCounts:
         self._past: dict[str, list[tuple[int, int]]] = {}
 
     def count(
-        self, things: Sequence[Thing], sources: Mapping[str, Source], at_us: int
+        self, things: Sequence[Thing], sources: Mapping[str, DetectionSource], at_us: int
     ) -> dict[str, int]:
         """Give the count for each signal after one more picture.
 

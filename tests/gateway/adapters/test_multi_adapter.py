@@ -19,7 +19,8 @@ from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.reload.discovered_devices import joined, keep_found, with_kept
-from talaia.model.site import Device, Signal, Source
+from talaia.model.connection import IndiSource
+from talaia.model.site import Device, Signal
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, DeviceState
 
@@ -187,7 +188,7 @@ def test_each_share_has_its_own_devices_and_the_places_of_their_channels_in_the_
 
 def test_devices_that_are_found_join_the_description_and_stay(tmp_path: Path) -> None:
     site = load_site("talaia: 1\nsite: s\nname: S\nconnections: {sky: {kind: indi}}\n")
-    signal = Signal(name="RA", source=Source(property="EQUATORIAL_EOD_COORD", element="RA"))
+    signal = Signal(name="RA", source=IndiSource(property="EQUATORIAL_EOD_COORD", element="RA"))
     mount = Device(name="Mount", indi="Telescope Simulator", signals={"ra": signal})
     unfit = msgspec.structs.replace(mount, name="")
     both = joined(site, "sky", {"mount": mount, "bad name": mount, "unfit": unfit})

@@ -21,6 +21,7 @@ from patience import PATIENCE_S
 
 from talaia.gateway.adapters.process import filled, number_in, run_words
 from talaia.model.checks.site_checks import check
+from talaia.model.connection import ProcessSource
 from talaia.model.discovery.command_file import site_of
 from talaia.model.site import (
     Argument,
@@ -29,7 +30,6 @@ from talaia.model.site import (
     CommandKind,
     Signal,
     SignalType,
-    Source,
 )
 from talaia.model.yaml_text.load import dump_site
 from talaia.wire.frames import CommandPhase, CommandRequest, CommandState, DeviceState
@@ -73,13 +73,16 @@ def test_numbers_are_written_for_every_program_and_options_are_refused() -> None
 def test_a_value_is_read_by_pattern_by_state_or_as_it_is() -> None:
     words = {"opened": "the dome is opened", "closed": "the dome is closed"}
     state = Signal(
-        name="S", type=SignalType.STATE, states=tuple(words), source=Source(run="x", messages=words)
+        name="S",
+        type=SignalType.STATE,
+        states=tuple(words),
+        source=ProcessSource(run="x", messages=words),
     )
     assert number_in(state, " closed\n") == 1.0
     assert number_in(state, " Invalid dome action\n") is None
-    text = Signal(name="T", type=SignalType.TEXT, source=Source(run="x", messages=words))
+    text = Signal(name="T", type=SignalType.TEXT, source=ProcessSource(run="x", messages=words))
     assert number_in(text, " closed\n") == "the dome is closed"
-    number = Signal(name="N", source=Source(run="x", pattern=r"Alt:(-?[\d.]+)"))
+    number = Signal(name="N", source=ProcessSource(run="x", pattern=r"Alt:(-?[\d.]+)"))
     assert number_in(number, " Alt:10.000000 Az:20.0\n") == 10.0
     assert number_in(number, "nothing") is None
 

@@ -10,12 +10,13 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.condition_judge import judge_reading
 from talaia.gateway.safety.debounced_condition import BadTimeWindow, DebouncedCondition
 from talaia.gateway.safety.interlock_state import InterlockStateMachine, InterlockVerdict
+from talaia.model.connection import RosSource
 from talaia.model.interlocks.interlock import Condition, Interlock
-from talaia.model.site import Signal, Source
+from talaia.model.site import Signal
 
 pytestmark = pytest.mark.pure
 
-WIND = Signal(name="Wind", max_age=5.0, source=Source(topic="/w"))
+WIND = Signal(name="Wind", max_age=5.0, source=RosSource(topic="/w"))
 
 
 def look(

@@ -21,9 +21,10 @@ from talaia.gateway.safety.interlock_state import (
     InterlockVerdict,
 )
 from talaia.gateway.safety.interlocks import Interlocks
+from talaia.model.connection import RosSource
 from talaia.model.interlocks.interlock import Condition, Interlock, Overriding
 from talaia.model.interlocks.override_rules import longest_override, never_overridden
-from talaia.model.site import Signal, SignalType, Source
+from talaia.model.site import Signal, SignalType
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import DriveState, InterlockState, LeaseOp, OverrideRequest
 
@@ -493,7 +494,9 @@ def test_a_gateway_that_never_finds_its_hub_acts_too(tmp_path: Path) -> None:
 
 
 WIND = Signal(
-    name="Wind", max_age=2.0, source=Source(topic="/w", type="std_msgs/msg/Float64", field="data")
+    name="Wind",
+    max_age=2.0,
+    source=RosSource(topic="/w", type="std_msgs/msg/Float64", field="data"),
 )
 RAIN = Signal(name="Rain", type=SignalType.STATE, states=("dry", "wet"), source=WIND.source)
 anything = st.floats(allow_nan=True, allow_infinity=True)

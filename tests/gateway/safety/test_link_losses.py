@@ -12,9 +12,10 @@ from msgspec import structs
 from talaia.clock import SECOND, HandClock
 from talaia.gateway.freeze_watchdog import FreezeCredit
 from talaia.gateway.safety.interlocks import Interlocks
+from talaia.model.connection import RosSource
 from talaia.model.interlocks.enclosure import Enclosure, Sighting
 from talaia.model.interlocks.interlock import LinkLossPolicy, Step
-from talaia.model.site import Signal, SignalType, Source
+from talaia.model.site import Signal, SignalType
 
 from .test_interlocks import SITE, World
 
@@ -22,7 +23,11 @@ if TYPE_CHECKING:
     from talaia.model.site import Site
 
 CLOSED = Signal(
-    name="Closed", type=SignalType.STATE, states=("no", "yes"), source=Source(topic="/c"), max_age=2
+    name="Closed",
+    type=SignalType.STATE,
+    states=("no", "yes"),
+    source=RosSource(topic="/c"),
+    max_age=2,
 )
 
 

@@ -18,7 +18,8 @@ from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.safety.value_validity import range_problem
 from talaia.gateway.samples.source_stamps import StampAge, iso_stamp_ns, stamp_ns_of
 from talaia.model.checks.site_checks import check
-from talaia.model.site import Signal, Source
+from talaia.model.connection import RosSource
+from talaia.model.site import Signal
 from talaia.model.yaml_text.load import load_site
 
 DESCRIPTION = """
@@ -146,7 +147,7 @@ def test_an_error_code_of_the_station_is_unknown_and_unsafe_at_once(
 def test_a_value_is_out_of_range_exactly_beyond_what_is_described(
     value: float, low: float | None, high: float | None
 ) -> None:
-    signal = Signal(name="W", source=Source(), minimum=low, maximum=high)
+    signal = Signal(name="W", source=RosSource(), minimum=low, maximum=high)
     out = (low is not None and value < low) or (high is not None and value > high)
     assert bool(range_problem(signal, value)) is out
 

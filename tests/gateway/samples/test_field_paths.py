@@ -16,13 +16,14 @@ from talaia.gateway.samples.field_paths import (
     text_of,
     yaw_of,
 )
-from talaia.model.site import PositionFrame, Signal, SignalType, Source
+from talaia.model.connection import RosSource
+from talaia.model.site import PositionFrame, Signal, SignalType
 
 pytestmark = pytest.mark.pure
 
 
 def signal(field: str = "data", **more: object) -> Signal:
-    return Signal(name="S", source=Source(topic="/t", type="p/msg/T", field=field), **more)
+    return Signal(name="S", source=RosSource(topic="/t", type="p/msg/T", field=field), **more)
 
 
 def test_path_of_names_and_indexes_is_followed() -> None:

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.gateway.samples.rate_limit import Sampler, SamplingRule, rule_of
-from talaia.model.site import Signal, Source
+from talaia.model.connection import RosSource
+from talaia.model.site import Signal
 
 pytestmark = pytest.mark.pure
 
@@ -15,7 +16,7 @@ SECOND = 1_000_000
 
 
 def test_signal_without_limits_needs_no_sampler() -> None:
-    source = Source(topic="/t", type="p/msg/T", field="data")
+    source = RosSource(topic="/t", type="p/msg/T", field="data")
     assert rule_of(Signal(name="S", source=source)) is None
     rule = rule_of(Signal(name="S", source=source, max_rate=10, deadband=0.5, max_age=4))
     assert rule == SamplingRule(100_000, 0.5, 2 * SECOND)

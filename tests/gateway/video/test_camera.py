@@ -18,7 +18,8 @@ from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.h264 import Encoder, bits_for
 from talaia.gateway.video.jpeg import jpeg_of
 from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of
-from talaia.model.site import Source, Stream
+from talaia.model.connection import RosSource
+from talaia.model.site import Stream
 from talaia.wire.frames import PictureForm, PictureFrame
 
 from .scenes import packed, psnr, scene
@@ -72,7 +73,7 @@ class Hall:
 
 def stream(kind: str = "Image", **more: object) -> tuple[PictureStream, list[str]]:
     told: list[str] = []
-    source = Source(topic="/i", type=f"sensor_msgs/msg/{kind}")
+    source = RosSource(topic="/i", type=f"sensor_msgs/msg/{kind}")
     described = Stream(name="F", source=source, **more)  # type: ignore[arg-type]
     return PictureStream(
         "cam/front", described, lambda raw: raw, lambda _, why: told.append(why)
@@ -145,7 +146,7 @@ def test_each_form_has_its_size_and_pace() -> None:
 def test_what_nobody_wants_is_neither_read_nor_encoded() -> None:
     hall = Hall()
     read: list[object] = []
-    described = Stream(name="F", source=Source(topic="/i", type="sensor_msgs/msg/Image"))
+    described = Stream(name="F", source=RosSource(topic="/i", type="sensor_msgs/msg/Image"))
     taker = PictureStream("cam/front", described, read.append, lambda *_: None)
     taker.process_picture(b"", 0, 0, hall)
     assert (read, hall.got) == ([], [])
@@ -248,7 +249,7 @@ def test_no_bytes_of_a_camera_end_the_thread_that_reads_it(
 ) -> None:
     hall = Hall(PictureForm.H264, PictureForm.JPEG)
     decode = decoder_for(f"sensor_msgs/msg/{form}", unread)
-    described = Stream(name="F", source=Source(topic="/i", type=f"sensor_msgs/msg/{form}"))
+    described = Stream(name="F", source=RosSource(topic="/i", type=f"sensor_msgs/msg/{form}"))
     taker = PictureStream("cam/front", described, decode, lambda *_: None)
     whole = cdr(form)
     taker.process_picture(

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from talaia.model.checks.site_checks import check, raise_first
+from talaia.model.connection import RosSource
 from talaia.model.errors import DescriptionError, NotReadable
-from talaia.model.site import Device, Ros2Settings, Signal, SignalType, Site, Source
+from talaia.model.site import Device, Ros2Settings, Signal, SignalType, Site
 from talaia.model.units.time_zones import known_zones
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
 
@@ -146,7 +147,7 @@ seen = st.text(
 def test_what_is_right_and_dumped_is_loaded_back_equal(
     signals: dict[str, tuple[str, float]],
 ) -> None:
-    source = Source(topic="/a", type="std_msgs/msg/Float64", field="data")
+    source = RosSource(topic="/a", type="std_msgs/msg/Float64", field="data")
     site = Site(
         talaia=1,
         site="s",
@@ -180,7 +181,7 @@ def test_a_position_has_a_channel_for_each_of_its_numbers() -> None:
 
 
 def test_ten_thousand_signals_are_read_and_checked() -> None:
-    source = Source(topic="/a", type="std_msgs/msg/Float64", field="data")
+    source = RosSource(topic="/a", type="std_msgs/msg/Float64", field="data")
     signals = {f"s{each}": Signal(name="S", source=source) for each in range(10_000)}
     site = Site(
         talaia=1, site="s", name="S", ros2=load_site(AGV).ros2,
@@ -192,7 +193,7 @@ def test_ten_thousand_signals_are_read_and_checked() -> None:
 
 
 def test_text_has_no_unit_and_no_list_of_states() -> None:
-    source = Source(topic="/a", type="std_msgs/msg/String", field="data")
+    source = RosSource(topic="/a", type="std_msgs/msg/String", field="data")
     signal = Signal(name="T", source=source, type=SignalType.TEXT, unit="m", states=("a",))
     site = Site(
         talaia=1, site="s", name="S", ros2=load_site(AGV).ros2,

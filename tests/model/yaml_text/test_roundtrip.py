@@ -135,7 +135,8 @@ def changed(draw: st.DrawFn) -> tuple[str, Site, Site]:
         assert isinstance(found, msgspec.Struct)
         shape = inspect.type_info(type(found))
         assert isinstance(shape, inspect.StructType)
-        field = draw(st.sampled_from(shape.fields))
+        # Keys that are another protocol's are refused by `check`, and nobody means them.
+        field = draw(st.sampled_from([each for each in shape.fields if each.name != "foreign"]))
         new = with_value(new, (*at, field.name), draw(of_type(field.type)))
     assert isinstance(new, Site)
     return text, site, new

@@ -9,8 +9,9 @@ import msgspec
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from talaia.model.connection import RosSource
 from talaia.model.errors import DescriptionError
-from talaia.model.site import Device, Drive, Ros2Settings, Signal, SignalType, Site, Source
+from talaia.model.site import Device, Drive, Ros2Settings, Signal, SignalType, Site
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.model.yaml_text.save import saved
 from talaia.model.yaml_text.write import written
@@ -67,7 +68,7 @@ def test_a_text_that_is_no_description_is_refused() -> None:
 
 texts = st.text(min_size=1, max_size=12)
 words = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
-sources = st.builds(Source, topic=texts, type=texts, field=texts)
+sources = st.builds(RosSource, topic=texts, type=texts, field=texts)
 signals = st.builds(
     Signal,
     name=texts,

@@ -14,7 +14,7 @@ import pytest
 from patience import PATIENCE_S
 from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
-from talaia.model.derived_signals import is_seen
+from talaia.model.detection import DetectionSource
 from talaia.model.yaml_text.load import read_site
 from talaia.sim.domain import reserve
 
@@ -173,7 +173,7 @@ def test_everything_the_example_description_names_is_served(vehicle: Vehicle, pe
     for device in site.devices.values():
         for part in (*device.signals.values(), *device.streams.values()):
             source = part.source
-            if is_seen(source):
+            if isinstance(source, DetectionSource):
                 # What is counted on pictures is the gateway's to make.
                 continue
             if source.topic not in heard:

@@ -25,7 +25,7 @@ from talaia.cli.parts import Part, run_together, start
 from talaia.cli.places import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
-from talaia.model.derived_signals import is_seen
+from talaia.model.detection import DetectionSource
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
 from talaia.model.yaml_text.save import saved
 from talaia.objects.here import sight_here
@@ -158,7 +158,11 @@ def _without_detections(text: str) -> str:
     site = load_site(text)
     camera = site.devices["camera"]
     streams = {name: replace(stream, detect=None) for name, stream in camera.streams.items()}
-    seen = {name for name, signal in camera.signals.items() if is_seen(signal.source)}
+    seen = {
+        name
+        for name, signal in camera.signals.items()
+        if isinstance(signal.source, DetectionSource)
+    }
     signals = {name: signal for name, signal in camera.signals.items() if name not in seen}
     gone = {f"camera/{name}" for name in seen}
     without = replace(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from talaia.extensions.declared import ImportedSample
     from talaia.model.site import Site
 
-__all__ = ["ExtensionSource", "importer_of"]
+__all__ = ["ExtensionImportSource", "importer_of"]
 
 _AT_ONCE = 4096
 _BEGIN = 4096
@@ -40,7 +40,7 @@ def importer_of(path: Path) -> str:
     return ""
 
 
-class ExtensionSource:
+class ExtensionImportSource:
     """A `Source`."""
 
     def __init__(self, path: Path, name: str, site: Site, named: Mapping[str, str]) -> None:

@@ -14,7 +14,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from talaia.cli.errors import BadFile, CliError
 from talaia.cli.importing.delivery import deliver, described
-from talaia.cli.importing.extension_source import ExtensionSource, importer_of
+from talaia.cli.importing.extension_source import ExtensionImportSource, importer_of
 from talaia.cli.importing.messages import Messages
 from talaia.cli.importing.staging import Staging
 from talaia.cli.importing.table import Table
@@ -200,7 +200,7 @@ def _open_source(
     if kind == "CSV":
         return Table(path, site, named=named, time_column=time_column, times=times)
     if kind.startswith(_EXTENSION):
-        return ExtensionSource(path, kind.removeprefix(_EXTENSION), site, named)
+        return ExtensionImportSource(path, kind.removeprefix(_EXTENSION), site, named)
     return Messages(path, kind, site)
 
 

@@ -12,7 +12,13 @@ from talaia.cli.importing.mcap_file import McapFile
 from talaia.cli.importing.source import Findings, Piece
 from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
-from talaia.model.connection import Ros1Connection, Ros2Connection, RosbridgeConnection
+from talaia.model.connection import (
+    Ros1Connection,
+    Ros2Connection,
+    RosbridgeConnection,
+    RosSource,
+    source_as,
+)
 from talaia.model.site import parts_of
 
 if TYPE_CHECKING:
@@ -145,7 +151,8 @@ class Messages:
         reads: dict[str, list[str]] = {}
         for device_id, device in site.devices.items():
             for signal_id, signal in device.signals.items():
-                key = f"{signal.source.topic} {signal.source.type}"
+                source = source_as(signal.source, RosSource)
+                key = f"{source.topic} {source.type}"
                 parts = [f".{part}" if part else "" for part in parts_of(signal)]
                 reads.setdefault(key, []).extend(f"{device_id}/{signal_id}{p}" for p in parts)
         matched: set[int] = set()

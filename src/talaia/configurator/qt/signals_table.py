@@ -13,6 +13,8 @@ from PySide6.QtCore import (
     Signal,
 )
 
+from talaia.model.connection import IndiSource, ProcessSource, RosSource
+
 if TYPE_CHECKING:
     from talaia.configurator.places import Path
     from talaia.model.site import Signal as SiteSignal, Site, Source
@@ -144,9 +146,14 @@ _OFF = Qt.CheckState.Unchecked
 
 def _origin_text(source: Source) -> str:
     """Say in a few words where a signal comes from."""
-    if source.topic:
-        inner = source.name or source.field
-        return f"{source.topic} · {inner}" if inner else source.topic
-    if source.property:
-        return f"{source.property} · {source.element}" if source.element else source.property
-    return source.parameter or source.run
+    match source:
+        case RosSource(topic="", parameter=parameter):
+            return parameter
+        case RosSource(topic=topic, name=name, field=field):
+            return f"{topic} · {name or field}" if name or field else topic
+        case IndiSource(property=name, element=element):
+            return f"{name} · {element}" if element else name
+        case ProcessSource(run=line):
+            return line
+        case _:
+            return ""

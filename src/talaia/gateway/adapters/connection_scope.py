@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
-from talaia.model.derived_signals import is_seen
+from talaia.model.detection import DetectionSource
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -65,7 +65,9 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
 def _without_detections(device: Device) -> Device:
     """Leave out what is seen."""
     signals = {
-        name: signal for name, signal in device.signals.items() if not is_seen(signal.source)
+        name: signal
+        for name, signal in device.signals.items()
+        if not isinstance(signal.source, DetectionSource)
     }
     streams = {
         name: stream if stream.detect is None else msgspec.structs.replace(stream, detect=None)

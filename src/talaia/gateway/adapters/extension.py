@@ -42,7 +42,7 @@ from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import AdapterLost, SettingsError
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
-from talaia.model.connection import ExtensionConnection
+from talaia.model.connection import ExtensionConnection, ExtensionSource, source_as
 from talaia.model.site import CommandKind, SignalType
 from talaia.wire.frames import CommandPhase
 
@@ -148,7 +148,7 @@ class ExtensionAdapterProcess:
                 str(signal.type),
                 signal.unit,
                 signal.states,
-                signal.source.keys,
+                source_as(signal.source, ExtensionSource).keys,
             )
             for address, signal in self._signals.items()
         )

@@ -24,8 +24,8 @@ from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
-from talaia.model.checks.connection_checks import PLACEHOLDER
-from talaia.model.connection import ProcessConnection
+from talaia.model.connection import ProcessConnection, ProcessSource, source_as
+from talaia.model.connections.process import PLACEHOLDER
 from talaia.model.site import CommandKind, SignalType
 from talaia.wire.frames import CommandPhase
 
@@ -94,7 +94,7 @@ def filled(target: str, command: Command, fields: Mapping[str, Scalar]) -> list[
 
 def number_in(signal: Signal, text: str) -> float | str | None:
     """Read a signal's value in an answer; none where it is not in it."""
-    source = signal.source
+    source = source_as(signal.source, ProcessSource)
     said = text.strip()
     if source.pattern:
         found = re.search(source.pattern, text)
@@ -201,12 +201,13 @@ class ProcessAdapter:
                 self._plan(device_id, f"{device_id}/{signal_id}", signal)
 
     def _plan(self, device: str, address: str, signal: Signal) -> None:
-        key = (device, signal.source.run)
-        if not signal.source.run:
+        written = source_as(signal.source, ProcessSource).run
+        key = (device, written)
+        if not written:
             return
         line = self._lines.get(key)
         if line is None:
-            words = [*self._prefix, *shlex.split(signal.source.run)]
+            words = [*self._prefix, *shlex.split(written)]
             line = self._lines[key] = _Line(device, words)
         line.signals[address] = signal
         rule = rule_of(signal)

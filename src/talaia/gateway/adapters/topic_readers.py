@@ -18,7 +18,8 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.field_paths import getter, reader_of, text_of
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.gateway.samples.source_stamps import StampReader
-from talaia.model.site import SignalType, Source
+from talaia.model.connection import RosSource, source_as
+from talaia.model.site import SignalType
 from talaia.wire.columns import Columns
 
 if TYPE_CHECKING:
@@ -250,15 +251,16 @@ def plans_of(
     names: dict[tuple[str, str], dict[str, _Row]] = {}
     for device_id, device in scope.devices.items():
         for signal_id, signal in device.signals.items():
-            if not signal.source.topic:
+            source = source_as(signal.source, RosSource)
+            if not source.topic:
                 continue
             address = f"{device_id}/{signal_id}"
-            key = (signal.source.topic, signal.source.type)
+            key = (source.topic, source.type)
             row = _row(address, scope.channel[address], signal, tapped=address in scope.guarded)
             rows.setdefault(key, [])
             names.setdefault(key, {})
-            if signal.source.name:
-                names[key][signal.source.name] = row
+            if source.name:
+                names[key][source.name] = row
             else:
                 rows[key].append(row)
     return [
@@ -281,13 +283,13 @@ def parameter_plans_of(
     plans = []
     for device_id, device in scope.devices.items():
         for signal_id, signal in device.signals.items():
-            if not signal.source.parameter:
+            name = source_as(signal.source, RosSource).parameter
+            if not name:
                 continue
             address = f"{device_id}/{signal_id}"
-            of_data = msgspec.structs.replace(signal, source=Source(field="data"))
+            of_data = msgspec.structs.replace(signal, source=RosSource(field="data"))
             tapped = address in scope.guarded
             row = _row(address, scope.channel[address], of_data, tapped=tapped)
-            name = signal.source.parameter
             plans.append(
                 TopicPlan(
                     topic=name,
@@ -304,11 +306,11 @@ def parameter_plans_of(
 def _row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
     rule = rule_of(signal)
     sampler = None if rule is None else Sampler(rule)
-    if signal.source.name:
+    source, stamp = source_as(signal.source, RosSource), None
+    if source.name:
         return _Row(address, channel, None, None, sampler, tapped, signal.scale, signal)
     if signal.type is SignalType.TEXT:
-        return _Row(address, channel, None, getter(signal.source.field), None, tapped, 1.0, signal)
-    source, stamp = signal.source, None
+        return _Row(address, channel, None, getter(source.field), None, tapped, 1.0, signal)
     if tapped and source.stamp:
         stamp = StampReader(getter(source.stamp), source)
     return _Row(address, channel, reader_of(signal), None, sampler, tapped, 1.0, signal, stamp)

@@ -19,7 +19,8 @@ import numpy as np
 
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
-from talaia.model.derived_signals import counts_of, detecting, detection_setup_of, is_seen
+from talaia.model.connection import DetectionSource, source_as
+from talaia.model.derived_signals import counts_of, detecting, detection_setup_of
 from talaia.model.detection import DetectAt
 from talaia.objects.errors import DetectorError
 from talaia.objects.eyes import Eyes, least_of
@@ -117,7 +118,7 @@ class ObjectDetection:
         device, _, name = address.partition("/")
         described = self._site.devices.get(device)
         signal = None if described is None else described.signals.get(name)
-        return signal is not None and is_seen(signal.source)
+        return signal is not None and isinstance(signal.source, DetectionSource)
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `talaia.gateway.ports.ReadingSource.latest`."""
@@ -272,7 +273,7 @@ class _Camera:
             else _sampler(count.signal)
             for address, count in counted.items()
         }
-        self._eyes.recount({address: count.signal.source for address, count in counted.items()})
+        self._eyes.recount(_sources(counted))
 
     async def run(self) -> None:
         """Look until cancelled; what is in sight then has ended."""
@@ -321,7 +322,7 @@ class _Camera:
     def _publish_detections(self, look: CameraFrame, things: Sequence[Found]) -> None:
         gathered = []
         readings = {}
-        sources = {address: count.signal.source for address, count in self._counted.items()}
+        sources = _sources(self._counted)
         steady = self._steady.count(things, sources, look.mono_us)
         for address, count in self._eyes.count(things).items():
             counted = self._counted[address]
@@ -375,6 +376,13 @@ def _eye(site: Site, name: str) -> object:
         return None
     eye = detection_setup_of(site, device_id, stream_id)
     return None if eye is None or eye.detect.at is not DetectAt.GATEWAY else eye
+
+
+def _sources(counted: Mapping[str, _Counted]) -> dict[str, DetectionSource]:
+    return {
+        address: source_as(count.signal.source, DetectionSource)
+        for address, count in counted.items()
+    }
 
 
 def _source(site: Site, address: str) -> object:

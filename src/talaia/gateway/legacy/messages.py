@@ -13,6 +13,7 @@ import shlex
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
+from talaia.model.connection import ProcessSource, source_as
 from talaia.model.site import ArgumentType, SignalType
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ def status_of(
         said: dict[str, str] = {}
         for signal_id, signal in device.signals.items():
             address = f"{device_id}/{signal_id}"
-            source = signal.source
+            source = source_as(signal.source, ProcessSource)
             if source.pattern:  # a part of another field's answer
                 continue
             if source.run:

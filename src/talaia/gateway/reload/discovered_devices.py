@@ -15,13 +15,13 @@ import msgspec
 
 from talaia.gateway.persistence import write_whole
 from talaia.model.checks.site_checks import check
-from talaia.model.site import Device
+from talaia.model.yaml_text.source_tags import devices_of_plain, plain_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from talaia.model.site import Site
+    from talaia.model.site import Device, Site
 
 __all__ = ["joined", "keep_found", "kept_of", "with_kept"]
 
@@ -69,14 +69,15 @@ def keep_found(data: Path, connection: str, devices: Mapping[str, Device]) -> No
     folder = data / _FOLDER
     folder.mkdir(parents=True, exist_ok=True)
     all_of_it = {**kept_of(data, connection), **devices}
-    write_whole(folder / f"{connection}.json", msgspec.json.format(msgspec.json.encode(all_of_it)))
+    written = msgspec.json.encode(plain_of(all_of_it))
+    write_whole(folder / f"{connection}.json", msgspec.json.format(written))
 
 
 def kept_of(data: Path, connection: str) -> dict[str, Device]:
     """Give what a connection found in earlier runs, as the description has it."""
     path = data / _FOLDER / f"{connection}.json"
     try:
-        devices = msgspec.json.decode(path.read_bytes(), type=dict[str, Device])
+        devices = devices_of_plain(msgspec.json.decode(path.read_bytes()))
     except FileNotFoundError:
         return {}
     except (OSError, msgspec.DecodeError) as error:

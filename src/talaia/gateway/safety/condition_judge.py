@@ -16,6 +16,7 @@ from talaia.gateway.freeze_watchdog import FreezeCredit
 from talaia.gateway.safety.derived_conditions import judge_dew_point, judge_difference, judge_sun
 from talaia.gateway.safety.interlock_state import InterlockVerdict
 from talaia.gateway.safety.value_validity import ValueValidity, within_sighting
+from talaia.model.connection import DetectionSource, source_as
 from talaia.model.derived_signals import detection_setup_of
 from talaia.model.interlocks.interlock import Condition
 from talaia.model.site import SignalType
@@ -266,7 +267,7 @@ def signal_meaning(site: Site, address: str) -> tuple[object, ...] | None:
     if signal is None:
         return None
     return msgspec.structs.replace(signal, name="", was=""), detection_setup_of(
-        site, device, signal.source.stream
+        site, device, source_as(signal.source, DetectionSource).stream
     )
 
 

@@ -11,6 +11,7 @@ import struct
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
+from talaia.model.connection import IndiSource, RosSource
 from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
@@ -89,13 +90,14 @@ class ValueValidity:
     def _stamp_problem(
         self, signal: Signal, reading: ChannelReading, max_age: float, now_ns: int
     ) -> str:
-        if not signal.source.stamp:
+        source = signal.source
+        if not isinstance(source, RosSource | IndiSource) or not source.stamp:
             return ""
         limit_ns = round(max_age * SECOND)
         if now_ns - reading.arrived_ns <= limit_ns < now_ns - reading.mono_ns:
             still = span_of((now_ns - reading.mono_ns) / SECOND)
             return f"{signal.name}: its own time stamp has stood still for {still}"
-        if not signal.source.synchronized:
+        if not source.synchronized:
             return ""
         lag_ns = self._wall_ns() - reading.stamp_ns
         if abs(lag_ns) <= limit_ns:

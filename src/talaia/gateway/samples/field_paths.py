@@ -8,6 +8,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, SupportsFloat, cast
 
 from talaia.gateway.errors import FieldError
+from talaia.model.connection import RosSource, source_as
 from talaia.model.site import PositionFrame, SignalType
 
 if TYPE_CHECKING:
@@ -116,11 +117,12 @@ def reader_of(signal: Signal) -> Callable[[object], tuple[float, ...]]:
 
     Texts are read by `text_of`; a signal with ``source.name`` by the adapter's own table.
     """
+    source = source_as(signal.source, RosSource)
     if signal.type is SignalType.POSITION:
         if signal.frame is PositionFrame.WGS84:
-            return _wgs84(signal.source.field)
-        return _local(signal.source.field, signal.yaw_from)
-    path, scale, states = signal.source.field, signal.scale, signal.states
+            return _wgs84(source.field)
+        return _local(source.field, signal.yaw_from)
+    path, scale, states = source.field, signal.scale, signal.states
     get = getter(path)
 
     def read(message: object) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ from talaia.gateway.errors import FieldError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.model.site import Source
+    from talaia.model.connection import RosSource
 
 __all__ = ["StampAge", "StampReader", "iso_stamp_ns", "stamp_ns_of"]
 
@@ -55,7 +55,7 @@ class StampAge:
 class StampReader:
     """Reads the stamp of one signal in each message, and keeps how it went on."""
 
-    def __init__(self, get: Callable[[object], object], source: Source) -> None:
+    def __init__(self, get: Callable[[object], object], source: RosSource) -> None:
         """Find it by ``get``, the compiled path ``source.stamp``."""
         self._get, self._path = get, source.stamp
         self._age = StampAge(proven=source.synchronized)

@@ -15,6 +15,7 @@ from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import Filming
 from talaia.gateway.video import jpeg
 from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of, thinned
+from talaia.model.connection import RosSource, VideoSource, source_as
 from talaia.wire.frames import PictureForm, PictureFrame
 
 try:
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.gateway.ports import PictureSink
-    from talaia.model.site import Stream
+    from talaia.model.site import Source, Stream
 
 __all__ = ["ABLE", "IMAGE", "CapturedFrame", "FrameStamp", "PictureStream"]
 
@@ -172,6 +173,8 @@ class PictureStream:
         """Take how to decode what `PictureWorker.offer` is given, and who is told problems once."""
         self.address = address
         self._stream = stream
+        # How a ROS message says that its bytes are to be read; nothing for other cameras.
+        self._encoding = source_as(stream.source, RosSource).type
         self._decode = decode
         self._tell = tell
         self._told = ""
@@ -195,7 +198,7 @@ class PictureStream:
         """Make of one raw picture what is wanted of it, and give that to ``sink``."""
         self._seq += 1
         stamp = FrameStamp(self._seq, time_us, mono_us)
-        taken = CapturedFrame(lambda: self._decode(raw), self._stream.source.type)
+        taken = CapturedFrame(lambda: self._decode(raw), self._encoding)
         sink.offer_frame(self.address, stamp, taken.rgb)
         forms = _served(sink.asked(self.address))
         for form in self._rungs.keys() - forms.keys():
@@ -255,7 +258,7 @@ class PictureStream:
             sink.film(picture)
 
     def _complain(self, why: str, mono_us: int, sink: PictureSink) -> None:
-        where = self._stream.source.topic or self._stream.source.url or self._stream.source.file
+        where = _place_of(self._stream.source)
         if why != self._told:
             self._tell(self.address, f"{where}: {why}")
         elif mono_us - self._told_us < _AGAIN_US:
@@ -406,3 +409,14 @@ def _rate(form: PictureForm, most: float) -> float:
 def _slower(share: float) -> int:
     """Give how many times slower pictures come on a link with this share of room."""
     return 1 if share >= 0.5 else 2 if share >= 0.25 else 3 if share >= 0.15 else 5
+
+
+def _place_of(source: Source) -> str:
+    """Say where a camera is, for problems."""
+    match source:
+        case RosSource(topic=topic):
+            return topic
+        case VideoSource(url=url, file=file):
+            return url or file
+        case _:
+            return ""

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import msgspec
-
 from talaia.model.checks.identifiers import Finding, above, id_fits, name_fits
+from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
-from talaia.model.detection import DetectAt
+from talaia.model.detection import DetectAt, DetectionSource
 from talaia.model.errors import UnknownWord
-from talaia.model.site import SignalType, Source
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -89,13 +87,13 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
 def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterator[Finding]:
     """List what is wrong with where a signal that counts what a camera sees comes from."""
     source = signal.source
+    if not isinstance(source, DetectionSource):
+        return
     if signal.type is not SignalType.NUMBER:
         yield Finding(where, f"a {signal.type} counts nothing", "write: type: number")
-    plain = Source(stream=source.stream, sees=source.sees, within=source.within)
-    for field in msgspec.structs.fields(Source):
-        if getattr(source, field.name) != getattr(plain, field.name):
-            at = f"{where}.{field.encode_name}"
-            yield Finding(at, "what a camera sees comes from nowhere else", "leave it out")
+    for key in source.foreign:
+        problem = "what a camera sees comes from nowhere else"
+        yield Finding(f"{where}.{key}", problem, "leave it out")
     if source.within is not None:
         yield from _within(f"{where}.within", source.within)
     if not source.stream:

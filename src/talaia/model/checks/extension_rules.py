@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.model.checks.identifiers import Finding, id_fits
-from talaia.model.connection import ExtensionConnection
-from talaia.model.derived_signals import is_seen
+from talaia.model.connection import ExtensionConnection, ExtensionSource
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
 
@@ -91,7 +90,7 @@ def _device(
         if signal.type is SignalType.POSITION:
             problem = "an extension gives no positions"
             yield Finding(at, problem, "make a signal of each number")
-        if known is not None and not is_seen(signal.source):
+        if known is not None and isinstance(signal.source, ExtensionSource):
             yield from keys_fit(f"{at}.keys", known.source, signal.source.keys)
     for name, command in device.commands.items():
         if known is not None:

@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING
 from talaia.model.checks.alarm_checks import alarms_findings
 from talaia.model.checks.anomaly_checks import anomaly_findings
 from talaia.model.checks.connection_checks import (
-    command_fits,
     connection_findings,
-    frames_fit,
+    frames_findings,
     link_of,
-    signal_source_fits,
-    stream_source_fits,
 )
 from talaia.model.checks.detection_checks import (
     count_fits,
@@ -39,8 +36,13 @@ from talaia.model.checks.identifiers import (
 )
 from talaia.model.checks.interlock_checks import interlock_findings
 from talaia.model.checks.validity_checks import validity_fits
-from talaia.model.connection import Ros1Connection, Ros2Connection
-from talaia.model.derived_signals import is_seen, with_counts
+from talaia.model.connection import (
+    DetectionSource,
+    Ros1Connection,
+    Ros2Connection,
+    rules_of,
+)
+from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError, UnknownWord
 from talaia.model.renames import former_findings
 from talaia.model.site import ArgumentType, CommandKind, DriveMessage, Keys, SignalType, Site
@@ -161,27 +163,31 @@ def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", device.name)
     link, problems = link_of(site, where, device)
     yield from problems
+    # Without a connection nothing can be said of what is read by it: that was said above.
+    rules = None if link is None else rules_of(link)
     for signal_id, signal in device.signals.items():
         yield from id_fits(f"{where}.signals.{signal_id}", signal_id)
         yield from _signal(f"{where}.signals.{signal_id}", signal)
         at = f"{where}.signals.{signal_id}.source"
-        if is_seen(signal.source):
+        if isinstance(signal.source, DetectionSource):
             yield from count_fits(site, at, device, signal)
-        elif link is not None:
-            yield from signal_source_fits(at, signal, link)
+        elif rules is not None:
+            yield from rules.signal_findings(at, signal)
     for stream_id, stream in device.streams.items():
-        yield from id_fits(f"{where}.streams.{stream_id}", stream_id)
-        yield from _stream(f"{where}.streams.{stream_id}", stream)
-        yield from detect_fits(site, f"{where}.streams.{stream_id}.detect", stream)
-        if link is not None:
-            yield from stream_source_fits(f"{where}.streams.{stream_id}.source", stream, link)
+        at = f"{where}.streams.{stream_id}"
+        yield from id_fits(at, stream_id)
+        yield from _stream(at, stream)
+        yield from detect_fits(site, f"{at}.detect", stream)
+        if rules is not None:
+            yield from rules.stream_findings(f"{at}.source", stream)
     for command_id, command in device.commands.items():
-        yield from id_fits(f"{where}.commands.{command_id}", command_id)
-        yield from _command(f"{where}.commands.{command_id}", command)
-        if link is not None:
-            yield from command_fits(f"{where}.commands.{command_id}", command, link)
+        at = f"{where}.commands.{command_id}"
+        yield from id_fits(at, command_id)
+        yield from _command(at, command)
+        if rules is not None:
+            yield from rules.command_findings(at, command)
     if link is not None:
-        yield from frames_fit(f"{where}.frames", device, link)
+        yield from frames_findings(f"{where}.frames", device, link)
     if device.drive is not None:
         yield from _drive(site, f"{where}.drive", device.drive)
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.model.checks.identifiers import Finding, at_least, field_fits, range_fits
-from talaia.model.connection import ROS_KINDS, ConnectionKind
-from talaia.model.site import SignalType
+from talaia.model.checks.identifiers import Finding, at_least, range_fits
+from talaia.model.closed_lists import SignalType
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -14,8 +13,6 @@ if TYPE_CHECKING:
     from talaia.model.site import Signal
 
 __all__ = ["stamp_fits", "validity_fits"]
-
-_INDI_STAMP = "timestamp"
 
 
 def validity_fits(where: str, signal: Signal) -> Iterator[Finding]:
@@ -30,22 +27,19 @@ def validity_fits(where: str, signal: Signal) -> Iterator[Finding]:
         yield Finding(f"{where}.frozen_after", problem, "take a longer time")
 
 
-def stamp_fits(where: str, signal: Signal, kind: ConnectionKind) -> Iterator[Finding]:
-    """List what is wrong with where a value's own time comes from."""
-    source = signal.source
-    if source.synchronized and not source.stamp:
+def stamp_fits(where: str, signal: Signal, stamp: str, *, synchronized: bool) -> Iterator[Finding]:
+    """List what is wrong with a value's own time, in every protocol that has one.
+
+    Args:
+        where: the signal's source.
+        signal: what the value is of.
+        stamp: as its source has it.
+        synchronized: likewise.
+
+    """
+    if synchronized and not stamp:
         problem = "there is no stamp whose clock could agree"
         yield Finding(f"{where}.synchronized", problem, "write: stamp: header.stamp")
-    if not source.stamp:
-        return
-    if signal.type not in (SignalType.NUMBER, SignalType.STATE):
+    if stamp and signal.type not in (SignalType.NUMBER, SignalType.STATE):
         problem = f"a {signal.type} is judged by no interlock"
         yield Finding(f"{where}.stamp", problem, "leave the stamp out")
-    elif kind is ConnectionKind.INDI and source.stamp != _INDI_STAMP:
-        problem = f"INDI has one stamp for each property, found {source.stamp!r}"
-        yield Finding(f"{where}.stamp", problem, f"write: stamp: {_INDI_STAMP}")
-    elif kind in ROS_KINDS and (source.parameter or source.name):
-        what = "a parameter" if source.parameter else "a sensor by name"
-        yield Finding(f"{where}.stamp", f"{what} has no stamp", "leave the stamp out")
-    elif kind in ROS_KINDS:
-        yield from field_fits(f"{where}.stamp", source.stamp)

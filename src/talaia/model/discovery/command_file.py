@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from typing import NamedTuple, NoReturn
 
-from talaia.model.connection import ProcessConnection
+from talaia.model.connection import ProcessConnection, ProcessSource
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import (
     Argument,
@@ -22,7 +22,6 @@ from talaia.model.site import (
     Signal,
     SignalType,
     Site,
-    Source,
 )
 
 __all__ = ["Classic", "read_classic", "site_of"]
@@ -158,14 +157,17 @@ def _signals(field: str, line: str, messages: dict[str, str]) -> dict[str, Signa
             type=SignalType.STATE,
             states=tuple(messages),
             max_age=MAX_AGE_S,
-            source=Source(run=line, messages=messages),
+            source=ProcessSource(run=line, messages=messages),
         )
         return {field: state}
-    source = Source(run=line, messages=messages)
+    source = ProcessSource(run=line, messages=messages)
     text = Signal(name=title, type=SignalType.TEXT, max_age=MAX_AGE_S, source=source)
     numbers = {
         name: Signal(
-            name=title, unit=unit, max_age=MAX_AGE_S, source=Source(run=line, pattern=pattern)
+            name=title,
+            unit=unit,
+            max_age=MAX_AGE_S,
+            source=ProcessSource(run=line, pattern=pattern),
         )
         for name, title, unit, pattern in _NUMBERS.get(field, ())
     }

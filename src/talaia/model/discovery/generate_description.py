@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import msgspec
 
 from talaia.model.checks.site_checks import check
-from talaia.model.connection import IndiConnection, Ros1Connection
+from talaia.model.connection import IndiConnection, Ros1Connection, RosSource, source_as
 from talaia.model.discovery.ros_units import human, word_of
 from talaia.model.site import (
     Argument,
@@ -29,7 +29,6 @@ from talaia.model.site import (
     Signal,
     SignalType,
     Site,
-    Source,
     Stop,
     Stream,
 )
@@ -233,13 +232,13 @@ class _Made:
             streams = self._streams.setdefault(place, {})
             last = _last(topic.topic, ("image_raw", "image", "images", "compressed", "image_color"))
             word = _free(word_of(last), streams)
-            source = Source(topic=topic.topic, type=topic.type)
+            source = RosSource(topic=topic.topic, type=topic.type)
             streams[word] = Stream(name=human(last) or "Camera", source=source)
             return
         signals = self._signals.setdefault(place, {})
         if topic.names:
             for sensor in topic.names:
-                source = Source(topic=topic.topic, type=topic.type, name=sensor)
+                source = RosSource(topic=topic.topic, type=topic.type, name=sensor)
                 signals[_free(word_of(sensor), signals)] = Signal(
                     name=human(sensor) or sensor, source=source, max_age=_age(topic.rate)
                 )
@@ -267,7 +266,7 @@ class _Made:
                     frame=PositionFrame.WGS84,
                     max_age=_age(topic.rate),
                     primary=False,
-                    source=Source(topic=topic.topic, type=topic.type),
+                    source=RosSource(topic=topic.topic, type=topic.type),
                 ),
             )
         base = _POSES.get(topic.type)
@@ -285,7 +284,7 @@ class _Made:
                     max_rate=10.0,
                     max_age=_age(topic.rate),
                     primary=False,
-                    source=Source(topic=topic.topic, type=topic.type, field=at),
+                    source=RosSource(topic=topic.topic, type=topic.type, field=at),
                 ),
             )
 
@@ -392,7 +391,8 @@ class _Made:
         moving = [
             f"{place.word}/{word}"
             for word, signal in self._signals.get(place, {}).items()
-            if (signal.source.type, signal.source.field) in list(_NAMES)[:2]
+            if isinstance(signal.source, RosSource)
+            and (signal.source.type, signal.source.field) in list(_NAMES)[:2]
         ]
         return Stop(topic=topic, confirmed_by=tuple(moving))
 
@@ -478,7 +478,7 @@ def _in_position(type_name: str, path: str) -> bool:
 
 
 def _signal(topic: TopicFound, field: FieldFound, name: str) -> Signal:
-    source = Source(topic=topic.topic, type=topic.type, field=field.path)
+    source = RosSource(topic=topic.topic, type=topic.type, field=field.path)
     low, high = _RANGES.get(field.unit, (None, None))
     age = _age(topic.rate)
     if field.type == "text":
@@ -511,10 +511,11 @@ def _rank(signal: Signal) -> int | None:
     """Give the place in the queue for the first page; none for what is never on it."""
     if signal.type in (SignalType.TEXT, SignalType.POSITION) or not signal.primary:
         return None
-    key = (signal.source.type, signal.source.field)
+    source = source_as(signal.source, RosSource)
+    key = (source.type, source.field)
     if key in _FIRST:
         return _FIRST.index(key)
-    if signal.source.name or signal.source.field == "data":
+    if source.name or source.field == "data":
         return len(_FIRST)
     if signal.type is SignalType.STATE:
         return len(_FIRST) + 3

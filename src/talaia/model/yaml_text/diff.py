@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import difflib
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import msgspec
 
 from talaia.model.renames import renames
+from talaia.model.yaml_text.source_tags import plain_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["ChangeKind", "Difference", "difference", "unified"]
 
 _LONGEST = 200
+# As far down as signals are looked up: key, device, group, name.
+_Plain = dict[str, dict[str, dict[str, dict[str, object]]]]
 
 
 class ChangeKind(StrEnum):
@@ -46,7 +49,7 @@ def difference(before: Site, after: Site) -> list[Difference]:
     found = [
         Difference(ChangeKind.RENAMED, _path_text(new), old, new) for old, new in moved.items()
     ]
-    was, now = msgspec.to_builtins(before), msgspec.to_builtins(after)
+    was, now = cast("_Plain", plain_of(before)), cast("_Plain", plain_of(after))
     # What was renamed is held against what it has become.
     for old, new in moved.items():
         (of, name), (to, other) = old.split("/"), new.split("/")

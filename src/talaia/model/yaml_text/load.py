@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 import msgspec
 import yaml
 
+from talaia.model.base import FOREIGN_KEYS
 from talaia.model.connection import Connection, ConnectionKind, ProcessConnection
 from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError, NotReadable, UnknownWord
 from talaia.model.site import Site
 from talaia.model.yaml_text.document import document_of
+from talaia.model.yaml_text.source_tags import plain_of, with_tags
 from talaia.model.yaml_text.version import require_current
 
 if TYPE_CHECKING:
@@ -146,6 +148,7 @@ def site_of_plain(document: dict[str, object]) -> Site:
         DescriptionError: it does not have the shape of a description; see `load_site`.
 
     """
+    document = with_tags(document)
     try:
         return msgspec.convert(document, Site)
     except (msgspec.ValidationError, RecursionError) as error:
@@ -155,7 +158,7 @@ def site_of_plain(document: dict[str, object]) -> Site:
 def dump_site(site: Site) -> str:
     """Write a `Site` as YAML text that `load_site` reads back to an equal one."""
     # Escaped throughout: of what is written as it is, a line end of Unicode's would not come back.
-    return yaml.safe_dump(msgspec.to_builtins(site), sort_keys=False, width=1_000_000)
+    return yaml.safe_dump(plain_of(site), sort_keys=False, width=1_000_000)
 
 
 _AT = re.compile(r"^(?P<problem>.*?)(?: - at `(?P<path>.*)`)?$", re.DOTALL)
@@ -183,7 +186,8 @@ def _readable_error(message: str, document: object) -> DescriptionError:
 
 def _keys_of(shape: object) -> list[str]:
     if isinstance(shape, msgspec.inspect.StructType):
-        return [field.encode_name for field in shape.fields]
+        names = [field.encode_name for field in shape.fields]
+        return [name for name in names if name != FOREIGN_KEYS]
     return []
 
 
@@ -227,8 +231,14 @@ def _inner_type(shape: object, wanted: type | tuple[type, ...], value: object) -
     if not isinstance(shape, msgspec.inspect.UnionType):
         return shape
     members = [member for member in shape.types if isinstance(member, wanted)]
-    tag = value.get("kind") if isinstance(value, dict) else None
-    tagged = [member for member in members if getattr(member, "tag", None) == tag is not None]
+    said = value if isinstance(value, dict) else {}
+    tagged = [
+        member
+        for member in members
+        if isinstance(member, msgspec.inspect.StructType)
+        and member.tag is not None
+        and member.tag == said.get(member.tag_field)
+    ]
     return next(iter(tagged or members), shape)
 
 

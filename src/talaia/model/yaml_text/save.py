@@ -13,9 +13,11 @@ import yaml
 from ruamel.yaml.comments import CommentedMap
 from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
+from talaia.model.base import SourceShape
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.roundtrip import RESOLVER, WrittenFloat, tree_of, written_tree
+from talaia.model.yaml_text.source_tags import plain_of
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
@@ -77,11 +79,26 @@ def _change_node(node: object, was: object, now: object) -> object:
         if isinstance(was, dict) and isinstance(now, dict):
             _change_mapping(node, was, now)
             return node
+        if isinstance(was, SourceShape) and isinstance(now, SourceShape):
+            _change_source(node, was, now)
+            return node
         if isinstance(now, msgspec.Struct) and type(was) is type(now):
             assert isinstance(was, msgspec.Struct)  # noqa: S101 - the same type
             _change_struct(node, was, now)
             return node
     return _plain_value(now)
+
+
+def _change_source(node: CommentedMap, old: SourceShape, new: SourceShape) -> None:
+    """Mend a source key by key: which protocol's they are is not written."""
+    was, now = plain_of(old), plain_of(new)
+    assert isinstance(was, dict)  # noqa: S101 - a source is a mapping
+    assert isinstance(now, dict)  # noqa: S101 - a source is a mapping
+    for key in was.keys() - now.keys():
+        node.pop(key, None)
+    for key, value in now.items():
+        if key not in was or was[key] != value or _key_orders(was[key]) != _key_orders(value):
+            node[key] = _change_node(node.get(key), was.get(key), value)
 
 
 def _change_mapping(node: CommentedMap, was: dict[str, object], now: dict[str, object]) -> None:
@@ -108,7 +125,7 @@ def _is_default(field: msgspec.structs.FieldInfo, value: object) -> bool:
 
 def _plain_value(value: object) -> object:
     """Turn values into what YAML has, with texts that would not come back as they are in quotes."""
-    value = msgspec.to_builtins(value)
+    value = plain_of(value)
     if isinstance(value, dict):
         made = CommentedMap()
         for key, item in value.items():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import msgspec
 import yaml
+
+from talaia.model.yaml_text.source_tags import plain_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -58,7 +59,7 @@ def written(site: Site, comments: Iterable[str] = ()) -> str:
         comments: lines for the top of the file; what would end a comment is taken out.
 
     """
-    plain = _with_style(msgspec.to_builtins(site))
+    plain = _with_style(plain_of(site))
     text: str = yaml.dump(plain, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=_WIDTH)
     # A name of the robot's may hold a line end; nothing unseen comes through.
     lines = ["".join(filter(str.isprintable, line)) for line in comments]

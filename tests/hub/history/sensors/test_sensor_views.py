@@ -9,7 +9,8 @@ import sqlalchemy as sa
 from talaia.hub.history import store as store_module
 from talaia.hub.history.sensors import sensor_views
 from talaia.hub.history.sensors.view_sql import view_name
-from talaia.model.site import Device, PositionFrame, Signal, SignalType, Site, Source
+from talaia.model.connection import RosSource
+from talaia.model.site import Device, PositionFrame, Signal, SignalType, Site
 from talaia.wire.columns import Columns
 
 from ..conftest import SMALL, opened
@@ -18,7 +19,7 @@ from ..samples import batch
 SECOND = 1_000_000
 START = 1_700_000_000 * SECOND
 HOSTILE = 'Κάθε "name" \' \\ %s %(x)s :y `;-- DROP TABLE users /* 🚢'
-SOURCE = Source(topic="/a", type="b/msg/C")
+SOURCE = RosSource(topic="/a", type="b/msg/C")
 
 
 def site_of(**signals):

@@ -6,7 +6,8 @@ import sqlalchemy as sa
 
 from talaia.clock import HandClock
 from talaia.hub.history.store import HistoryStore
-from talaia.model.site import Device, Signal, Site, Source
+from talaia.model.connection import RosSource
+from talaia.model.site import Device, Signal, Site
 from talaia.wire.columns import Columns
 
 from ..conftest import SMALL, opened
@@ -30,7 +31,7 @@ async def feed(store, count, first=0, channel=0, start=START, step=SECOND):
 
 
 def site_of(**keep):
-    source = Source(topic="/a", type="b/msg/C")
+    source = RosSource(topic="/a", type="b/msg/C")
     signals = {name: Signal(name=name, source=source, keep=days) for name, days in keep.items()}
     devices = {"base": Device(name="Base", signals=signals)}
     return Site(talaia=1, site="agv", name="AGV", devices=devices)

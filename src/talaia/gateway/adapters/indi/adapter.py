@@ -47,7 +47,7 @@ from talaia.gateway.adapters.indi.state import IndiDeviceTree
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.fits.header import rewritten, values_of
 from talaia.gateway.ports import ChannelReading, CommandOutcome
-from talaia.model.connection import IndiConnection
+from talaia.model.connection import IndiConnection, IndiSource, source_as
 from talaia.model.site import SignalType
 from talaia.wire.columns import Columns
 from talaia.wire.frames import CommandPhase
@@ -86,6 +86,7 @@ class _Plan(NamedTuple):
     channel: int
     device: str
     signal: Signal
+    source: IndiSource
     tapped: bool
 
 
@@ -535,7 +536,7 @@ class IndiAdapter:
 
     def _value(self, plan: _Plan, now_ns: int) -> float | str:
         """Give a signal's value now; NaN, or the empty text, where it is not known."""
-        signal, source = plan.signal, plan.signal.source
+        signal, source = plan.signal, plan.source
         device, element = source.device or plan.device, source.element
         if signal.type is SignalType.TEXT:
             found = read_text(self.book, device, source.property, element)
@@ -564,7 +565,7 @@ class IndiAdapter:
 
     def _tap(self, plan: _Plan, device: str, value: float, mono_ns: int) -> None:
         """Keep a reading that safety depends on; with a stamp, from when that advanced."""
-        source = plan.signal.source
+        source = plan.source
         if not source.stamp:
             self._latest[plan.address] = ChannelReading(value, mono_ns)
             return
@@ -607,8 +608,9 @@ def _plans(scope: ConnectionScope) -> list[_Plan]:
         _Plan(
             f"{name}/{signal_name}",
             scope.channel[f"{name}/{signal_name}"],
-            signal.source.device or device.indi,
+            source_as(signal.source, IndiSource).device or device.indi,
             signal,
+            source_as(signal.source, IndiSource),
             f"{name}/{signal_name}" in scope.guarded,
         )
         for name, device in scope.devices.items()

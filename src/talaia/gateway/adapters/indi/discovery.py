@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.gateway.adapters.indi.goals import CHOICE
 from talaia.gateway.adapters.indi.protocol import PropertyPermission, SwitchRule, VectorKind
 from talaia.gateway.adapters.indi.standard_properties import MESSAGE, moving_words
+from talaia.model.connection import IndiSource
 from talaia.model.site import (
     Argument,
     ArgumentType,
@@ -25,7 +26,6 @@ from talaia.model.site import (
     DeviceKind,
     Signal,
     SignalType,
-    Source,
 )
 
 if TYPE_CHECKING:
@@ -372,7 +372,7 @@ def _signals(device: IndiDevice) -> dict[str, Signal]:
         known.add("WEATHER_STATUS")
         made["safety"] = Signal(
             name="Safety",
-            source=Source(property="WEATHER_STATUS"),
+            source=IndiSource(property="WEATHER_STATUS"),
             type=SignalType.STATE,
             # In the order of Idle, Ok, Busy, Alert.
             states=("unknown", "safe", "warning", "unsafe"),
@@ -383,7 +383,7 @@ def _signals(device: IndiDevice) -> dict[str, Signal]:
             known.add(ways.property)
             made[word_of(ways.id, made)] = Signal(
                 name=ways.name,
-                source=Source(property=ways.property),
+                source=IndiSource(property=ways.property),
                 type=SignalType.STATE,
                 states=moving_words(ways.property),
                 primary=ways.primary,
@@ -403,7 +403,7 @@ def _signals(device: IndiDevice) -> dict[str, Signal]:
             _add_generic(made, held, max_age)
     made["message"] = Signal(
         name="Message",
-        source=Source(property=MESSAGE),
+        source=IndiSource(property=MESSAGE),
         type=SignalType.TEXT,
         primary=False,
     )
@@ -422,7 +422,7 @@ def _standard(device: IndiDevice, row: _Number, element: Element, max_age: float
         # The driver's label says what it really measures in, except that rain is by the hour.
         own = _unit(element.label)
         unit = own if own and row.id != "rain" else unit
-    source = Source(property=row.property, element=row.element)
+    source = IndiSource(property=row.property, element=row.element)
     names = _filters(device) if row.property == "FILTER_SLOT" else ()
     if names:
         # Slots count from one.
@@ -461,14 +461,18 @@ def _is_shown(held: StoredVector, device: IndiDevice) -> bool:
 
 def _add_generic(made: dict[str, Signal], held: StoredVector, max_age: float) -> None:
     title = _shown(held.label or held.name)
-    sources = {(signal.source.property, signal.source.element) for signal in made.values()}
+    sources = {
+        (signal.source.property, signal.source.element)
+        for signal in made.values()
+        if isinstance(signal.source, IndiSource)
+    }
     if held.kind is VectorKind.SWITCH and held.rule is not SwitchRule.ANY:
         if len(held.elements) < 2:
             return
         states = _states(held)
         made[word_of(held.name, made)] = Signal(
             name=title,
-            source=Source(property=held.name),
+            source=IndiSource(property=held.name),
             type=SignalType.STATE,
             states=states,
             primary=False,
@@ -483,7 +487,7 @@ def _add_generic(made: dict[str, Signal], held: StoredVector, max_age: float) ->
         label = _shown(_IN_LABEL.sub("", element.label) or element.name)
         signal = Signal(
             name=(title if single else f"{title}: {label}")[:100],
-            source=Source(property=held.name, element=element.name),
+            source=IndiSource(property=held.name, element=element.name),
             primary=False,
             max_age=max_age if held.name == "WEATHER_PARAMETERS" else 5.0,
         )

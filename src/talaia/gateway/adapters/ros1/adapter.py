@@ -36,7 +36,7 @@ from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
-from talaia.model.connection import Ros1Connection
+from talaia.model.connection import Ros1Connection, RosSource, source_as, topic_of
 from talaia.model.site import CommandKind, DriveMessage
 from talaia.wire.frames import CommandPhase
 
@@ -255,8 +255,8 @@ class Ros1Adapter:
         if node is None or described is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
-        sources = {signal.source.topic for signal in described.signals.values()}
-        topics = {source for source in sources if source}
+        sources = {topic_of(signal.source) for signal in described.signals.values()}
+        topics = {topic for topic in sources if topic}
         for number, wanted in self._wanted.items():
             apart = (*self._streams.values(), *self._frames.values())
             if wanted.topic in topics and number not in apart:
@@ -342,7 +342,7 @@ class Ros1Adapter:
                     worker.offer(taker, heard.raw)
 
                 self._streams[address] = number
-                source = stream.source
+                source = source_as(stream.source, RosSource)
                 # A little more than is shown, so that the two paces do not lose every other one.
                 rate = stream.max_rate * 1.5
                 self._wanted[number] = _Wanted(source.topic, source.type, take_picture, rate)
@@ -362,7 +362,8 @@ class Ros1Adapter:
     def _plan_frames(self) -> None:
         self._frames.clear()
         for device_id, device in self._scope.devices.items():
-            if device.frames is None or self._files is None:
+            source = device.frames
+            if not isinstance(source, RosSource) or self._files is None:
                 continue
             number, files = len(self._wanted), self._files
 
@@ -377,7 +378,7 @@ class Ros1Adapter:
                     files.keep_file(device, lambda: file_in(decode(heard.raw)))
 
             self._frames[device_id] = number
-            self._wanted[number] = _Wanted(device.frames.topic, device.frames.type, keep_file)
+            self._wanted[number] = _Wanted(source.topic, source.type, keep_file)
 
     def _record(self, heard: ReceivedMessage, number: int) -> None:
         """Give a message to who records, if it is one of those and its type is known."""

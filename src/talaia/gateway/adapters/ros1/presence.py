@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.presence import LOOK_S, DeviceEndpoints, DevicePresence
 from talaia.gateway.errors import AdapterLost
+from talaia.model.connection import topic_of
 from talaia.model.site import CommandKind
 
 if TYPE_CHECKING:
@@ -46,7 +47,9 @@ class Ros1Presence:
         self._master, self._clock = master, clock
         self.heard_ns: dict[str, int] = {}
         self._topics = {
-            name: {signal.source.topic for signal in device.signals.values() if signal.source.topic}
+            name: {
+                topic for signal in device.signals.values() if (topic := topic_of(signal.source))
+            }
             for name, device in scope.devices.items()
         }
         self._services = {

@@ -42,7 +42,7 @@ from talaia.gateway.errors import AdapterLost, TypeMissing
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
-from talaia.model.connection import Ros2Connection
+from talaia.model.connection import Ros2Connection, RosSource, source_as
 from talaia.shared_memory import remove_dead_segments_at_start
 from talaia.wire.frames import CommandPhase
 
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
         FileSink,
         RawSink,
     )
-    from talaia.model.site import Source, Stream
+    from talaia.model.site import Stream
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2Adapter"]
@@ -395,7 +395,7 @@ class Ros2Adapter:
             done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
         described = self._scope.devices[device]
-        sources = [signal.source for signal in described.signals.values()]
+        sources = [source_as(signal.source, RosSource) for signal in described.signals.values()]
         wanted = {_key(source.topic, source.type) for source in sources if source.topic}
         for plan in self._plans:
             if _key(plan.topic, plan.type_name) in wanted - self._listening.keys():
@@ -444,10 +444,11 @@ class Ros2Adapter:
                     self._drop(self._listening.pop(key))
 
     def _begin_stream(self, key: str, address: str, stream: Stream) -> None:
-        kind = self._class(stream.source.type, stream.source.topic)
+        source = source_as(stream.source, RosSource)
+        kind = self._class(source.type, source.topic)
         if kind is None:
             return
-        decode = decoder_for(stream.source.type, lambda data: deserialize_message(data, kind))
+        decode = decoder_for(source.type, lambda data: deserialize_message(data, kind))
         taker = PictureStream(address, stream, decode, self._complain)
         worker = self._worker
 
@@ -455,7 +456,7 @@ class Ros2Adapter:
             if worker is not None:
                 worker.offer(taker, raw)
 
-        self._listening[key] = _Listening(stream.source.topic, kind, PICTURE_DEPTH, offer_picture)
+        self._listening[key] = _Listening(source.topic, kind, PICTURE_DEPTH, offer_picture)
 
     def _look_at_frames(self) -> None:
         files = self._files
@@ -542,9 +543,10 @@ class Ros2Adapter:
         listening.subscription, listening.quality = None, None
 
 
-def _frames_of(scope: ConnectionScope, device: str) -> Source | None:
+def _frames_of(scope: ConnectionScope, device: str) -> RosSource | None:
     described = scope.devices.get(device)
-    return None if described is None else described.frames
+    frames = None if described is None else described.frames
+    return frames if isinstance(frames, RosSource) else None
 
 
 def _stream_of(scope: ConnectionScope, device: str, stream: str) -> Stream | None:

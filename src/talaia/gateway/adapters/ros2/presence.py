@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rcl_interfaces.srv import GetParameters
 
 from talaia.gateway.adapters.presence import Deafness, DeviceEndpoints, DevicePresence
+from talaia.model.connection import topic_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,7 +55,9 @@ class Ros2Presence:
         self._node, self._thread, self._clock, self._commands = node, thread, clock, commands
         self.heard_ns: dict[str, int] = {}
         self._topics = {
-            name: {signal.source.topic for signal in device.signals.values() if signal.source.topic}
+            name: {
+                topic for signal in device.signals.values() if (topic := topic_of(signal.source))
+            }
             for name, device in scope.devices.items()
         }
         self._clients: dict[str, Any] = {}

@@ -34,7 +34,7 @@ from talaia.gateway.errors import AdapterLost, FieldError, SettingsError
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
-from talaia.model.connection import RosbridgeConnection
+from talaia.model.connection import RosbridgeConnection, RosSource, source_as, topic_of
 from talaia.model.site import CommandKind
 from talaia.wire.frames import CommandPhase
 
@@ -303,7 +303,7 @@ class RosbridgeAdapter:
         if not self._connected or described is None:
             done(CommandOutcome(CommandPhase.FAILED, "the robot's side cannot be reached now"))
             return
-        topics = {signal.source.topic for signal in described.signals.values()}
+        topics = {topic_of(signal.source) for signal in described.signals.values()}
         for plan in self._plans.values():
             if plan.topic in topics:
                 self._send_operation("unsubscribe", topic=plan.topic, id=f"signal {plan.topic}")
@@ -356,14 +356,15 @@ class RosbridgeAdapter:
         if stream is None:
             return
         taker = PictureStream(address, stream, bytes_of, self._complain)
-        self._takers.setdefault(stream.source.topic, {})[address] = taker
+        source = source_as(stream.source, RosSource)
+        self._takers.setdefault(source.topic, {})[address] = taker
         # A little sooner than shown, so that the two paces do not lose every other picture.
         # Only pictures as CBOR: a server on ROS 2 cannot write lists of fixed length that way (the
         # covariance of an odometry), and pictures are what is worth it.
         self._subscribe(
             f"stream {address}",
-            stream.source.topic,
-            stream.source.type,
+            source.topic,
+            source.type,
             throttle_rate=int(700 / stream.max_rate),
             queue_length=1,
             compression="cbor" if self._settings.cbor else "none",
@@ -372,8 +373,9 @@ class RosbridgeAdapter:
     def _end_stream(self, address: str) -> None:
         stream = self._streams.get(address)
         if stream is not None:
-            self._takers.get(stream.source.topic, {}).pop(address, None)
-            self._send_operation("unsubscribe", id=f"stream {address}", topic=stream.source.topic)
+            topic = topic_of(stream.source)
+            self._takers.get(topic, {}).pop(address, None)
+            self._send_operation("unsubscribe", id=f"stream {address}", topic=topic)
 
     # ── from the server ──
 

@@ -22,7 +22,7 @@ from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.pixels import Pixels
 from talaia.gateway.video.worker import PictureWorker
-from talaia.model.connection import VideoConnection
+from talaia.model.connection import VideoConnection, VideoSource, source_as
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ class _Camera:
         worker: PictureWorker,
     ) -> None:
         self._address = address
-        self._stream = stream
+        self._source = source_as(stream.source, VideoSource)
         self._settings = settings
         self._context = context
         self._worker = worker
@@ -174,7 +174,7 @@ class _Camera:
 
     @contextlib.contextmanager
     def _open(self) -> Iterator[InputContainer]:
-        source, timeout = self._stream.source, (OPEN_S, SILENT_S)
+        source, timeout = self._source, (OPEN_S, SILENT_S)
         if source.file:
             with av.open(source.file, format="v4l2", timeout=timeout) as container:
                 yield container
@@ -213,7 +213,7 @@ class _Camera:
             self._worker.offer(self._taker, frame)
 
     def _lost(self, why: str) -> None:
-        where = self._stream.source.url or self._stream.source.file
+        where = self._source.url or self._source.file
         said = f"{where}: {why}"
         if self._well:
             self._well = False

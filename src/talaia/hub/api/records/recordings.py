@@ -22,6 +22,7 @@ from talaia.hub.api.schemas.recording_schemas import (
 )
 from talaia.hub.auth.permissions import Right, sees_stream
 from talaia.hub.store.sites.recordings import RecordingState
+from talaia.model.connection import topic_of
 from talaia.wire.frames import RecordingRequest
 
 if TYPE_CHECKING:
@@ -204,10 +205,10 @@ def _why_no_film(live: LiveSite, *, may: bool) -> str:
 def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
     """Pair recordings with the cameras that only they have, and no film of that time."""
     topics = {
-        stream.source.topic: f"{name}/{key}"
+        topic_of(stream.source): f"{name}/{key}"
         for name, device in live.description.devices.items()
         for key, stream in device.streams.items()
-        if stream.source.topic
+        if topic_of(stream.source)
     }
     shapes = []
     for recording in found:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
-import msgspec
 from fastapi import APIRouter, Query, Request
 
 from talaia.hub.api.access import address_of, known_live_of, number_of, who_of
@@ -33,6 +32,7 @@ from talaia.model.yaml_text.diff import difference, unified
 from talaia.model.yaml_text.load import load_site, site_of_plain
 from talaia.model.yaml_text.save import saved
 from talaia.model.yaml_text.source_lines import SourcePositions
+from talaia.model.yaml_text.source_tags import plain_of
 from talaia.wire.frames import ChangePhase
 from talaia.wire.sealing import MAX_TEXT, digest_of
 
@@ -247,8 +247,7 @@ def _plain(text: str) -> dict[str, Any] | None:
 
 
 def _builtins(site: Site) -> dict[str, Any]:
-    plain: dict[str, Any] = msgspec.to_builtins(site)
-    return plain
+    return cast("dict[str, Any]", plain_of(site))
 
 
 def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:

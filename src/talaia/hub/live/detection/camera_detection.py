@@ -9,6 +9,7 @@ import math
 from typing import TYPE_CHECKING, Protocol
 
 from talaia.hub.live.pictures.jpeg_decoder import Unreadable
+from talaia.model.connection import DetectionSource, source_as
 from talaia.objects.errors import DetectorError
 from talaia.objects.eyes import Eyes
 from talaia.wire.frames import PictureForm
@@ -122,7 +123,10 @@ class CameraDetection:
         """Count for these signals from here on."""
         self._counted = counted
         self._said = {address: said for address, said in self._said.items() if address in counted}
-        self._eyes.recount({address: signal.source for address, signal in counted.items()})
+        sources = {
+            address: source_as(of.source, DetectionSource) for address, of in counted.items()
+        }
+        self._eyes.recount(sources)
 
     async def run(self) -> None:
         """Look until cancelled; what is in sight then has ended."""

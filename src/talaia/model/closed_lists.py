@@ -1,0 +1,108 @@
+"""The closed lists of the site description: every part downstream knows each of their words."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+__all__ = [
+    "ArgumentType",
+    "CommandKind",
+    "DeviceKind",
+    "DriveMessage",
+    "KeyMode",
+    "LinkLoss",
+    "PositionFrame",
+    "SignalType",
+    "Visibility",
+]
+
+
+class SignalType(StrEnum):
+    """What a signal holds. The list is closed: every part downstream knows each."""
+
+    NUMBER = "number"
+    STATE = "state"
+    TEXT = "text"
+    POSITION = "position"
+
+
+class PositionFrame(StrEnum):
+    """How a position is given: metres in a local frame (REP-105), or WGS 84 degrees."""
+
+    LOCAL = "local"
+    WGS84 = "wgs84"
+
+
+class DeviceKind(StrEnum):
+    """What a device is, so that its page can look the part."""
+
+    VEHICLE = "vehicle"
+    DOME = "dome"
+    TELESCOPE = "telescope"
+    CAMERA = "camera"
+    WEATHER = "weather"
+    POWER = "power"
+    OTHER = "other"
+
+
+class Visibility(StrEnum):
+    """Who sees it: everyone (guests too), or those with the right to view."""
+
+    PUBLIC = "public"
+    VIEW = "view"
+
+
+class ArgumentType(StrEnum):
+    """What a command's argument may be."""
+
+    NUMBER = "number"
+    INTEGER = "integer"
+    BOOLEAN = "boolean"
+    TEXT = "text"
+
+
+class CommandKind(StrEnum):
+    """How a one-shot command reaches the robot."""
+
+    SERVICE = "service"
+    TOPIC = "topic"
+    ACTION = "action"
+    # ROS: sets parameters. INDI: sends a property. Process: runs a command. Extension: its own.
+    PARAMETER = "parameter"
+    INDI = "indi"
+    PROCESS = "process"
+    EXTENSION = "extension"
+
+
+class DriveMessage(StrEnum):
+    """What a driven device listens to."""
+
+    TWIST = "geometry_msgs/msg/Twist"
+    TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
+    KEYS = "std_msgs/msg/String"
+
+
+class KeyMode(StrEnum):
+    """How a device that is driven by characters takes them.
+
+    ``press``: each character changes a velocity that the device keeps until ``s``, as the founding
+    vehicle's teleoperation does; one is sent for a press, and ``s`` when the press ends.
+    ``repeat``: each character is good for a moment, so it is sent again and again while a key is
+    held. Never for a device that adds them up.
+    """
+
+    PRESS = "press"
+    REPEAT = "repeat"
+
+
+class LinkLoss(StrEnum):
+    """What a driven device is told when the hub cannot be reached.
+
+    A hold that is on ends with zeros in any case. ``stop`` says zeros also to a device that
+    nobody drives, so that it halts whatever it is doing; ``hold`` leaves that as it is.
+    """
+
+    STOP = "stop"
+    HOLD = "hold"
+    # The former word for `HOLD`.
+    NOTHING = "nothing"

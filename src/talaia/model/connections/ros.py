@@ -1,0 +1,144 @@
+"""What ROS 2, ROS 1 and rosbridge share: the source, topics, services, parameters, actions."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, ClassVar
+
+from talaia.model.base import SourceShape
+from talaia.model.checks.identifiers import Finding, field_fits, topic_fits, type_fits
+from talaia.model.checks.validity_checks import stamp_fits
+from talaia.model.closed_lists import CommandKind, SignalType
+from talaia.model.connections.rules import (
+    ConnectionT,
+    KindRules,
+    argument_fields,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.site import Command, Device, Signal
+
+__all__ = ["RosRules", "RosSource", "node_fits"]
+
+# A whole FITS file, as a message.
+_FILES = "std_msgs/msg/UInt8MultiArray"
+_NODE = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
+_PARAMETER = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+/?[A-Za-z_][A-Za-z0-9_.]*\Z")
+_MIDDLE = {
+    CommandKind.SERVICE: "srv",
+    CommandKind.TOPIC: "msg",
+    CommandKind.ACTION: "action",
+}
+
+
+class RosSource(SourceShape, frozen=True, kw_only=True, tag="ros"):
+    """Where a signal or a picture comes from in ROS 2, ROS 1 or behind a rosbridge.
+
+    Attributes:
+        topic: the topic, absolute (``/odom``).
+        type: the topic's type, ``package/msg/Name``.
+        field: the path of the field in the message: ``pose.pose.position.x``, ``ranges[0]``.
+        name: for a topic that carries many sensors by name (CloudConnect's ``/metric``): which.
+        parameter: a parameter instead of a topic, asked for once a second: ``/node/name``.
+        stamp: the path of the value's own time, ``header.stamp``, which tells an old value that
+            goes on arriving from a new one. Interlocks count a value from when its stamp last
+            advanced.
+        synchronized: the clock behind ``stamp`` and the gateway's agree (NTP): a stamp that is
+            further from the gateway's clock than ``max_age`` makes its value unknown.
+
+    """
+
+    topic: str = ""
+    type: str = ""
+    field: str = ""
+    name: str = ""
+    parameter: str = ""
+    stamp: str = ""
+    synchronized: bool = False
+
+
+class RosRules(KindRules[ConnectionT, RosSource]):
+    """Checks what all three ways to ROS have in common."""
+
+    source = RosSource
+    example = "topic: /odom, type: nav_msgs/msg/Odometry, field: …"
+    commands = frozenset(
+        {CommandKind.SERVICE, CommandKind.TOPIC, CommandKind.ACTION, CommandKind.PARAMETER}
+    )
+    drives = True
+    # Whether whole FITS files come as messages.
+    files: ClassVar[bool] = True
+
+    def __init__(self, connection: ConnectionT) -> None:
+        """Answer for this connection."""
+        super().__init__(connection, RosSource)
+
+    def signal_fits(self, where: str, signal: Signal, source: RosSource) -> Iterator[Finding]:
+        """See `ConnectionRules`."""
+        yield from stamp_fits(where, signal, source.stamp, synchronized=source.synchronized)
+        judged = signal.type in (SignalType.NUMBER, SignalType.STATE)
+        if source.stamp and judged and (source.parameter or source.name):
+            what = "a parameter" if source.parameter else "a sensor by name"
+            yield Finding(f"{where}.stamp", f"{what} has no stamp", "leave the stamp out")
+        elif source.stamp and judged:
+            yield from field_fits(f"{where}.stamp", source.stamp)
+        if source.parameter:
+            yield from self.parameter_fits(where, source)
+            return
+        yield from self.stream_fits(where, source)
+        if signal.type is not SignalType.POSITION and not source.field and not source.name:
+            problem = "which field of the message is meant?"
+            yield Finding(f"{where}.field", problem, "write: field: data")
+
+    def parameter_fits(self, where: str, source: RosSource) -> Iterator[Finding]:
+        """Judge the name of a parameter."""
+        if not _PARAMETER.match(source.parameter):
+            problem = f"{source.parameter!r} is not the name of a parameter"
+            yield Finding(f"{where}.parameter", problem, "write it as /node/name")
+        if source.topic:
+            yield Finding(f"{where}.parameter", "a topic is given, too", "leave one out")
+
+    def stream_fits(self, where: str, source: RosSource) -> Iterator[Finding]:
+        """See `ConnectionRules`."""
+        yield from topic_fits(f"{where}.topic", source.topic)
+        yield from type_fits(f"{where}.type", source.type, "msg")
+        if source.field:
+            yield from field_fits(f"{where}.field", source.field)
+        if source.name and source.field:
+            yield Finding(f"{where}.name", "both name and field are given", "leave one out")
+
+    def frames_findings(self, where: str, device: Device) -> Iterator[Finding]:
+        """See `ConnectionRules`."""
+        if not self.files:
+            yield from super().frames_findings(where, device)
+            return
+        source = device.frames
+        if not isinstance(source, RosSource):
+            yield from () if source is None else self.foreign_findings(where, source)
+            return
+        yield from self.foreign_findings(where, source)
+        yield from topic_fits(f"{where}.topic", source.topic)
+        if source.type != _FILES:
+            problem = f"expected {_FILES}, found {source.type or 'nothing'}"
+            yield Finding(f"{where}.type", problem, f"write: type: {_FILES}")
+        # A file is taken as it is: nothing in it is looked up.
+        for key in ("field", "name", "parameter"):
+            if getattr(source, key):
+                yield Finding(f"{where}.{key}", "the whole message is the file", "leave it out")
+
+    def command_fits(self, where: str, command: Command) -> Iterator[Finding]:
+        """See `ConnectionRules`."""
+        yield from topic_fits(f"{where}.target", command.target)
+        middle = _MIDDLE.get(command.kind)
+        if middle is not None:
+            yield from type_fits(f"{where}.type", command.type, middle)
+        for at, field in argument_fields(where, command):
+            yield from field_fits(at, field)
+
+
+def node_fits(where: str, node: str) -> Iterator[Finding]:
+    """Judge the gateway's node name of the connection at ``where``."""
+    if not _NODE.match(node):
+        yield Finding(f"{where}.node", f"{node!r} is not the name of a node", "as talaia_gateway")
