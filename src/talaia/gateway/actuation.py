@@ -19,6 +19,7 @@ from talaia.gateway.disk_trouble import DiskTrouble
 from talaia.gateway.driving.control_timer import ControlTimer
 from talaia.gateway.driving.drive_service import DriveService
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
+from talaia.gateway.driving.stop_writer import StopWriter
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.renames import touched
 
@@ -92,8 +93,9 @@ class Actuation:
             output=output,
             readings=readings,
             next_epoch=LeaseEpochs(data / "epochs.json").next,
-            stops=PersistentStops(data / "stops.json"),
-            on_disk=on_disk,
+            stops=StopWriter(
+                stops=PersistentStops(data / "stops.json"), on_disk=on_disk, output=output
+            ),
             interlocks=interlocks,
         )
         self.timer = ControlTimer(asyncio.get_running_loop(), clock, self.driving)

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from talaia.clock import MS, SECOND, HandClock
-from talaia.gateway.driving.drive_service import DriveService, TickClock
+from talaia.gateway.driving.drive_service import DriveService
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
+from talaia.gateway.driving.stop_writer import StopWriter
+from talaia.gateway.driving.tick_clock import TickClock
 from talaia.gateway.ports import ChannelReading
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
@@ -105,8 +107,11 @@ class Bench:
             output=self.robot,
             readings=self.robot,
             next_epoch=LeaseEpochs(self.folder / "epochs.json").next,
-            stops=PersistentStops(self.folder / "stops.json"),
-            on_disk=on_disk,
+            stops=StopWriter(
+                stops=PersistentStops(self.folder / "stops.json"),
+                on_disk=on_disk,
+                output=self.robot,
+            ),
         )
 
     def lease(self, session: str = "tab", op: LeaseOp = LeaseOp.TAKE) -> LeaseState:
@@ -434,7 +439,7 @@ async def test_reset_is_refused_while_the_disk_is_full(bench: Bench) -> None:
     async def full(work: object) -> None:
         raise OSError(28, "No space left on device")
 
-    bench.control._on_disk = full
+    bench.control._stops._on_disk = full
     await bench.control.reset(ResetRequest(**ask, token=token))
     assert "No space left" in bench.robot.last(ResetToken).refused
     assert bench.robot.last(StopState).latched

@@ -13,6 +13,7 @@ from msgspec import structs
 from talaia.clock import MS, SECOND, HandClock
 from talaia.gateway.driving.drive_service import DriveService
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
+from talaia.gateway.driving.stop_writer import StopWriter
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.condition_judge import join_verdicts, judge_reading
 from talaia.gateway.safety.interlock_state import (
@@ -129,8 +130,11 @@ class Bench(ControlBench):
             output=self.world,
             readings=self.world,
             next_epoch=LeaseEpochs(self.folder / "epochs.json").next,
-            stops=PersistentStops(self.folder / "stops.json"),
-            on_disk=on_disk,
+            stops=StopWriter(
+                stops=PersistentStops(self.folder / "stops.json"),
+                on_disk=on_disk,
+                output=self.world,
+            ),
             interlocks=self.interlocks,
         )
 

@@ -9,22 +9,22 @@ Long, because all that may end a hold (people, link, robot, another description)
 
 from __future__ import annotations
 
-import logging
-import math
 import secrets
+from functools import partial
 from typing import TYPE_CHECKING
 
-from talaia.clock import MS, SECOND
 from talaia.gateway.driving.drive_controller import DriveController
-from talaia.gateway.driving.stop_latch import LatchedStop, StandstillProof
+from talaia.gateway.driving.motion_readings import MotionReadings
+from talaia.gateway.driving.stop_latch import LatchedStop
+from talaia.gateway.driving.tick_clock import TICK_NS, TickClock
 from talaia.model.site import LinkLoss
 from talaia.wire.frames import ControlTick, ResetToken
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Collection
+    from collections.abc import Callable, Collection
 
     from talaia.clock import Clock
-    from talaia.gateway.driving.persistent_state import PersistentStops
+    from talaia.gateway.driving.stop_writer import StopWriter
     from talaia.gateway.ports import ControlOutput, ReadingSource
     from talaia.gateway.safety.interlocks import Interlocks
     from talaia.model.site import Site
@@ -37,41 +37,9 @@ if TYPE_CHECKING:
         StopRequest,
     )
 
-__all__ = ["DriveService", "TickClock"]
+__all__ = ["DriveService"]
 
-TICK_NS = 50 * MS
 CHANGING = "its description is being changed"
-
-
-log = logging.getLogger(__name__)
-
-
-class TickClock:
-    """The gateway's own time marks, by which the age of a driver's frame is told. Pure."""
-
-    KEPT = 64
-
-    def __init__(self) -> None:
-        """Start before the first."""
-        self._sent: dict[int, int] = {}
-        self.last = -1
-        self.last_ns = -TICK_NS
-
-    def next(self, now_ns: int) -> int:
-        """Make the next mark."""
-        self.last += 1
-        self.last_ns = now_ns
-        self._sent[self.last] = now_ns
-        self._sent.pop(self.last - self.KEPT, None)
-        return self.last
-
-    def age_ns(self, tick: int, now_ns: int) -> int:
-        """Tell how long ago a mark was sent; negative if it never was."""
-        if not 0 <= tick <= self.last:
-            return -1
-        sent = self._sent.get(tick)
-        # Older than all that is kept: far beyond every time to live.
-        return 3600 * SECOND if sent is None else now_ns - sent
 
 
 class DriveService:
@@ -85,8 +53,7 @@ class DriveService:
         output: ControlOutput,
         readings: ReadingSource,
         next_epoch: Callable[[], int],
-        stops: PersistentStops,
-        on_disk: Callable[[Callable[[], None]], Awaitable[None]],
+        stops: StopWriter,
         interlocks: Interlocks | None = None,
     ) -> None:
         """Make a controller for each driven device.
@@ -98,29 +65,30 @@ class DriveService:
             readings: for the confirmation of STOP.
             next_epoch: see `DeviceLease`.
             stops: latches kept on disk.
-            on_disk: runs a blocking write elsewhere, in order; raises what it raises.
             interlocks: say when a device may not be driven; kept in time with the rest.
 
         """
-        self._interlocks = interlocks
-        self._site = site
         self._clock = clock
         self._output = output
-        self._readings = readings
         self._stops = stops
-        self._on_disk = on_disk
-        self.ticks = TickClock()
-        self._linked = False
-        self._away: set[str] = set()
-        self._changing: frozenset[str] = frozenset()
+        self._interlocks = interlocks
         self._next_epoch = next_epoch
+        self._motion = MotionReadings(site, readings)
+        # Sent while anybody holds a lease; drivers echo them.
+        self.ticks = TickClock()
+        # Whether there is a hub: a link that was never up cannot be lost.
+        self._linked = False
+        # Devices whose robot cannot be told anything now.
+        self._away: set[str] = set()
+        # Devices whose description is about to change: nobody drives them until it has.
+        self._changing: frozenset[str] = frozenset()
         self.controllers = {
             name: DriveController(
                 device=name,
                 rule=device.drive,
                 output=output,
                 next_epoch=next_epoch,
-                stopped=stops.get(name),
+                stopped=stops.latched_stop(name),
             )
             for name, device in site.devices.items()
             if device.drive is not None
@@ -131,10 +99,7 @@ class DriveService:
     @property
     def busy(self) -> bool:
         """Whether somebody holds the lease of a device."""
-        now = self._clock.monotonic_ns()
-        return any(
-            controller.lease.holder(now) is not None for controller in self.controllers.values()
-        )
+        return self._anyone_holds()
 
     # ── from the hub ──
 
@@ -167,7 +132,7 @@ class DriveService:
             now = self._clock.monotonic_ns()
             controller.bar(self._barred(frame.device, now), now)
             controller.slow(self._share(frame.device, now))
-            controller.measured = self._measured(controller, now)
+            controller.measured = self._motion.measured_velocity(controller.rule, now)
             controller.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
     def stop(self, ask: StopRequest) -> LatchedStop | None:
@@ -182,24 +147,11 @@ class DriveService:
 
     async def keep_stop(self, device: str, latched: LatchedStop) -> None:
         """Write a STOP to disk, so that it survives a restart."""
-        try:
-            await self._on_disk(lambda: self._stops.write(device, latched))
-        except OSError as error:
-            # Latched it is; `write_waiting` tries again.
-            problem = f"STOP is on, but cannot be kept over a restart: {error}"
-            self._output.record_event("disk_failed", device, problem, latched.who, good=False)
+        await self._stops.write_stop(device, latched)
 
     async def write_waiting(self) -> None:
         """Try again to write each STOP that the disk did not take."""
-        if not self._stops.behind:
-            return
-        try:
-            await self._on_disk(self._stops.write_waiting)
-        except OSError as error:
-            log.debug("STOP is not on disk yet: %s", error)
-            return
-        said = "STOP is on disk now, and will be kept over a restart"
-        self._output.record_event("disk_recovered", "", said, "", good=True)
+        await self._stops.write_waiting()
 
     async def reset(self, ask: ResetRequest) -> None:
         """Give a token, or take it and release STOP."""
@@ -217,29 +169,22 @@ class DriveService:
         else:
             refused = controller.latch.check_token(ask.session, ask.token, now)
         if refused or not ask.token:
-            self._output.send(
-                ResetToken(
-                    device=ask.device,
-                    session=ask.session,
-                    token="" if refused else token,
-                    refused=refused,
-                )
-            )
+            self._answer_reset(ask, "" if refused else token, refused)
             return
         await self._release(controller, ask)
 
     async def _release(self, controller: DriveController, ask: ResetRequest) -> None:
         was = controller.latch.latched
-        try:
-            await self._on_disk(lambda: self._stops.write(controller.device, None))
-        except OSError as error:
-            refused = f"the gateway cannot write its disk: {error}"
-            self._output.send(
-                ResetToken(device=controller.device, session=ask.session, refused=refused)
-            )
+        if refused := await self._stops.write_release(controller.device):
+            self._answer_reset(ask, "", refused)
             return
         if controller.latch.latched is was:
             controller.on_reset(ask.who, self._clock.monotonic_ns())
+
+    def _answer_reset(self, ask: ResetRequest, token: str, refused: str) -> None:
+        self._output.send(
+            ResetToken(device=ask.device, session=ask.session, token=token, refused=refused)
+        )
 
     # ── another description ──
 
@@ -270,14 +215,16 @@ class DriveService:
         now = self._clock.monotonic_ns()
         # Whoever took a lease since then has driven nothing, for it was barred.
         self.leave([device for device in devices if device in self.controllers])
-        before, self._site, self._changing = self.controllers, site, frozenset()
+        self._motion.redescribe(site)
+        before, self._changing = self.controllers, frozenset()
         self.controllers = {}
         for name, device in site.devices.items():
             if device.drive is None:
                 continue
             controller = before.get(name)
             if controller is None or controller.rule != device.drive:
-                stopped = self._stops.get(name) if controller is None else controller.latch.latched
+                kept = self._stops.latched_stop(name)
+                stopped = kept if controller is None else controller.latch.latched
                 controller = DriveController(
                     device=name,
                     rule=device.drive,
@@ -365,7 +312,7 @@ class DriveService:
             if controller.driving.moving:
                 controller.bar(self._barred(controller.device, now), now)
                 controller.slow(self._share(controller.device, now))
-            controller.step(now, lambda controller=controller: self._proofs(controller))  # type: ignore[misc]
+            controller.step(now, partial(self._motion.standstill_proofs, controller.rule))
         if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
             self._tick(now)
 
@@ -381,20 +328,6 @@ class DriveService:
     def _share(self, device: str, now_ns: int) -> float:
         return 1.0 if self._interlocks is None else self._interlocks.share(device, now_ns)
 
-    def _measured(self, controller: DriveController, now_ns: int) -> tuple[float, float]:
-        """Give what a robot that is driven by characters says of its motion; NaN for nothing."""
-        keys = controller.rule.keys
-        speed, turn = (self._fresh(address, now_ns) for address in (keys.speed, keys.turn))
-        return speed, turn
-
-    def _fresh(self, address: str, now_ns: int) -> float:
-        reading = self._readings.latest(address) if address else None
-        if reading is None:
-            return math.nan
-        device, _, signal = address.partition("/")
-        max_age = self._site.devices[device].signals[signal].max_age
-        return reading.value if now_ns - reading.mono_ns <= round(max_age * SECOND) else math.nan
-
     def _anyone_holds(self) -> bool:
         now = self._clock.monotonic_ns()
         return any(
@@ -403,16 +336,3 @@ class DriveService:
 
     def _tick(self, now_ns: int) -> None:
         self._output.send(ControlTick(tick=self.ticks.next(now_ns)))
-
-    def _proofs(self, controller: DriveController) -> list[StandstillProof | None]:
-        proofs: list[StandstillProof | None] = []
-        for address in controller.rule.stop.confirmed_by:
-            reading = self._readings.latest(address)
-            device, _, signal = address.partition("/")
-            max_age = self._site.devices[device].signals[signal].max_age
-            proofs.append(
-                None
-                if reading is None
-                else StandstillProof(reading.value, reading.mono_ns, round(max_age * SECOND))
-            )
-        return proofs

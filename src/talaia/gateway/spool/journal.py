@@ -20,20 +20,25 @@ import contextlib
 import logging
 import os
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import msgspec
 from msgspec.structs import replace
 
-from talaia.gateway.persistence import NO_ROOM
+from talaia.gateway.spool.disk_room import DiskRoom
 from talaia.gateway.spool.files import Segment, SegmentHead, set_aside, unlinked, write_all
 from talaia.gateway.spool.former_runs import newest_in
 from talaia.gateway.spool.gaps import DroppedSamples, SpoolGaps
 from talaia.gateway.spool.opening import DAMAGED, take_up, tell_torn
-from talaia.gateway.spool.packing import packed, unpacked
 from talaia.gateway.spool.progress_mark import MarkFile, ProgressMark
-from talaia.gateway.spool.segment import RecordKind, SampleRecord, pack_record, records
-from talaia.wire.errors import PeerError
+from talaia.gateway.spool.segment import RecordKind, SampleRecord, pack_record
+from talaia.gateway.spool.segment_packer import pack_segment
+from talaia.gateway.spool.segment_reader import (
+    SegmentReader,
+    SpoolPosition,
+    StoredRecord,
+    gap_in,
+)
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch, SampleGap
 
 if TYPE_CHECKING:
@@ -51,28 +56,10 @@ MEMORY_BYTES = 4 * 1024 * 1024
 FULL = "the gateway's disk space for unsent samples was full"
 UNLEARNED = "the hub lost what it had stored, and the gateway had it no more"
 OLD = "it waited in the gateway for longer than it is kept"
-# Of the whole disk, where that is less than what is to stay free.
-MOST_SPARE = 0.05
 # A wall clock that is that far off was set (µs).
 _JUMP_US = 5_000_000
 # A segment is closed at the latest after this part of the age at which it would be dropped.
 TURNS = 24
-
-
-class StoredRecord(NamedTuple):
-    """A record with what its segment says of it."""
-
-    head: SegmentHead
-    record: SampleRecord
-
-
-class SpoolPosition(NamedTuple):
-    """Where a reader stands; `Place()` is the oldest. ``end`` is one past the last it was given."""
-
-    number: int = 0
-    turn: int = 0
-    offset: int = 0
-    end: int = -1
 
 
 class Spool:
@@ -106,22 +93,32 @@ class Spool:
         """
         self._folder = folder
         self._bound = bound
-        self._age_s, self._spare, self._now = age_s, spare, now
+        self._age_s, self._now = age_s, now
+        # By boot: every sample below is stored at the hub for good.
         self._acked: dict[str, int] = {}
+        # What of this boot was acknowledged and is no longer here, should the hub lose it.
         self._gone = DroppedSamples()
+        # Up to which sample of this boot the last `sync` came.
         self._synced_end = 0
+        # Something was written since then.
         self._dirty = False
+        # What the disk does not take now, in order, and its bytes.
         self._memory: deque[SampleRecord] = deque()
         self._memory_bytes = 0
+        # The file of the current segment; negative while the disk has no room for it.
         self._file = -1
-        self._full = False
+        self._room = DiskRoom(folder, spare)
+        # What is lost, until the hub has acknowledged past it.
         self._gaps = SpoolGaps(folder / "gaps.json")
+        self._reader = SegmentReader(self._acked, self._gaps)
+        # How far this run came, for the one that follows it.
         self._mark_file = MarkFile(folder / "mark.json")
         # What the run before this one left of itself; none where there was none.
         self.former = self._mark_file.former
         began_us = wall_us()
         deaf_us = began_us if self.former is not None else 0
         self._mark = ProgressMark(head.boot, began_us=began_us, deaf_us=deaf_us, machine=machine)
+        # On disk, oldest first; the last is the current one.
         self._segments: list[Segment] = []
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -132,6 +129,7 @@ class Spool:
         if self.former is not None:
             tell_torn(self.former, self._segments, self._gaps)
         self._next_number = 1 + max((segment.number for segment in self._segments), default=0)
+        # For how long gateways ran before this one (s): the age of what waits counts only that.
         self._ran_s = max((segment.head.ran_s for segment in self._segments), default=0.0) - now()
         self._head = head
         self._current = self._begin()
@@ -146,7 +144,7 @@ class Spool:
         segment = Segment(number, self._folder / f"{number:010d}.seg", head, 0, 0)
         self._segments.append(segment)
         self._current, self._file = segment, -1
-        while not self._open(segment) and self._full and self._drop_oldest(FULL):
+        while not self._open(segment) and self._room.full and self._drop_oldest(FULL):
             pass
         return segment
 
@@ -161,7 +159,7 @@ class Spool:
             file = os.open(segment.path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
             write_all(file, data)
         except OSError as error:
-            self._see_failure(error)
+            self._room.see_failure(error)
             if file >= 0:
                 os.close(file)
                 unlinked(segment.path)
@@ -169,11 +167,6 @@ class Spool:
         self._file = file
         segment.size = segment.start = len(data)
         return True
-
-    def _see_failure(self, error: OSError) -> None:
-        """Tell a full disk, where the oldest gives way, from one that takes nothing at all."""
-        log.debug("spool: %s", error)
-        self._full = error.errno in NO_ROOM
 
     def redescribe(self, head: SegmentHead) -> None:
         """Keep what comes from here on by another channel list, in a segment of its own."""
@@ -227,22 +220,10 @@ class Spool:
         self._mark_file.write(self._mark)
 
     def _place(self, data: bytes, record: SampleRecord) -> bool:
-        while not (self._has_room(len(data)) and self._write(data, record)):
-            if not self._full or not self._drop_oldest(FULL):
+        while not (self._room.has_room(len(data)) and self._write(data, record)):
+            if not self._room.full or not self._drop_oldest(FULL):
                 return False
         return True
-
-    def _has_room(self, size: int) -> bool:
-        self._full = True
-        if not self._spare:
-            return True
-        try:
-            disk = os.statvfs(self._folder)
-        except OSError as error:
-            self._see_failure(error)
-            return False
-        spare = min(self._spare, disk.f_blocks * disk.f_frsize * MOST_SPARE)
-        return disk.f_bavail * disk.f_frsize - size >= spare
 
     def _write(self, data: bytes, record: SampleRecord) -> bool:
         segment = self._current
@@ -262,7 +243,7 @@ class Spool:
         try:
             write_all(self._file, data)
         except OSError as error:
-            self._see_failure(error)
+            self._room.see_failure(error)
             # Where even that fails, a later record is written over what is half there.
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file, segment.size)
@@ -274,24 +255,9 @@ class Spool:
         return True
 
     def _pack(self, segment: Segment) -> None:
-        """Write a closed segment anew, smaller; a crash leaves the old or the new."""
-        if segment.end <= self._acked.get(segment.head.boot, 0) or segment not in self._segments:
-            return
-        beside = segment.path.with_suffix(".new")
-        try:
-            kept = [record for _, record in records(segment.path.read_bytes())]
-            whole = b"".join(pack_record(record) for record in [kept[0], *packed(kept[1:])])
-            with beside.open("wb") as file:
-                file.write(whole)
-                file.flush()
-                os.fdatasync(file.fileno())
-            beside.replace(segment.path)
-        except (OSError, IndexError) as error:
-            log.debug("%s stays as it is: %s", segment.path, error)
-            unlinked(beside)
-            return
-        segment.size = len(whole)
-        segment.turn += 1
+        """Write a closed segment anew, smaller, unless the hub has it anyway."""
+        if segment.end > self._acked.get(segment.head.boot, 0) and segment in self._segments:
+            pack_segment(segment)
 
     def _keep_in_memory(self, record: SampleRecord) -> None:
         self._memory.append(record)
@@ -312,7 +278,7 @@ class Spool:
         first = max(segment.first, self._acked.get(segment.head.boot, 0))
         if first < segment.end:
             # The gap is on record before the file goes: a crash between leaves both, not neither.
-            self._gaps.add(_gap_in(segment, first, why))
+            self._gaps.add(gap_in(segment, first, why))
             self._gaps.write()
         self._remove(segment)
         # Where the disk was too full for the gap, there is room now.
@@ -443,7 +409,7 @@ class Spool:
             if not same:
                 place = SpoolPosition(segment.number, segment.turn, segment.start)
             try:
-                found, place = self._read_segment(segment, place, most)
+                found, place = self._reader.read_segment(segment, place, most)
             except OSError as error:
                 self._give_up(segment, error)
                 continue
@@ -488,61 +454,6 @@ class Spool:
                 return SpoolPosition(segment.number, -1)
         return SpoolPosition()
 
-    def _read_segment(
-        self, segment: Segment, place: SpoolPosition, most: int
-    ) -> tuple[list[StoredRecord], SpoolPosition]:
-        found: list[StoredRecord] = []
-        offset, expected = place.offset, place.end
-        file = os.open(segment.path, os.O_RDONLY | os.O_CLOEXEC)
-        try:
-            while not found and offset < segment.size:
-                # Room for the longest batch, so that one that is cut off is read whole next time.
-                data = os.pread(file, min(most * 2, segment.size - offset), offset)
-                end = 0
-                for end, record in records(data):
-                    if record.kind == RecordKind.SEGMENT:
-                        continue
-                    self._see_hole(segment, expected, record)
-                    expected = record.end
-                    found += self._batches(segment, record)
-                    if end >= most:
-                        break
-                if end == 0:
-                    most = segment.size - offset if len(data) < segment.size - offset else 0
-                    if most == 0:
-                        # Nothing whole up to the end: what should be there has been damaged.
-                        self._see_hole(segment, expected, None)
-                        offset = segment.size
-                        break
-                offset += end
-        finally:
-            os.close(file)
-        return found, SpoolPosition(segment.number, segment.turn, offset, expected)
-
-    def _batches(self, segment: Segment, record: SampleRecord) -> list[StoredRecord]:
-        acked = self._acked.get(segment.head.boot, 0)
-        if record.end <= acked:
-            return []
-        try:
-            return [
-                StoredRecord(segment.head, record)
-                for record in unpacked(record)
-                if record.end > acked
-            ]
-        except PeerError as error:
-            self.lose(record, str(error), segment.head.boot)
-            return []
-
-    def _see_hole(self, segment: Segment, expected: int, record: SampleRecord | None) -> None:
-        """Tell of records that were whole when they were written and are not there now."""
-        first = max(segment.first if expected < 0 else expected, 0)
-        past = segment.end if record is None else record.first
-        first = max(first, self._acked.get(segment.head.boot, 0))
-        if first < past:
-            lost = _gap_in(segment, first, DAMAGED)
-            to_us = segment.to_us if record is None else record.from_us
-            self._gaps.add_unknown(replace(lost, last=past - 1, to_us=to_us))
-
     def _give_up(self, segment: Segment, error: OSError) -> None:
         """Set a segment aside that the disk no longer gives back; the link goes on without it."""
         log.warning("%s cannot be read and is set aside: %s", segment.path, error)
@@ -556,7 +467,7 @@ class Spool:
             log.warning("%s cannot be set aside: %s", segment.path, failure)
         first = max(segment.first, self._acked.get(segment.head.boot, 0))
         if first < segment.end:
-            self._gaps.add(_gap_in(segment, first, DAMAGED))
+            self._gaps.add(gap_in(segment, first, DAMAGED))
         self._segments.remove(segment)
 
     def close(self) -> None:
@@ -572,18 +483,6 @@ class Spool:
                 os.close(self._file)
         if self._current.first < 0:
             unlinked(self._current.path)
-
-
-def _gap_in(segment: Segment, first: int, reason: str) -> SampleGap:
-    """Say that a segment is gone from a sample on."""
-    return SampleGap(
-        boot=segment.head.boot,
-        first=first,
-        last=segment.end - 1,
-        from_us=segment.from_us,
-        to_us=segment.to_us,
-        reason=reason,
-    )
 
 
 def _alone(record: SampleRecord, addresses: list[str]) -> SampleRecord:
