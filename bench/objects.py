@@ -17,7 +17,7 @@ import stack
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from talaia.cli.parts import Part, end_all, start
+from talaia.cli.parts import Part, end_all, start_talaia
 from talaia.sim import domain
 from talaia.wire import frames
 
@@ -124,7 +124,7 @@ async def _gateway(port: int) -> AsyncIterator[stack.Stack]:
             "--allow-plain", "--key-file", str(folder / "key"),
             "--data", str(folder / "gateway"), "--ros-domain", str(world),
         ]  # fmt: skip
-        gateway: Part = await start("gateway", words, folder / "gateway.log", here)
+        gateway: Part = await start_talaia("gateway", words, folder / "gateway.log", here)
         try:
             await gateway.says("linked to", 30)
             yield stack.Stack(folder, port, gateway, gateway, here)

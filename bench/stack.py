@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import psutil
 
-from talaia.cli.parts import Part, end_all, start
+from talaia.cli.parts import Part, end_all, start_talaia
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.sim import domain
@@ -101,14 +101,14 @@ async def running(
         if before is not None:
             await before(settings)
         words = ["hub", "--data", str(folder), "--host", "127.0.0.1", "--port", str(port)]
-        hub = await start("hub", words, folder / "hub.log")
+        hub = await start_talaia("hub", words, folder / "hub.log")
         await hub.says("ready", 30)
         words = [
             "gateway", str(folder / "site.yaml"), "--hub", f"wss://127.0.0.1:{port}",
             "--key-file", str(folder / "key"), "--ca", str(folder / "tls" / "cert.pem"),
             "--data", str(folder / "gateway"), "--ros-domain", str(world),
         ]  # fmt: skip
-        gateway = await start("gateway", words, folder / "gateway.log", here)
+        gateway = await start_talaia("gateway", words, folder / "gateway.log", here)
         try:
             await gateway.says("linked to", 30)
             yield Stack(folder, port, hub, gateway, here)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 os.environ["QT_QPA_PLATFORM"] = "offscreen"
 
 from talaia.configurator.places import with_value
-from talaia.configurator.qt.app import application
+from talaia.configurator.qt.app import make_application
 from talaia.configurator.qt.palette import DARK, LIGHT
 from talaia.configurator.qt.window import Means, Window
 
@@ -30,7 +30,7 @@ SPEED = ("devices", "base", "signals", "speed")
 
 def main(folder: Path) -> int:
     """Write each picture; 0 when all are written."""
-    qt = application()
+    qt = make_application()
     folder.mkdir(parents=True, exist_ok=True)
     window = Window(Means((sys.executable, "-m", "talaia"), "UTC", lambda _: None))
     window.resize(*SIZE)

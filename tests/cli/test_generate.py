@@ -17,8 +17,8 @@ from tests.system.conftest import missing
 
 from talaia.cli.main import main
 from talaia.deploy.containers import DatabaseKind
-from talaia.deploy.project import DeployOptions, File, project
-from talaia.deploy.systemd import argument, gateway_unit
+from talaia.deploy.project import DeployOptions, File, make_deployment
+from talaia.deploy.systemd import gateway_unit, quoted_argument
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
@@ -37,7 +37,7 @@ def files_of(database: DatabaseKind, *hosts: str, program: str = "/opt/t") -> di
     site = read_site(EXAMPLE)
     choice = DeployOptions(database, 8443, hosts, "0.1.0", program)
     words = iter(f"secret{index}" for index in range(9))
-    return project(site, EXAMPLE.read_text(), choice, lambda: next(words))
+    return make_deployment(site, EXAMPLE.read_text(), choice, lambda: next(words))
 
 
 @pytest.mark.parametrize("database", DatabaseKind)
@@ -98,14 +98,14 @@ def test_a_hostile_name_is_one_argument_and_nothing_else(hostile: str) -> None:
     unit = files["systemd/talaia-hub.service"].text
     assert [line for line in unit.splitlines() if line.startswith("ExecStart=")] == [
         f"ExecStart=/opt/t hub --data /var/lib/talaia-hub --host 0.0.0.0 --port 8443"
-        f" --allow-host {argument(hostile)}"
+        f" --allow-host {quoted_argument(hostile)}"
     ]
 
 
 @settings(deadline=None)
 @given(st.text(max_size=30))
 def test_systemd_reads_back_one_word_for_each_argument(text: str) -> None:
-    written = argument(text)
+    written = quoted_argument(text)
     assert written.isprintable() or written == ""
     plain = written.replace("%%", "%").replace("$$", "$")
     if all(letter.isprintable() for letter in text):
@@ -116,7 +116,7 @@ def test_systemd_reads_back_one_word_for_each_argument(text: str) -> None:
 def test_a_site_whose_name_is_hostile_has_a_page_that_shows_it_and_does_nothing_else() -> None:
     site = msgspec.structs.replace(read_site(EXAMPLE), name="<script>x</script>\n# [a](b)")
     choice = DeployOptions(DatabaseKind.SQLITE, 8443, (), "0.1.0", "/opt/t")
-    page = project(site, "", choice, lambda: "")["README.md"].text
+    page = make_deployment(site, "", choice, lambda: "")["README.md"].text
     assert "<script>" not in page
     assert "\n# [a](b)" not in page
 

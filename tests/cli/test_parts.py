@@ -14,13 +14,13 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.cli.errors import PartStopped
-from talaia.cli.parts import Part, end_all, run_together, start, start_program
+from talaia.cli.parts import Part, end_all, run_together, start_program, start_talaia
 
 WAITING = [sys.executable, "-c", "import signal; signal.pause()"]
 
 
 async def test_a_parts_words_are_heard_and_kept_in_its_log(tmp_path: Path) -> None:
-    part = await start("checker", ["--version"], tmp_path / "log")
+    part = await start_talaia("checker", ["--version"], tmp_path / "log")
     try:
         assert "talaia" in await part.says("talaia", 30)
         with pytest.raises(PartStopped, match="exit code 0"):
@@ -31,7 +31,7 @@ async def test_a_parts_words_are_heard_and_kept_in_its_log(tmp_path: Path) -> No
 
 
 async def test_a_part_that_fails_at_the_start_is_told_with_its_last_words(tmp_path: Path) -> None:
-    part = await start("checker", ["nonsense"], tmp_path / "log")
+    part = await start_talaia("checker", ["nonsense"], tmp_path / "log")
     try:
         with pytest.raises(PartStopped) as caught:
             await part.says("ready", 30)
@@ -42,7 +42,9 @@ async def test_a_part_that_fails_at_the_start_is_told_with_its_last_words(tmp_pa
 
 
 async def test_a_part_is_in_a_session_of_its_own_and_ends_when_asked(tmp_path: Path) -> None:
-    part = await start("waiter", ["account", "ada", "--data", str(tmp_path)], tmp_path / "log")
+    part = await start_talaia(
+        "waiter", ["account", "ada", "--data", str(tmp_path)], tmp_path / "log"
+    )
     assert os.getsid(part.process.pid) == part.process.pid
     os.kill(part.process.pid, signal.SIGSTOP)  # it cannot answer: the kill must follow
     end = time.monotonic() + PATIENCE_S
@@ -92,7 +94,7 @@ async def test_a_part_that_is_killed_is_started_again_and_that_is_said_once(
 async def test_a_part_that_does_not_stay_is_told_with_its_last_words(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    part = await start("checker", ["nonsense"], tmp_path / "log", restart=True)
+    part = await start_talaia("checker", ["nonsense"], tmp_path / "log", restart=True)
     keeping = asyncio.create_task(part.keep())
     said, deadline = "", time.monotonic() + PATIENCE_S
     while "again and again" not in said:
@@ -131,7 +133,7 @@ async def test_a_part_that_is_cut_short_while_it_starts_again_is_ended_with_the_
 
 async def test_a_part_that_is_not_to_be_started_again_ends_all(tmp_path: Path) -> None:
     async def begin(parts: list[Part]) -> None:
-        parts.append(await start("checker", ["--version"], tmp_path / "log"))
+        parts.append(await start_talaia("checker", ["--version"], tmp_path / "log"))
 
     with pytest.raises(PartStopped, match="exit code 0"):
         await run_together(begin)

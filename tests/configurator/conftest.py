@@ -19,12 +19,12 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 def qt() -> Any:
     """The one Qt application; skips, or fails where nothing may be missing, without Qt."""
     try:
-        from talaia.configurator.qt.app import application
+        from talaia.configurator.qt.app import make_application
     except ImportError as error:
         if os.environ.get("TALAIA_REQUIRE_ALL"):
             pytest.fail(f"Qt cannot be loaded: {error}")
         pytest.skip(f"Qt cannot be loaded: {error}")
-    return application()
+    return make_application()
 
 
 @pytest.fixture

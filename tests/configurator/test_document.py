@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from talaia.configurator.document import MAX_STEPS, Document
 from talaia.configurator.edits import new_site
 from talaia.configurator.errors import NoSuchPlace
-from talaia.configurator.places import at, spot_of, take_out, with_value
+from talaia.configurator.places import spot_of, take_out, value_at, with_value
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
@@ -135,7 +135,7 @@ def test_a_key_with_dots_in_it_is_found_all_the_same() -> None:
 def test_a_place_that_is_not_there_is_told_with_its_path() -> None:
     site = load_site(AGV)
     with pytest.raises(NoSuchPlace, match=r"\$\.devices\.base\.signals\.sped"):
-        at(site, ("devices", "base", "signals", "sped", "unit"))
+        value_at(site, ("devices", "base", "signals", "sped", "unit"))
     with pytest.raises(NoSuchPlace):
         take_out(site, ("devices", "nowhere"))
 

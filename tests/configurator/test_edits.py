@@ -14,7 +14,7 @@ from talaia.model.ai_services import AiServices
 from talaia.model.checks.site_checks import check
 from talaia.model.site import DriveMessage, Site
 from talaia.model.yaml_text.load import load_site, read_site
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.write import write_description
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 EMPTY = edits.new_site("robot", "Robot", "UTC")
@@ -61,21 +61,23 @@ def test_the_three_services_stand_together_and_see_each_other() -> None:
     assert (drive.topic, drive.picture, drive.position) == (
         "/control", "camera/front", "gps/position",
     )  # fmt: skip
-    assert load_site(written(site)) == site
+    assert load_site(write_description(site)) == site
 
 
 def test_what_is_taken_out_leaves_no_reference_and_no_empty_device() -> None:
     site = edits.with_gps(edits.with_camera(edits.with_drive(EMPTY)))
-    site = edits.without(site, [*edits.cameras(site), *edits.gps(site)])
+    site = edits.without_things(site, [*edits.camera_paths(site), *edits.position_paths(site)])
     assert set(site.devices) == {"base"}
     assert check(site) == []
-    site = edits.without(site, [("devices", "base", "drive")])
+    site = edits.without_things(site, [("devices", "base", "drive")])
     assert site.devices == {}
 
 
 def test_a_device_that_goes_takes_the_references_to_it_along() -> None:
     site = load_site((EXAMPLES / "agv/site.yaml").read_text())
-    site = edits.without(site, [("devices", "camera"), ("devices", "base", "signals", "speed")])
+    site = edits.without_things(
+        site, [("devices", "camera"), ("devices", "base", "signals", "speed")]
+    )
     # What guards and what tells people never goes by itself: a person is told, and decides.
     assert [each.where for each in check(site)] == [
         "$.interlocks.person_ahead.when[0].signal",
@@ -89,9 +91,9 @@ def test_a_device_that_goes_takes_the_references_to_it_along() -> None:
 
 def test_ai_services_are_a_key_only_where_one_is_wanted() -> None:
     wanted = edits.with_services(EMPTY, AiServices(anomaly_detection=True))
-    assert "anomaly_detection: true" in written(wanted)
-    assert edits.ai_services(load_site(written(wanted))).anomaly_detection
-    assert "services" not in written(edits.with_services(wanted, AiServices()))
+    assert "anomaly_detection: true" in write_description(wanted)
+    assert edits.ai_services(load_site(write_description(wanted))).anomaly_detection
+    assert "services" not in write_description(edits.with_services(wanted, AiServices()))
 
 
 def test_a_site_without_ros_says_why_a_sensor_cannot_be_heard() -> None:

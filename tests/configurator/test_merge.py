@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from talaia.configurator import edits
-from talaia.configurator.merge import merged
+from talaia.configurator.merge import merge_findings
 from talaia.configurator.places import with_value
 from talaia.configurator.presets import SENSORS
 from talaia.model.checks.site_checks import check
@@ -33,19 +33,19 @@ EMPTY = edits.new_site("robot", "Robot", "UTC")
 
 
 def test_everything_found_fills_a_new_description_that_then_runs() -> None:
-    result = merged(EMPTY, FOUND)
+    result = merge_findings(EMPTY, FOUND)
     assert check(result.site) == []
     assert result.site.ros2 is not None
     assert result.site.ros2.domain == 7
     assert (result.count("signals"), result.count("streams"), result.count("commands")) == (4, 1, 1)
-    assert edits.driven(result.site)
+    assert edits.driven_devices(result.site)
     assert result.known == 0
     assert any("/odd" in each for each in result.left_out)
 
 
 def test_finding_the_same_again_changes_nothing() -> None:
-    once = merged(EMPTY, FOUND)
-    again = merged(once.site, FOUND)
+    once = merge_findings(EMPTY, FOUND)
+    again = merge_findings(once.site, FOUND)
     assert again.site == once.site
     assert again.added == ()
     assert again.known == 6
@@ -55,7 +55,7 @@ def test_what_a_person_named_and_moved_stays_as_it_is() -> None:
     site = edits.with_sensor(EMPTY, edits.NewSensor(SENSORS[8], 1))
     path = ("devices", "sensors", "signals", "speed1")
     site = with_value(site, (*path, "name"), "Speed over ground")
-    result = merged(site, FOUND)
+    result = merge_findings(site, FOUND)
     assert result.site.devices["sensors"].signals["speed1"].name == "Speed over ground"
     metric = [
         signal.source.name
@@ -77,13 +77,13 @@ def test_a_device_of_that_name_at_another_protocol_is_left_alone() -> None:
         },
         type(EMPTY),
     )  # fmt: skip
-    result = merged(mixed, found)
+    result = merge_findings(mixed, found)
     assert result.site.devices["camera"] == mixed.devices["camera"]
     assert result.site.devices["camera_2"].connection == "robot"
     assert check(result.site) == []
 
 
 def test_a_sensor_that_was_found_is_not_added_a_second_time_by_its_number() -> None:
-    site = merged(EMPTY, FOUND).site
+    site = merge_findings(EMPTY, FOUND).site
     speed = next(each for each in SENSORS if each.word == "speed")
     assert edits.free_number(site, speed) == 2

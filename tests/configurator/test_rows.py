@@ -8,8 +8,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.configurator.errors import BadValue
-from talaia.configurator.places import at, with_value
-from talaia.configurator.rows import Row, RowKind, kept, read, rows_at, rows_of, shown, value_of
+from talaia.configurator.places import value_at, with_value
+from talaia.configurator.rows import (
+    Row,
+    RowKind,
+    parse_text,
+    rows_at,
+    rows_of,
+    shown_text,
+    stored_value,
+    value_of,
+)
 from talaia.model.detection import Detect
 from talaia.model.site import Argument, Command, Device, Drive, Signal, Site, Stream
 from talaia.model.yaml_text.load import read_site
@@ -27,10 +36,10 @@ def test_every_field_of_every_example_reads_back_as_it_is_shown(path: Path) -> N
         things += [("devices", word, "streams", each) for each in device.streams]
         things += [("devices", word, "commands", each) for each in device.commands]
     for place in things:
-        thing = at(site, place)
+        thing = value_at(site, place)
         for row in rows_at(site, place):
             value = value_of(thing, row)
-            assert read(row, shown(row, value)) == value
+            assert parse_text(row, shown_text(row, value)) == value
 
 
 @pytest.mark.parametrize("shape", [Site, Device, Signal, Stream, Command, Argument, Drive])
@@ -66,15 +75,18 @@ def test_a_camera_has_a_switch_for_object_detection_and_its_fields_while_it_is_o
     place = ("devices", "camera", "streams", "front")
     agv = with_value(agv, (*place, "detect"), None)
     switch = next(row for row in rows_at(agv, place) if row.key == "detect")
-    assert value_of(at(agv, place), switch) is False
+    assert value_of(value_at(agv, place), switch) is False
     keys = {row.key for row in rows_at(agv, place)}
     assert not [key for key in keys if key.startswith("detect.") or key == "source.sees"]
-    on = with_value(agv, (*place, *switch.path), kept(switch, read(switch, "true")))
-    assert at(on, (*place, "detect")) == Detect()
+    on = with_value(agv, (*place, *switch.path), stored_value(switch, parse_text(switch, "true")))
+    assert value_at(on, (*place, "detect")) == Detect()
     rows = {row.key: row for row in rows_at(on, place)}
     assert {"detect.classes", "detect.confidence", "detect.at", "detect.model"} <= set(rows)
-    assert read(rows["detect.classes"], "person\nwine glass\n") == ("person", "wine glass")
-    assert with_value(on, (*place, *switch.path), kept(switch, read(switch, "false"))) == agv
+    assert parse_text(rows["detect.classes"], "person\nwine glass\n") == ("person", "wine glass")
+    assert (
+        with_value(on, (*place, *switch.path), stored_value(switch, parse_text(switch, "false")))
+        == agv
+    )
 
 
 ANY = Row(("default",), "Default", RowKind.ANY, optional=True)
@@ -89,7 +101,7 @@ ANY = Row(("default",), "Default", RowKind.ANY, optional=True)
     )
 )
 def test_a_fixed_value_keeps_its_kind(value: object) -> None:
-    back = read(ANY, shown(ANY, value))
+    back = parse_text(ANY, shown_text(ANY, value))
     assert back == value
     assert type(back) is type(value)
 
@@ -109,8 +121,8 @@ def test_what_is_no_value_is_told_with_what_was_expected(
     kind: RowKind, text: str, said: str
 ) -> None:
     with pytest.raises(BadValue, match=said):
-        read(Row(("x",), "X", kind), text)
+        parse_text(Row(("x",), "X", kind), text)
 
 
 def test_a_decimal_comma_is_understood() -> None:
-    assert read(Row(("x",), "X", RowKind.NUMBER), "0,25") == 0.25
+    assert parse_text(Row(("x",), "X", RowKind.NUMBER), "0,25") == 0.25

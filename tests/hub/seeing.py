@@ -7,7 +7,7 @@ import msgspec
 from talaia.model.derived_signals import with_counts
 from talaia.model.detection import Detect
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.write import write_description
 
 from .conftest import DESCRIPTION
 
@@ -21,4 +21,4 @@ def seeing(detect: Detect) -> str:
     front = msgspec.structs.replace(camera.streams["front"], detect=detect)
     camera = msgspec.structs.replace(camera, streams={"front": front})
     devices = {**site.devices, "camera": camera}
-    return written(with_counts(msgspec.structs.replace(site, devices=devices)))
+    return write_description(with_counts(msgspec.structs.replace(site, devices=devices)))

@@ -9,7 +9,7 @@ from talaia.model.checks.site_checks import check
 from talaia.model.derived_signals import counts_of, with_counts
 from talaia.model.site import Visibility
 from talaia.model.yaml_text.load import dump_site, load_site
-from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.save import save_into_text
 
 TEXT = """\
 talaia: 1
@@ -85,7 +85,7 @@ def test_persons_text_stays_free_of_what_it_implies() -> None:
     site = load_site(TEXT)
     base = site.devices["base"]
     changed_base = msgspec.structs.replace(base, name="Vehicle")
-    after = saved(TEXT, msgspec.structs.replace(site, devices={"base": changed_base}))
+    after = save_into_text(TEXT, msgspec.structs.replace(site, devices={"base": changed_base}))
     assert after == TEXT.replace("name: Base", "name: Vehicle")
 
 

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.objects.boxes import centred, corners, distances, fitted, suppressed
+from talaia.objects.boxes import (
+    as_picture_parts,
+    boxes_from_centres,
+    boxes_from_distances,
+    fit_to_square,
+    suppress_overlaps,
+)
 from talaia.objects.detector import Detector, OutputFormat, Setting
 from talaia.objects.errors import DetectorError
 
@@ -15,7 +21,7 @@ sizes = st.integers(1, 120)
 
 @given(sizes, sizes, st.sampled_from([32, 64]))
 def test_any_picture_fits_with_its_shape_kept(width: int, height: int, side: int) -> None:
-    square, frame = fitted(np.full((height, width, 3), 7, np.uint8), side)
+    square, frame = fit_to_square(np.full((height, width, 3), 7, np.uint8), side)
     assert square.shape == (side, side, 3)
     shown = np.argwhere((square == 7).all(axis=2))
     (top, left), (bottom, right) = shown.min(axis=0), shown.max(axis=0)
@@ -28,20 +34,20 @@ def test_any_picture_fits_with_its_shape_kept(width: int, height: int, side: int
 def test_smaller_picture_has_its_pixels_where_they_were() -> None:
     picture = np.zeros((40, 40, 3), np.uint8)
     picture[:, 20:] = 200
-    square, _ = fitted(picture, 20)
+    square, _ = fit_to_square(picture, 20)
     assert (square[:, :10] == 0).all()
     assert (square[:, 10:] == 200).all()
 
 
 def test_box_of_the_square_is_told_in_parts_of_the_picture() -> None:
-    _, frame = fitted(np.zeros((100, 200, 3), np.uint8), 400)
-    (box,) = corners([(3, 0.9, np.array([100, 100, 300, 300], np.float32))], frame)
+    _, frame = fit_to_square(np.zeros((100, 200, 3), np.uint8), 400)
+    (box,) = as_picture_parts([(3, 0.9, np.array([100, 100, 300, 300], np.float32))], frame)
     assert box == (3, 0.9, 0.25, 0.0, 0.75, 1.0)
 
 
 def test_box_beside_the_picture_is_none() -> None:
-    _, frame = fitted(np.zeros((100, 200, 3), np.uint8), 400)
-    assert corners([(0, 0.9, np.array([0, 0, 400, 90], np.float32))], frame) == []
+    _, frame = fit_to_square(np.zeros((100, 200, 3), np.uint8), 400)
+    assert as_picture_parts([(0, 0.9, np.array([0, 0, 400, 90], np.float32))], frame) == []
 
 
 def test_distances_are_the_means_of_their_distributions() -> None:
@@ -50,13 +56,13 @@ def test_distances_are_the_means_of_their_distributions() -> None:
     for side, at in enumerate((1, 2, 3)):
         bins[:, side * 11 + at] = 50
     bins[:, 33 + 4] = bins[:, 33 + 5] = 50
-    found = distances(bins, 32, 8)
+    found = boxes_from_distances(bins, 32, 8)
     # The cell of the second line, third column: its centre is (20, 12).
     assert found[4 + 2] == pytest.approx([20 - 8, 12 - 16, 20 + 24, 12 + 36], abs=1e-4)
 
 
 def test_centres_and_sizes_are_corners() -> None:
-    assert centred(np.array([[10, 20, 4, 6]], np.float32)).tolist() == [[8, 17, 12, 23]]
+    assert boxes_from_centres(np.array([[10, 20, 4, 6]], np.float32)).tolist() == [[8, 17, 12, 23]]
 
 
 coordinates = st.floats(0, 100, width=32)
@@ -73,7 +79,7 @@ def test_what_is_kept_is_sure_sorted_and_apart(places: list[tuple[float, ...]], 
     score = st.floats(0, 1, width=32) | st.just(float("nan"))
     rows = data.draw(st.lists(st.tuples(score, score), min_size=len(boxes), max_size=len(boxes)))
     scores = np.array(rows, np.float32).reshape(-1, 2)
-    found = suppressed(boxes, scores, 0.3, most=10)
+    found = suppress_overlaps(boxes, scores, 0.3, most=10)
     assert [each[1] for each in found] == sorted((each[1] for each in found), reverse=True)
     assert all(each[1] >= 0.3 for each in found)
     if (np.nan_to_num(scores) >= 0.3).any():
@@ -93,8 +99,8 @@ def _shared(one: np.ndarray, other: np.ndarray) -> float:
 
 def test_things_of_two_classes_may_be_in_one_place() -> None:
     boxes = np.array([[0, 0, 10, 10], [0, 0, 10, 9]], np.float32)
-    alike = suppressed(boxes, np.array([[0.9, 0], [0.8, 0]], np.float32), 0.3)
-    apart = suppressed(boxes, np.array([[0.9, 0], [0, 0.8]], np.float32), 0.3)
+    alike = suppress_overlaps(boxes, np.array([[0.9, 0], [0.8, 0]], np.float32), 0.3)
+    apart = suppress_overlaps(boxes, np.array([[0.9, 0], [0, 0.8]], np.float32), 0.3)
     assert [each[0] for each in alike] == [0]
     assert [each[0] for each in apart] == [0, 1]
 

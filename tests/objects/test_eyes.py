@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from talaia.model.connection import DetectionSource
 from talaia.model.detection import Detect
-from talaia.objects.eyes import MOST_THUMBNAIL, Eyes, jpeg_of, least_of, surroundings
+from talaia.objects.eyes import MOST_THUMBNAIL, Eyes, cut_out, jpeg_of, least_of
 from talaia.objects.things import Thing
 
 STEP = 100_000
@@ -65,7 +65,7 @@ def test_thumbnail_is_of_the_surest_moment_before_it_is_told() -> None:
 def test_thumbnail_of_noise_is_no_larger_than_it_may_be() -> None:
     pytest.importorskip("simplejpeg")
     noise = np.random.default_rng(1).integers(0, 255, (3000, 4000, 3), np.uint8)
-    cut = surroundings(noise, Thing("person", 1, 0, 0, 1, 1))
+    cut = cut_out(noise, Thing("person", 1, 0, 0, 1, 1))
     assert max(cut.shape[:2]) <= 240
     data = jpeg_of(cut)
     assert data[:2] == b"\xff\xd8"
@@ -81,6 +81,6 @@ def test_surroundings_are_never_empty(
 ) -> None:
     picture = np.zeros((height, width, 3), np.uint8)
     low, high = sorted((left, right))
-    cut = surroundings(picture, Thing("a", 1, low, min(top, bottom), high, max(top, bottom)))
+    cut = cut_out(picture, Thing("a", 1, low, min(top, bottom), high, max(top, bottom)))
     assert cut.shape[0] > 0
     assert cut.shape[1] > 0

@@ -32,7 +32,7 @@ def main(argv: Sequence[str]) -> int:
     if options.site is not None and not options.site.is_file():
         raise CliError(f"{options.site}: there is no such file")
     try:
-        from talaia.configurator.qt.app import run
+        from talaia.configurator.qt.app import run_window
         from talaia.configurator.qt.window import Means
     except ModuleNotFoundError as error:
         raise PartMissing("talaia configure", error.name or "PySide6", "configurator") from error
@@ -47,7 +47,7 @@ def main(argv: Sequence[str]) -> int:
             "desktop, and let it find the robot over ssh"
         )
     talaia = (sys.executable, "-m", "talaia")
-    return run(Means(talaia, zone_here(), open_page, options.data), options.site)
+    return run_window(Means(talaia, zone_here(), open_page, options.data), options.site)
 
 
 def _parse_options(argv: Sequence[str]) -> argparse.Namespace:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from talaia import __version__
 from talaia.cli.errors import CliError
 from talaia.deploy.containers import DatabaseKind
-from talaia.deploy.project import DeployOptions, File, project
+from talaia.deploy.project import DeployOptions, File, make_deployment
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import read_site
 
@@ -43,7 +43,9 @@ def main(argv: Sequence[str]) -> int:
         program=options.program,
         setup=options.ros_setup,
     )
-    files = project(site, options.site.read_text(), choice, lambda: secrets.token_urlsafe(24))
+    files = make_deployment(
+        site, options.site.read_text(), choice, lambda: secrets.token_urlsafe(24)
+    )
     _write_files(options.to, files, force=options.force)
     if options.wheel is not None:
         shutil.copy(options.wheel, options.to / "wheels")

@@ -16,7 +16,7 @@ from talaia.model.discovery.generate_description import propose
 from talaia.model.discovery.probe_report import Found, found_from
 from talaia.model.discovery.ros_units import word_of
 from talaia.model.interlocks.unguarded import unguarded_notice
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.write import write_description
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,7 +65,7 @@ def main(argv: Sequence[str]) -> int:
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
             "lists; nothing was written"
         )
-    text = written(made.site, _file_header(found, made))
+    text = write_description(made.site, _file_header(found, made))
     if shown:
         print(text, end="")
     else:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     _Launch = Callable[[], Coroutine[None, None, asyncio.subprocess.Process]]
 
-__all__ = ["Part", "end_all", "run_together", "start", "start_program"]
+__all__ = ["Part", "end_all", "run_together", "start_program", "start_talaia"]
 
 _PR_SET_PDEATHSIG = 1
 _LAST_LINES = 15
@@ -152,7 +152,7 @@ class Part:
                 future.set_exception(PartStopped(self.name, code, "\n".join(self.last)))
 
 
-async def start(
+async def start_talaia(
     name: str,
     words: Sequence[str],
     log: Path,

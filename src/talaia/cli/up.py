@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.cli.errors import CliError
 from talaia.cli.keys import is_good, make_key
-from talaia.cli.parts import Part, run_together, start
+from talaia.cli.parts import Part, run_together, start_talaia
 from talaia.cli.places import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
 from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
@@ -108,7 +108,9 @@ async def _start_parts(
     )
     key = await _key_file(settings, site.site, data / "gateway.key")
     hub = ["hub", "--data", str(data), "--host", options.host, "--port", str(port)]
-    parts.append(await start("hub", [*hub, *(["--plain"] if plain else [])], data / "hub.log"))
+    parts.append(
+        await start_talaia("hub", [*hub, *(["--plain"] if plain else [])], data / "hub.log")
+    )
     address = _find_line(_ADDRESS, await parts[0].says("ready: ", READY_S))
     inside = "127.0.0.1" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
     shown_host = f"[{inside}]" if ":" in inside else inside
@@ -129,7 +131,7 @@ async def _start_parts(
     else:
         shown = await parts[0].says("certificate: ", READY_S)
         gateway += ["--fingerprint", _find_line(_FINGERPRINT, shown)]
-    parts.append(await start("gateway", gateway, data / "gateway.log"))
+    parts.append(await start_talaia("gateway", gateway, data / "gateway.log"))
     await parts[1].says("linked to", READY_S)
     setup = next((found[0] for line in parts[0].last if (found := _SETUP.search(line))), "")
     return _Up(address, setup)

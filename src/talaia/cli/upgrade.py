@@ -14,7 +14,7 @@ from talaia.cli.errors import CliError
 from talaia.model.checks.site_checks import check
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site, text_of
-from talaia.model.yaml_text.upgrade import upgraded
+from talaia.model.yaml_text.upgrade import upgrade_text
 from talaia.model.yaml_text.version import FORMAT
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def main(argv: Sequence[str]) -> int:
 def _upgrade_file(path: Path, *, write: bool) -> bool:
     """Upgrade one file; tell whether something is left to do."""
     before = text_of(path)
-    after, changes = upgraded(before)
+    after, changes = upgrade_text(before)
     if not changes:
         print(f"{path}: is of the newest format already", file=sys.stderr)
         return False

@@ -12,8 +12,8 @@ import msgspec
 from talaia.configurator.places import Spot, spot_of
 from talaia.model.checks.site_checks import check
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.save import saved
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.save import save_into_text
+from talaia.model.yaml_text.write import write_description
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -143,7 +143,11 @@ class Document:
             DescriptionError: the change cannot be written into the text that was opened.
 
         """
-        return saved(self._text, self.site) if self._text else written(self.site, _HEAD)
+        return (
+            save_into_text(self._text, self.site)
+            if self._text
+            else write_description(self.site, _HEAD)
+        )
 
     def was_saved(self, text: str) -> None:
         """Take note that ``text``, which `text` gave, is in the file now."""

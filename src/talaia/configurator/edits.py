@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.configurator.errors import ConfiguratorError, WordTaken
-from talaia.configurator.places import Path, at, new_source, take_out, with_value
+from talaia.configurator.places import Path, new_source, take_out, value_at, with_value
 from talaia.model.ai_services import AiServices
 from talaia.model.connection import ROS_KINDS, RosSource, kind_of, source_as
 from talaia.model.discovery.ros_units import word_of
@@ -43,13 +43,13 @@ __all__ = [
     "Group",
     "NewSensor",
     "ai_services",
-    "cameras",
-    "driven",
+    "camera_paths",
+    "driven_devices",
     "free_number",
     "free_word",
-    "gps",
     "groups_at",
     "new_site",
+    "position_paths",
     "with_camera",
     "with_device",
     "with_drive",
@@ -57,7 +57,7 @@ __all__ = [
     "with_sensor",
     "with_services",
     "with_thing",
-    "without",
+    "without_things",
 ]
 
 # The founding vehicle's own topics; a robot with others says which.
@@ -193,12 +193,12 @@ def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Sit
 # ── services ──
 
 
-def driven(site: Site) -> list[str]:
+def driven_devices(site: Site) -> list[str]:
     """Name the devices that can be driven."""
     return [word for word, described in site.devices.items() if described.drive is not None]
 
 
-def cameras(site: Site) -> list[Path]:
+def camera_paths(site: Site) -> list[Path]:
     """Give the path of every stream."""
     return [
         ("devices", word, "streams", name)
@@ -207,7 +207,7 @@ def cameras(site: Site) -> list[Path]:
     ]
 
 
-def gps(site: Site) -> list[Path]:
+def position_paths(site: Site) -> list[Path]:
     """Give the path of every position on Earth."""
     return [
         ("devices", word, "signals", name)
@@ -228,8 +228,8 @@ def with_drive(site: Site, topic: str = CONTROL, message: DriveMessage = DriveMe
         message=message,
         max_speed=CAREFUL_SPEED,
         max_turn=CAREFUL_TURN,
-        picture=next((f"{camera[1]}/{camera[3]}" for camera in cameras(site)), ""),
-        position=next((f"{path[1]}/{path[3]}" for path in gps(site)), ""),
+        picture=next((f"{camera[1]}/{camera[3]}" for camera in camera_paths(site)), ""),
+        position=next((f"{path[1]}/{path[3]}" for path in position_paths(site)), ""),
     )
     return with_value(site, ("devices", place, "drive"), drive)
 
@@ -261,8 +261,8 @@ def with_gps(site: Site, topic: str = FIX) -> Site:
 
 
 def _seen_while_driving(site: Site, key: str, address: str) -> Site:
-    for word in driven(site):
-        if at(site, ("devices", word, "drive", key)) == "":
+    for word in driven_devices(site):
+        if value_at(site, ("devices", word, "drive", key)) == "":
             site = with_value(site, ("devices", word, "drive", key), address)
     return site
 
@@ -285,7 +285,7 @@ class Group(NamedTuple):
 
 def groups_at(site: Site, path: Path) -> tuple[Group, ...]:
     """Tell what can be added to the thing at a path."""
-    thing = at(site, path)
+    thing = value_at(site, path)
     if isinstance(thing, Site):
         return (Group("devices", "Device"),)
     if isinstance(thing, Command):
@@ -313,7 +313,7 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
     if not name.strip():
         raise ConfiguratorError("a custom item needs a name")
     name = name.strip()
-    mapping = at(site, (*path, key))
+    mapping = value_at(site, (*path, key))
     assert isinstance(mapping, dict)  # noqa: S101 - `groups_at` names mappings
     word = free_word(word_of(name), mapping)
     source = new_source(site, path[1]) if len(path) > 1 else RosSource()
@@ -332,13 +332,13 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
 # ── taking away ──
 
 
-def without(site: Site, paths: Iterable[Path]) -> Site:
+def without_things(site: Site, paths: Iterable[Path]) -> Site:
     """Take things out, what driving looked at among them, and devices that this leaves empty."""
     paths = list(paths)
     for path in paths:
         site = take_out(site, path)
     gone = {f"{path[1]}/{path[3]}" for path in paths if len(path) == 4 and path[0] == "devices"}
-    for word in driven(site):
+    for word in driven_devices(site):
         site = with_value(site, ("devices", word, "drive"), _drive_without(site, word, gone))
     for word in {path[1]: None for path in paths if len(path) > 2 and path[0] == "devices"}:
         device = site.devices.get(word)
@@ -350,7 +350,7 @@ def without(site: Site, paths: Iterable[Path]) -> Site:
 
 def _drive_without(site: Site, word: str, gone: set[str]) -> Drive:
     drive = site.devices[word].drive
-    assert drive is not None  # noqa: S101 - `driven` says so
+    assert drive is not None  # noqa: S101 - `driven_devices` says so
     signals = {f"{word}/{name}" for word, device in site.devices.items() for name in device.signals}
     streams = {f"{word}/{name}" for word, device in site.devices.items() for name in device.streams}
     # Only what is taken out now, or went with a device: a mistake of before stays to be seen.

@@ -14,10 +14,10 @@ from talaia.model.yaml_text.load import read_site
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["opened", "save"]
+__all__ = ["open_document", "save_document"]
 
 
-def opened(file: Path) -> Document:
+def open_document(file: Path) -> Document:
     """Open a description, or a founding observatory's command file as a new description.
 
     Raises:
@@ -30,7 +30,7 @@ def opened(file: Path) -> Document:
     return Document.of_text(file.read_text(), whole.devices)
 
 
-def save(document: Document, file: Path, *, over: bool = False) -> None:
+def save_document(document: Document, file: Path, *, over: bool = False) -> None:
     """Write the document to its file, or to another one.
 
     Args:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.configurator.edits import free_word
-from talaia.configurator.places import Path, at, with_value
+from talaia.configurator.places import Path, value_at, with_value
 from talaia.model.checks.site_checks import check
 from talaia.model.connection import kind_of
 from talaia.model.discovery.generate_description import propose
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from talaia.model.discovery.probe_report import Found
     from talaia.model.site import Command, Device, Site, Source
 
-__all__ = ["Merged", "merged"]
+__all__ = ["Merged", "merge_findings"]
 
 
 class Merged(NamedTuple):
@@ -43,7 +43,7 @@ class Merged(NamedTuple):
         return sum(len(path) == 4 and path[2] == group for path in self.added)
 
 
-def merged(site: Site, found: Found) -> Merged:
+def merge_findings(site: Site, found: Found) -> Merged:
     """Add to ``site`` what a probe found and it does not describe yet."""
     proposal = propose(found, site.site, site.name, site.zone)
     links = site.links()
@@ -101,13 +101,17 @@ def _fill_device(
             if _identity_of(thing) in have:
                 known += 1
                 continue
-            there = at(site, (*path, group))
+            there = value_at(site, (*path, group))
             assert isinstance(there, dict)  # noqa: S101 - the three groups are mappings
             place = (*path, group, free_word(name, there))
             site = with_value(site, place, thing)
             added.append(place)
     drive = device.drive
-    if drive is not None and at(site, (*path, "drive")) is None and _is_undriven(site, drive.topic):
+    if (
+        drive is not None
+        and value_at(site, (*path, "drive")) is None
+        and _is_undriven(site, drive.topic)
+    ):
         drive = msgspec.structs.replace(
             drive,
             picture=_renamed_address(drive.picture, words),

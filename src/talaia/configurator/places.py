@@ -17,7 +17,7 @@ from talaia.model.yaml_text.source_tags import SOURCE_KEYS, plain_of, source_of_
 if TYPE_CHECKING:
     from talaia.model.site import Site, Source
 
-__all__ = ["Path", "Spot", "at", "new_source", "spot_of", "take_out", "with_value"]
+__all__ = ["Path", "Spot", "new_source", "spot_of", "take_out", "value_at", "with_value"]
 
 Path = tuple[str, ...]
 
@@ -35,7 +35,7 @@ class Spot(NamedTuple):
     field: Path
 
 
-def at(site: Site, path: Path) -> object:
+def value_at(site: Site, path: Path) -> object:
     """Give the value at a path.
 
     Raises:
@@ -129,8 +129,8 @@ def take_out(site: Site, path: Path) -> Site:
         NoSuchPlace: there is nothing.
 
     """
-    at(site, path)
-    parent = at(site, path[:-1])
+    value_at(site, path)
+    parent = value_at(site, path[:-1])
     if isinstance(parent, dict):
         return with_value(
             site, path[:-1], {key: child for key, child in parent.items() if key != path[-1]}

@@ -18,7 +18,7 @@ import msgspec
 import yaml
 
 from talaia.configurator.errors import BadValue
-from talaia.configurator.places import Path, at
+from talaia.configurator.places import Path, value_at
 from talaia.model.base import SourceShape
 from talaia.model.connection import ROS_KINDS, ConnectionKind, kind_of
 from talaia.model.discovery.ros_units import human
@@ -31,7 +31,16 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Site
 
-__all__ = ["Row", "RowKind", "kept", "read", "rows_at", "rows_of", "shown", "value_of"]
+__all__ = [
+    "Row",
+    "RowKind",
+    "parse_text",
+    "rows_at",
+    "rows_of",
+    "shown_text",
+    "stored_value",
+    "value_of",
+]
 
 
 class RowKind(StrEnum):
@@ -235,7 +244,7 @@ _BY_TYPE: dict[str, frozenset[SignalType]] = {
 
 def rows_at(site: Site, path: Path) -> tuple[Row, ...]:
     """List the rows for the thing at a path: those that its kind uses, and all that are set."""
-    thing = at(site, path)
+    thing = value_at(site, path)
     if not isinstance(thing, msgspec.Struct):
         return ()
     link = None
@@ -287,7 +296,7 @@ def value_of(thing: object, row: Row) -> object:
     return thing is not None if row.kind is RowKind.PART else thing
 
 
-def kept(row: Row, value: object) -> object:
+def stored_value(row: Row, value: object) -> object:
     """Give what the description gets for what a form gives: for a part, one as it begins."""
     if row.kind is not RowKind.PART or row.shape is None:
         return value
@@ -297,7 +306,7 @@ def kept(row: Row, value: object) -> object:
 # ── value to text and back ──
 
 
-def shown(row: Row, value: object) -> str:
+def shown_text(row: Row, value: object) -> str:
     """Write a value as a form shows it."""
     if value is None:
         return ""
@@ -323,7 +332,7 @@ def _scalar_text(value: object) -> str:
     return text if not isinstance(value, str) or _parse_any(text) == value else f'"{text}"'
 
 
-def read(row: Row, text: str) -> object:
+def parse_text(row: Row, text: str) -> object:
     """Make a value of what was typed.
 
     Raises:

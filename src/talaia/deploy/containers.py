@@ -16,7 +16,7 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["DatabaseKind", "compose", "dockerfile"]
+__all__ = ["DatabaseKind", "write_compose_file", "write_dockerfile"]
 
 PYTHON_IMAGE = "python:3.12-slim-bookworm"
 IMAGES = {"mariadb": "mariadb:11.4", "postgresql": "postgres:17", "phpmyadmin": "phpmyadmin:5.2"}
@@ -37,7 +37,7 @@ class DatabaseKind(StrEnum):
     POSTGRESQL = "postgresql"
 
 
-def dockerfile(extras: Iterable[str], version: str, debian: Iterable[str] = ()) -> str:
+def write_dockerfile(extras: Iterable[str], version: str, debian: Iterable[str] = ()) -> str:
     """Write an image's recipe: pinned and hashed packages, then Talaia itself, nobody's root.
 
     ``wheels/`` may hold Talaia's own wheel; where it is empty, the version is fetched by pip.
@@ -63,7 +63,7 @@ ENTRYPOINT ["talaia"]
 """
 
 
-def compose(
+def write_compose_file(
     site: str, *, database: DatabaseKind, port: int, hosts: Iterable[str], ros_domain: int | None
 ) -> str:
     """Write ``compose.yaml``.

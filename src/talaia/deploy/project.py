@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.deploy.containers import DatabaseKind, compose, dockerfile
-from talaia.deploy.readme import readme
+from talaia.deploy.containers import DatabaseKind, write_compose_file, write_dockerfile
+from talaia.deploy.readme import write_readme
 from talaia.deploy.systemd import gateway_unit, hub_unit
 from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.detection import DetectAt
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["DeployOptions", "File", "project"]
+__all__ = ["DeployOptions", "File", "make_deployment"]
 
 
 # rospy and what robots are told something by; to be read, a type needs no package.
@@ -57,7 +57,7 @@ class DeployOptions(NamedTuple):
     setup: str = ""
 
 
-def project(
+def make_deployment(
     site: Site, description: str, choice: DeployOptions, random: Callable[[], str]
 ) -> dict[str, File]:
     """Make a deployment of a site.
@@ -78,10 +78,10 @@ def project(
     if any(detect is not None and detect.at is DetectAt.HUB for detect in looks):
         extras.append("objects")
     files = {
-        "README.md": File(readme(site, choice.database, choice.port, choice.setup)),
+        "README.md": File(write_readme(site, choice.database, choice.port, choice.setup)),
         "site.yaml": File(description),
         "compose.yaml": File(
-            compose(
+            write_compose_file(
                 site.site,
                 database=database,
                 port=choice.port,
@@ -89,7 +89,7 @@ def project(
                 ros_domain=domain,
             )
         ),
-        "hub.Dockerfile": File(dockerfile(extras, choice.version)),
+        "hub.Dockerfile": File(write_dockerfile(extras, choice.version)),
         "gateway.Dockerfile": File(_gateway_image(site, choice.version)),
         "wheels/.keep": File(""),
         ".dockerignore": File("secrets\nsystemd\n"),
@@ -124,4 +124,4 @@ def _gateway_image(site: Site, version: str) -> str:
     if site.filmed():
         extras.append("camera")
     old = any(isinstance(link, Ros1Connection) for link in links)
-    return dockerfile(extras, version, ROS1_PACKAGES if old else ())
+    return write_dockerfile(extras, version, ROS1_PACKAGES if old else ())

@@ -10,7 +10,7 @@ from talaia.deploy.containers import DatabaseKind
 if TYPE_CHECKING:
     from talaia.model.site import Site
 
-__all__ = ["readme"]
+__all__ = ["write_readme"]
 
 _MARKS = re.compile(r"([\\`*_{}\[\]()#+!|<>~-])")
 
@@ -21,7 +21,7 @@ def _plain_text(text: str) -> str:
     return _MARKS.sub(r"\\\1", shown)
 
 
-def readme(site: Site, database: DatabaseKind, port: int, setup: str) -> str:
+def write_readme(site: Site, database: DatabaseKind, port: int, setup: str) -> str:
     """Write the page of one deployment."""
     secrets = (
         ""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["argument", "gateway_unit", "hub_unit"]
+__all__ = ["gateway_unit", "hub_unit", "quoted_argument"]
 
 # Without a sign of life for so long the service is ended and started again (s). The gateway's is
 # longer than an enclosure's `watchdog_after`: first the roof closes, then the gateway restarts.
@@ -32,7 +32,7 @@ SystemCallArchitectures=native
 UMask=0077"""
 
 
-def argument(text: str) -> str:
+def quoted_argument(text: str) -> str:
     """Write one argument of a command line, or a description, so that systemd reads it back.
 
     Specifiers (%) and variables ($) are doubled; what is not plain stands in double quotes with C
@@ -100,7 +100,7 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
     words += ["--port", str(port)]
     for host in hosts:
         words += ["--allow-host", host]
-    more = f"Environment=TALAIA_DATABASE_URL_FILE={argument(database_url_file)}\n"
+    more = f"Environment=TALAIA_DATABASE_URL_FILE={quoted_argument(database_url_file)}\n"
     return _unit_text(
         "Talaia hub",
         words,
@@ -121,10 +121,10 @@ def _unit_text(
     watchdog_s: int,
     kill: str = "",
 ) -> str:
-    line = " ".join(argument(word) for word in words)
+    line = " ".join(quoted_argument(word) for word in words)
     return f"""\
 [Unit]
-Description={argument(what).strip('"')}
+Description={quoted_argument(what).strip('"')}
 Wants=network-online.target
 After=network-online.target time-sync.target
 StartLimitIntervalSec=0
@@ -135,7 +135,7 @@ NotifyAccess=main
 WatchdogSec={watchdog_s}
 {kill}User=talaia
 Group=talaia
-StateDirectory={argument(state)}
+StateDirectory={quoted_argument(state)}
 StateDirectoryMode=0700
 {more}ExecStart={line}
 Restart=always

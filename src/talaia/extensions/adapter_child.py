@@ -39,7 +39,7 @@ from talaia.extensions.adapter_words import (
     UpWords,
     ValueWords,
     read_to_adapter,
-    written,
+    write_message,
 )
 from talaia.extensions.declared import ExtensionKeys
 from talaia.extensions.installed import installed
@@ -103,7 +103,7 @@ class _Host:
         self.send(ReportWords(kind[:100], message[:_MAX_SAID]))
 
     def send(self, words: FromAdapter) -> None:
-        self._writer.write(written(words))
+        self._writer.write(write_message(words))
 
 
 class _Session:
@@ -191,7 +191,7 @@ async def _exchange_messages(connection: socket.socket) -> None:
     assert isinstance(job, AdapterJob)  # noqa: S101 - the gateway's promise
     end = await _serve_gateway(job, reader, writer)
     with contextlib.suppress(OSError):
-        writer.write(written(end))
+        writer.write(write_message(end))
         await writer.drain()
         writer.close()
         await writer.wait_closed()

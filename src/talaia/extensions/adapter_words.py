@@ -19,7 +19,7 @@ __all__ = [
     "ValueWords",
     "read_from_adapter",
     "read_to_adapter",
-    "written",
+    "write_message",
 ]
 
 Plain = bool | int | float | str
@@ -110,7 +110,7 @@ _TO: msgspec.json.Decoder[ToAdapter] = msgspec.json.Decoder(ToAdapter)
 _FROM: msgspec.json.Decoder[FromAdapter] = msgspec.json.Decoder(FromAdapter)
 
 
-def written(words: ToAdapter | FromAdapter) -> bytes:
+def write_message(words: ToAdapter | FromAdapter) -> bytes:
     """Give a line."""
     return msgspec.json.encode(words) + b"\n"
 

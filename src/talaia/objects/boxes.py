@@ -14,7 +14,15 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float32]
 
-__all__ = ["Box", "Letterbox", "centred", "corners", "distances", "fitted", "suppressed"]
+__all__ = [
+    "Box",
+    "Letterbox",
+    "as_picture_parts",
+    "boxes_from_centres",
+    "boxes_from_distances",
+    "fit_to_square",
+    "suppress_overlaps",
+]
 
 # Boxes of one class that share more of their area than this are one thing.
 SAME = 0.5
@@ -50,7 +58,7 @@ class Letterbox(NamedTuple):
     height: int
 
 
-def fitted(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Letterbox]:
+def fit_to_square(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uint8], Letterbox]:
     """Fit a picture into a square as wide as ``side``, grey around it, its shape kept.
 
     Args:
@@ -85,7 +93,7 @@ def _linear_weights(old: int, new: int) -> tuple[NDArray[np.int64], NDArray[np.i
     return low, np.minimum(low + 1, old - 1), (at - low).astype(np.float32)
 
 
-def distances(bins: Floats, side: int, step: int) -> Floats:
+def boxes_from_distances(bins: Floats, side: int, step: int) -> Floats:
     """Boxes of one of NanoDet's heads, each told by four distances from its cell's centre.
 
     A distance is the mean of a distribution over whole steps (Li et al. 2020, "Generalized Focal
@@ -111,13 +119,13 @@ def distances(bins: Floats, side: int, step: int) -> Floats:
     return found.astype(np.float32)
 
 
-def centred(boxes: Floats) -> Floats:
+def boxes_from_centres(boxes: Floats) -> Floats:
     """Boxes told by centre, width and height, by their corners."""
     half = boxes[:, 2:] / 2
     return np.concatenate([boxes[:, :2] - half, boxes[:, :2] + half], axis=1)
 
 
-def suppressed(
+def suppress_overlaps(
     boxes: Floats, scores: Floats, least: float, *, same: float = SAME, most: int = MOST
 ) -> list[tuple[int, float, Floats]]:
     """Of boxes that overlap, keep the surest of each class (non-maximum suppression).
@@ -157,7 +165,7 @@ def _overlap_with(box: Floats, others: Floats) -> Floats:
     return np.asarray(both / np.maximum(area + areas - both, 1e-9), np.float32)
 
 
-def corners(found: list[tuple[int, float, Floats]], frame: Letterbox) -> list[Box]:
+def as_picture_parts(found: list[tuple[int, float, Floats]], frame: Letterbox) -> list[Box]:
     """Give boxes as parts of the picture; those that lie beside it are left out."""
     boxes = []
     for label, score, box in found:

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from talaia.objects.boxes import Box, centred, corners, distances, fitted, suppressed
+from talaia.objects.boxes import (
+    Box,
+    as_picture_parts,
+    boxes_from_centres,
+    boxes_from_distances,
+    fit_to_square,
+    suppress_overlaps,
+)
 from talaia.objects.errors import DetectorError
 
 if TYPE_CHECKING:
@@ -86,13 +93,13 @@ class Detector:
             DetectorError: the file gives other numbers than its setting says.
 
         """
-        square, frame = fitted(picture, self._setting.side)
+        square, frame = fit_to_square(picture, self._setting.side)
         if self._setting.blue_first:
             square = square[:, :, ::-1]
         shown = (square.astype(np.float32) - self._mean) * self._factor
         outputs = self._run(np.ascontiguousarray(shown.transpose(2, 0, 1)[None]))
         boxes, scores = self._decode_outputs(outputs)
-        return corners(suppressed(boxes, scores, least), frame)
+        return as_picture_parts(suppress_overlaps(boxes, scores, least), frame)
 
     def _decode_outputs(
         self, outputs: Sequence[NDArray[np.float32]]
@@ -110,7 +117,7 @@ class Detector:
         return (
             np.concatenate(
                 [
-                    distances(head[False], side, step)
+                    boxes_from_distances(head[False], side, step)
                     for head, step in zip(heads, STEPS, strict=True)
                 ]
             ),
@@ -124,7 +131,7 @@ class Detector:
         if len(outputs) != 1 or outputs[0].ndim != 3 or outputs[0].shape[1] != 4 + count:
             raise self._shape_error(f"1 × {4 + count} × boxes, for {count} classes", outputs)
         told = outputs[0][0].T
-        return centred(told[:, :4]), told[:, 4:]
+        return boxes_from_centres(told[:, :4]), told[:, 4:]
 
     def _shape_error(self, expected: str, outputs: Sequence[NDArray[np.float32]]) -> DetectorError:
         shapes = ", ".join(" × ".join(map(str, output.shape)) for output in outputs)

@@ -82,7 +82,7 @@ class Eyes:
             best = max(
                 (thing for thing in things if thing.label == label), key=lambda one: one.score
             )
-            self._moments[label] = surroundings(rgb, best)
+            self._moments[label] = cut_out(rgb, best)
         return self._with_pictures(news)
 
     def pass_time(self, at_us: int) -> list[Told]:
@@ -112,7 +112,7 @@ def counts_as(source: DetectionSource, thing: Thing) -> bool:
     return left <= (thing.left + thing.right) / 2 <= right and top <= thing.bottom <= bottom
 
 
-def surroundings(rgb: NDArray[np.uint8], thing: Thing) -> NDArray[np.uint8]:
+def cut_out(rgb: NDArray[np.uint8], thing: Thing) -> NDArray[np.uint8]:
     """Cut a thing and a little around it out of a picture, thinned to a thumbnail."""
     height, width = rgb.shape[:2]
 

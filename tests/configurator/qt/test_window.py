@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from talaia.configurator.places import at
+from talaia.configurator.places import value_at
 from talaia.model.ai_services import AiServices
 from talaia.model.checks.site_checks import check
 from talaia.model.yaml_text.load import load_site, read_site
@@ -90,7 +90,7 @@ def test_a_camera_looks_for_what_is_written_and_is_saved_so(window: Any, tmp_pat
     window.open_file(file)
     window.show_page(3)
     camera = ("devices", "camera", "streams", "front")
-    before = at(window.editor.site, (*camera, "detect"))
+    before = value_at(window.editor.site, (*camera, "detect"))
     window.devices.select(camera)
     form = window.devices.form
     if before is None:
@@ -107,7 +107,7 @@ def test_a_camera_looks_for_what_is_written_and_is_saved_so(window: Any, tmp_pat
     assert saved is not None
     assert (saved.classes, saved.confidence) == (("person", "truck"), 0.6)
     form.field("detect").click()
-    assert at(window.editor.site, (*camera, "detect")) is None
+    assert value_at(window.editor.site, (*camera, "detect")) is None
 
 
 def test_a_sensor_of_ones_own_has_the_name_number_and_unit_that_were_written(window: Any) -> None:
@@ -180,7 +180,7 @@ def test_what_is_no_number_is_told_at_its_field_and_changes_nothing(window: Any)
     assert "expected a number" in field.accessibleDescription()
     assert window.editor.site == read_site(AGV)
     typed(field, "0,5")
-    assert at(window.editor.site, (*SPEED, "maximum")) == 0.5
+    assert value_at(window.editor.site, (*SPEED, "maximum")) == 0.5
 
 
 def test_the_file_is_saved_with_its_comments_and_only_asked_about_when_it_is_changed(
@@ -337,7 +337,7 @@ def test_thousands_of_signals_are_opened_and_changed(window: Any, tmp_path: Path
     path = ("devices", "d", "signals", "s3777")
     assert window.sensors.select(path, ("name",))
     typed(window.sensors.form.field("name"), "Renamed")
-    assert at(window.editor.site, (*path, "name")) == "Renamed"
+    assert value_at(window.editor.site, (*path, "name")) == "Renamed"
 
 
 def test_none_outlives_more_calls_than_it_has_references(qt: Any) -> None:

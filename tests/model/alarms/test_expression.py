@@ -8,7 +8,7 @@ from contextlib import suppress
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.model.alarms.expression import MAX_LENGTH, ExpressionError, ValueKind, parse
+from talaia.model.alarms.expression import MAX_LENGTH, ExpressionError, ValueKind, parse_condition
 
 KINDS = {"a/b": ValueKind.NUMBER, "a/c": ValueKind.NUMBER, "a/s": ValueKind.TEXT}
 
@@ -37,7 +37,7 @@ KINDS = {"a/b": ValueKind.NUMBER, "a/c": ValueKind.NUMBER, "a/s": ValueKind.TEXT
     ],
 )
 def test_condition_is_judged(text, values, holds) -> None:
-    assert parse(text, KINDS).judge(values) is holds
+    assert parse_condition(text, KINDS).judge(values) is holds
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_condition_is_judged(text, values, holds) -> None:
 )
 def test_mistake_is_told_with_its_place(text, said) -> None:
     with pytest.raises(ExpressionError) as told:
-        parse(text, KINDS)
+        parse_condition(text, KINDS)
     assert said in str(told.value)
 
 
@@ -74,10 +74,14 @@ _WORDS += ["*", "/", "abs(", "min(", ",", "{", '"', "x", "1e999", "."]
 @given(st.lists(st.sampled_from(_WORDS), max_size=30).map(" ".join), st.floats())
 def test_nothing_but_a_condition_or_its_mistake_comes_of_any_text(text, number) -> None:
     with suppress(ExpressionError):
-        assert parse(text, KINDS).judge({"a/b": number, "a/s": "on"}) in {True, False, None}
+        assert parse_condition(text, KINDS).judge({"a/b": number, "a/s": "on"}) in {
+            True,
+            False,
+            None,
+        }
 
 
 @given(st.text(max_size=60))
 def test_hostile_text_is_refused_and_nothing_else(text) -> None:
     with suppress(ExpressionError):
-        parse(text, KINDS)
+        parse_condition(text, KINDS)

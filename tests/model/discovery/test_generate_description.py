@@ -18,7 +18,7 @@ from talaia.model.discovery.ros_units import human, unit_in_comment, unit_in_nam
 from talaia.model.site import Signal, SignalType
 from talaia.model.units.unit import UNITS
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.write import write_description
 
 ODOMETRY = TopicFound(
     topic="/odom",
@@ -117,7 +117,7 @@ def test_whatever_was_found_the_description_is_right_and_reads_back_as_written(
     )
     if made.site.devices:
         assert check(made.site) == []
-    read = load_site(written(made.site, made.left_out))
+    read = load_site(write_description(made.site, made.left_out))
     assert msgspec.to_builtins(read) == msgspec.to_builtins(made.site)
 
 
@@ -195,7 +195,7 @@ def test_a_name_with_a_line_end_stays_a_comment_and_a_value() -> None:
         left_out=("b\ntalaia: 2",),
     )
     made = propose(found(evil), "robot", "Robot", "UTC")
-    text = written(made.site, made.left_out)
+    text = write_description(made.site, made.left_out)
     assert load_site(text) == made.site
     assert "\ntalaia: 2" not in text
 

@@ -7,7 +7,7 @@ import msgspec
 from talaia.model.checks.site_checks import check
 from talaia.model.renames import formers, renames, touched
 from talaia.model.schema import site_schema
-from talaia.model.yaml_text.diff import ChangeKind, Difference, difference, unified
+from talaia.model.yaml_text.diff import ChangeKind, Difference, list_differences, unified_diff
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.source_lines import SourcePositions
 
@@ -57,15 +57,15 @@ def test_only_devices_that_differ_are_touched_and_all_of_a_changed_connection() 
 
 def test_difference_names_each_part_once() -> None:
     after = RENAMED.replace("name: Base", "name: Wheels").replace("  arm:\n    name: Arm\n", "")
-    found = difference(load_site(TEXT), load_site(after))
+    found = list_differences(load_site(TEXT), load_site(after))
     assert (
         Difference(ChangeKind.RENAMED, "$.devices.base.signals.place", "base/pose", "base/place")
         in found
     )
     assert Difference(ChangeKind.CHANGED, "$.devices.base.name", "Base", "Wheels") in found
     assert Difference(ChangeKind.REMOVED, "$.devices.arm", "Arm") in found
-    assert difference(load_site(TEXT), load_site(TEXT)) == []
-    assert "-    name: Base" in unified(TEXT, after)
+    assert list_differences(load_site(TEXT), load_site(TEXT)) == []
+    assert "-    name: Base" in unified_diff(TEXT, after)
 
 
 def test_path_leads_to_its_line_and_what_is_missing_to_what_it_would_stand_in() -> None:

@@ -17,8 +17,8 @@ from msgspec import inspect
 from talaia.model.checks.site_checks import check
 from talaia.model.site import Site
 from talaia.model.yaml_text.load import dump_site, load_site
-from talaia.model.yaml_text.save import saved
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.save import save_into_text
+from talaia.model.yaml_text.write import write_description
 
 from ..test_detection import MODEL, TEXT as SEEING
 from .test_load import GUARDED, SEVERAL
@@ -164,20 +164,20 @@ def order(value: object) -> object:
     deadline=None, max_examples=60,
     suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
 )  # fmt: skip
-@given(changed(), st.sampled_from([written, dump_site]))
+@given(changed(), st.sampled_from([write_description, dump_site]))
 def test_any_description_that_check_accepts_survives_load_save_load(
     change: tuple[str, Site, Site], write: Callable[[Site], str]
 ) -> None:
     text, _, after = change
     assume(not check(after))
     assert load_site(write(after)) == after
-    read = load_site(saved(text, after))
+    read = load_site(save_into_text(text, after))
     assert read == after
     assert order(read) == order(after)
-    assert saved(saved(text, after), after) == saved(text, after)
+    assert save_into_text(save_into_text(text, after), after) == save_into_text(text, after)
 
 
 @pytest.mark.parametrize(("text", "site"), BASES, ids=range(len(BASES)))
 def test_the_descriptions_they_are_made_of_are_right(text: str, site: Site) -> None:
     assert check(site) == []
-    assert saved(text, site) == text
+    assert save_into_text(text, site) == text

@@ -13,8 +13,8 @@ from talaia.model.connection import RosSource
 from talaia.model.errors import DescriptionError
 from talaia.model.site import Device, Drive, Ros2Settings, Signal, SignalType, Site
 from talaia.model.yaml_text.load import dump_site, load_site
-from talaia.model.yaml_text.save import saved
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.save import save_into_text
+from talaia.model.yaml_text.write import write_description
 
 AGV = (Path(__file__).parents[3] / "examples/agv/site.yaml").read_text()
 replace = msgspec.structs.replace
@@ -28,11 +28,11 @@ def with_speed(site: Site, **changes: object) -> Site:
 
 
 def test_a_description_that_was_not_changed_is_the_same_text() -> None:
-    assert saved(AGV, load_site(AGV)) == AGV
+    assert save_into_text(AGV, load_site(AGV)) == AGV
 
 
 def test_one_changed_limit_changes_one_line() -> None:
-    after = saved(AGV, with_speed(load_site(AGV), maximum=0.5))
+    after = save_into_text(AGV, with_speed(load_site(AGV), maximum=0.5))
     changed = set(after.splitlines()) - set(AGV.splitlines())
     assert len(changed) == 1
     assert "maximum: 0.5" in changed.pop()
@@ -40,7 +40,7 @@ def test_one_changed_limit_changes_one_line() -> None:
 
 
 def test_what_goes_back_to_its_default_is_no_longer_written() -> None:
-    after = saved(AGV, with_speed(load_site(AGV), minimum=None))
+    after = save_into_text(AGV, with_speed(load_site(AGV), minimum=None))
     assert after.count("minimum:") == AGV.count("minimum:") - 1
 
 
@@ -50,7 +50,7 @@ def test_a_removed_device_goes_and_the_comments_of_the_others_stay() -> None:
     )
     site = load_site(text)
     rest = {key: each for key, each in site.devices.items() if key != "sensors"}
-    after = saved(text, replace(site, devices=rest))
+    after = save_into_text(text, replace(site, devices=rest))
     assert "# bought in May" in after
     assert set(load_site(after).devices) == set(rest)
 
@@ -58,12 +58,12 @@ def test_a_removed_device_goes_and_the_comments_of_the_others_stay() -> None:
 def test_a_new_order_of_devices_is_written() -> None:
     site = load_site(AGV)
     turned = replace(site, devices=dict(reversed(site.devices.items())))
-    assert list(load_site(saved(AGV, turned)).devices) == list(turned.devices)
+    assert list(load_site(save_into_text(AGV, turned)).devices) == list(turned.devices)
 
 
 def test_a_text_that_is_no_description_is_refused() -> None:
     with pytest.raises(DescriptionError):
-        saved("talaia: 2", load_site(AGV))
+        save_into_text("talaia: 2", load_site(AGV))
 
 
 texts = st.text(min_size=1, max_size=12)
@@ -97,11 +97,11 @@ sites = st.builds(
 
 
 @settings(deadline=None, max_examples=25)
-@given(sites, sites, st.sampled_from([written, dump_site]))
+@given(sites, sites, st.sampled_from([write_description, dump_site]))
 def test_any_change_of_any_description_reads_back_as_it_was_meant(
     before: Site, after: Site, write: Callable[[Site], str]
 ) -> None:
     text = write(before)
-    read = load_site(saved(text, after))
+    read = load_site(save_into_text(text, after))
     assert read == after
     assert list(read.devices) == list(after.devices)

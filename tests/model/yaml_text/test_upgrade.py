@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 from talaia.model.errors import DescriptionError
 from talaia.model.site import LinkLoss
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.upgrade import STEPS, Tree, UpgradeStep, upgraded
+from talaia.model.yaml_text.upgrade import STEPS, Tree, UpgradeStep, upgrade_text
 from talaia.model.yaml_text.version import FORMAT
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "examples").glob("*/site.yaml"))
@@ -51,7 +51,7 @@ LATER = (*STEPS, UpgradeStep(2, renamed), UpgradeStep(3, halved))
 
 
 def test_an_older_word_is_written_as_today_and_one_line_has_changed() -> None:
-    after, changes = upgraded(OLD)
+    after, changes = upgrade_text(OLD)
     assert changes == ("$.devices.base.drive.link_loss: nothing is now written hold",)
     assert after == OLD.replace("link_loss: nothing", "link_loss: hold")
     drive = load_site(after).devices["base"].drive
@@ -60,18 +60,18 @@ def test_an_older_word_is_written_as_today_and_one_line_has_changed() -> None:
 
 
 def test_what_was_upgraded_has_nothing_left_to_upgrade() -> None:
-    after = upgraded(OLD).text
-    assert upgraded(after) == (after, ())
+    after = upgrade_text(OLD).text
+    assert upgrade_text(after) == (after, ())
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.parent.name)
 def test_the_examples_are_written_as_today(path: Path) -> None:
-    assert upgraded(path.read_text()).changes == ()
+    assert upgrade_text(path.read_text()).changes == ()
 
 
 def test_a_description_two_versions_old_goes_through_every_step_in_its_order() -> None:
     text = "talaia: 1\n# where it stands\nzone: Europe/Madrid\nrate: 8 # Hz\n"
-    after, changes = upgraded(text, LATER, 3)
+    after, changes = upgrade_text(text, LATER, 3)
     assert [each.split(":")[0] for each in changes] == ["$.zone", "$.rate", "$.talaia"]
     assert after.startswith("talaia: 3\n# where it stands\n")
     assert "rate: 4 # Hz" in after
@@ -79,7 +79,7 @@ def test_a_description_two_versions_old_goes_through_every_step_in_its_order() -
 
 
 def test_a_description_of_the_version_between_takes_the_later_steps() -> None:
-    after, changes = upgraded("talaia: 2\nrate: 8\n", LATER, 3)
+    after, changes = upgrade_text("talaia: 2\nrate: 8\n", LATER, 3)
     assert after == "talaia: 3\nrate: 4\n"
     assert len(changes) == 2
 
@@ -97,18 +97,18 @@ def test_a_description_of_the_version_between_takes_the_later_steps() -> None:
 )
 def test_what_cannot_be_upgraded_says_why(text: str, said: str) -> None:
     with pytest.raises(DescriptionError, match=said):
-        upgraded(text)
+        upgrade_text(text)
 
 
 def test_two_places_that_are_one_by_an_alias_change_together() -> None:
     text = "talaia: 1\ndevices:\n  a: &a\n    drive: {link_loss: nothing}\n  b: *a\n"
-    after = upgraded(text).text
+    after = upgrade_text(text).text
     assert after == text.replace("nothing", "hold")
 
 
 def test_line_ends_of_another_system_stay() -> None:
     text = OLD.replace("\n", "\r\n")
-    assert upgraded(text).text == text.replace("nothing", "hold")
+    assert upgrade_text(text).text == text.replace("nothing", "hold")
 
 
 shapes = st.recursive(

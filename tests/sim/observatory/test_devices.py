@@ -325,8 +325,8 @@ def test_an_outlet_is_rebooted_and_a_wrong_one_is_refused() -> None:
 
 
 def test_the_wall_camera_sees_the_sky_through_an_open_slit_by_day() -> None:
-    shut = cctv.draw(cctv.View(0, 180, 10, 10, 1.0))
-    opened = cctv.draw(cctv.View(1, 180, 10, 10, 1.0))
+    shut = cctv.draw_view(cctv.View(0, 180, 10, 10, 1.0))
+    opened = cctv.draw_view(cctv.View(1, 180, 10, 10, 1.0))
     assert len(shut) == len(opened) == cctv.WIDTH * cctv.HEIGHT * 3
     middle = (60 * cctv.WIDTH + cctv.WIDTH // 2) * 3
     assert sum(opened[middle : middle + 3]) > sum(shut[middle : middle + 3]) + 200
@@ -336,7 +336,7 @@ def test_the_wall_camera_sees_each_shell_of_a_clamshell_by_itself_and_no_slit() 
     def sky(east: float, west: float) -> tuple[bool, bool, bool]:
         """Whether there is sky at the left (east), in the middle, and at the right (west)."""
         opening = max(east, west)
-        picture = cctv.draw(cctv.View(opening, 0, 10, 10, 1.0, shells=(east, west)))
+        picture = cctv.draw_view(cctv.View(opening, 0, 10, 10, 1.0, shells=(east, west)))
         at = [(100 * cctv.WIDTH + x) * 3 for x in (70, cctv.WIDTH // 2, 250)]
         left, middle, right = (tuple(picture[i : i + 3]) == (126, 178, 235) for i in at)
         return left, middle, right

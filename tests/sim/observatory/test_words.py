@@ -8,17 +8,17 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.sim.observatory.servers.catalog import DEVICES
-from talaia.sim.observatory.words import Request, WordsWrong, number, read
+from talaia.sim.observatory.words import Request, WordsWrong, parse_number, parse_request
 
 pytestmark = pytest.mark.pure
 
 
 def test_the_founding_words_are_requests() -> None:
-    assert read("dome", ["open"]) == Request("dome", "trigger", "open", {})
-    assert read("weather", ["info"]).kind == "trigger"
-    goto = read("telescope", ["goto", "5:30:00", "-5.5"])
+    assert parse_request("dome", ["open"]) == Request("dome", "trigger", "open", {})
+    assert parse_request("weather", ["info"]).kind == "trigger"
+    goto = parse_request("telescope", ["goto", "5:30:00", "-5.5"])
     assert goto == Request("telescope", "ask", "goto", {"ra": 5.5, "dec": -5.5})
-    assert read("pdu", ["outlet3", "off"]).values == {"data": False}
+    assert parse_request("pdu", ["outlet3", "off"]).values == {"data": False}
 
 
 @pytest.mark.parametrize(
@@ -34,19 +34,19 @@ def test_the_founding_words_are_requests() -> None:
 )
 def test_wrong_words_are_told_and_ask_for_nothing(device: str, words: list[str], said: str) -> None:
     with pytest.raises(WordsWrong, match="^" + said.replace("(", r"\(")):
-        read(device, words)
+        parse_request(device, words)
 
 
 @given(st.sampled_from(DEVICES), st.lists(st.text(max_size=8), max_size=4))
 def test_no_words_break_the_reader(device: str, words: list[str]) -> None:
     with contextlib.suppress(WordsWrong):
-        assert read(device, words).device == device
+        assert parse_request(device, words).device == device
 
 
 @given(st.floats(-1e6, 1e6))
 def test_a_number_is_read_as_it_was_written(value: float) -> None:
-    assert number(repr(value)) == value
+    assert parse_number(repr(value)) == value
 
 
 def test_minutes_and_seconds_are_sixtieths() -> None:
-    assert number("-0:30:36") == pytest.approx(-0.51)
+    assert parse_number("-0:30:36") == pytest.approx(-0.51)

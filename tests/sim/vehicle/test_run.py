@@ -6,14 +6,14 @@ import signal
 
 import pytest
 
-from talaia.sim.vehicle.run import arguments, main
+from talaia.sim.vehicle.run import main, make_parser
 
 pytestmark = pytest.mark.pure
 
 
 def test_it_does_not_wander_unless_asked() -> None:
-    assert arguments().parse_args([]).wander is False
-    assert arguments().parse_args(["--wander"]).wander is True
+    assert make_parser().parse_args([]).wander is False
+    assert make_parser().parse_args(["--wander"]).wander is True
 
 
 def test_a_domain_that_is_not_safe_is_refused_in_words(capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from talaia.cli.demo.session import example, folder, greet, make_logins
+from talaia.cli.demo.session import data_folder, find_example, make_logins, print_greeting
 from talaia.cli.errors import CliError
-from talaia.cli.parts import Part, run_together, start, start_program
+from talaia.cli.parts import Part, run_together, start_program, start_talaia
 from talaia.cli.places import free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
@@ -50,7 +50,7 @@ def main(argv: Sequence[str]) -> int:
     if missing:
         raise CliError(f"{', '.join(missing)} missing; run: apt install indi-bin")
     began = time.monotonic()
-    with folder(options.data, "talaia-demo-indi-") as data:
+    with data_folder(options.data, "talaia-demo-indi-") as data:
         asyncio.run(_run_demo(options, data, began))
     return 0
 
@@ -110,7 +110,7 @@ async def _start_parts(
     )
     logins = await make_logins(settings)
     site = data / "site.yaml"
-    here = _at_night(read_site(example(EXAMPLE)), time.time())
+    here = _at_night(read_site(find_example(EXAMPLE)), time.time())
     here = _reading_station(here, _station_file(data))
     site.write_text(dump_site(_at_port(here, indi)))
     key = data / "gateway.key"
@@ -128,10 +128,10 @@ async def _start_parts(
         "--data",
         str(data / "gateway"),
     ]
-    parts.append(await start("hub", hub, data / "hub.log", restart=True))
-    parts.append(await start("gateway", gateway, data / "gateway.log", restart=True))
+    parts.append(await start_talaia("hub", hub, data / "hub.log", restart=True))
+    parts.append(await start_talaia("gateway", gateway, data / "gateway.log", restart=True))
     await asyncio.gather(parts[1].says("ready", 60), parts[2].says("linked to", 60))
-    greet(f"http://localhost:{port}", logins, data=data, took=time.monotonic() - began)
+    print_greeting(f"http://localhost:{port}", logins, data=data, took=time.monotonic() - began)
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, f"http://localhost:{port}")
 

@@ -13,21 +13,21 @@ from typing import TYPE_CHECKING, NamedTuple
 from msgspec.structs import replace
 
 from talaia.cli.demo.session import (
-    describe,
-    example,
-    folder,
-    greet,
+    data_folder,
+    find_example,
     is_changed,
     make_logins,
+    print_greeting,
+    write_description,
 )
 from talaia.cli.errors import PartMissing
-from talaia.cli.parts import Part, run_together, start
+from talaia.cli.parts import Part, run_together, start_talaia
 from talaia.cli.places import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.detection import DetectionSource
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
-from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.save import save_into_text
 from talaia.objects.here import sight_here
 from talaia.sim import domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
@@ -54,7 +54,7 @@ def main(argv: Sequence[str]) -> int:
         if importlib.util.find_spec(module) is None:
             raise PartMissing("talaia demo", module, "hub,sim")
     began = time.monotonic()
-    with folder(options.data, "talaia-demo-") as data:
+    with data_folder(options.data, "talaia-demo-") as data:
         asyncio.run(run_together(lambda parts: _start_robots(options, data, parts, began)))
     return 0
 
@@ -86,19 +86,19 @@ async def _start_robots(
         robots.append(_start_observatory(options, data))
     for robot in robots:
         name = f"simulated {robot.name}"
-        parts.append(await start(name, robot.words, data / robot.log, robot.environment))
+        parts.append(await start_talaia(name, robot.words, data / robot.log, robot.environment))
     settings = Settings(
         data=data, host="127.0.0.1", port=port, plain=True, database_url=Settings.url_from()
     )
     logins = await make_logins(settings)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
     gateways = [await _gateway_command(robot, settings) for robot in robots]
-    parts.append(await start("hub", hub, data / "hub.log", restart=True))
+    parts.append(await start_talaia("hub", hub, data / "hub.log", restart=True))
     for robot, words in zip(robots, gateways, strict=True):
         suffix = "" if robot.site == VEHICLE else f"-{robot.site}"
         log = data / f"gateway{suffix}.log"
         name = f"gateway of the {robot.name}"
-        parts.append(await start(name, words, log, robot.environment, restart=True))
+        parts.append(await start_talaia(name, words, log, robot.environment, restart=True))
     ready = len(robots) + 1
     await asyncio.gather(
         *(part.says("ready", READY_S) for part in parts[:ready]),
@@ -108,7 +108,7 @@ async def _start_robots(
     blind = [
         sight for sight in sight_here(read_site(robots[0].description), data) if not sight.well
     ]
-    greet(
+    print_greeting(
         address,
         logins,
         data=data,
@@ -145,10 +145,10 @@ def _start_vehicle(options: argparse.Namespace, data: Path) -> _Robot:
     description = data / "agv.yaml"
     changed = is_changed(description)
     if not changed:
-        text = example(VEHICLE).read_text()
+        text = find_example(VEHICLE).read_text()
         # Without them its gateway would not start: what is to be recorded must be.
         text += RECORDING if find_spec("mcap") and find_spec("av") else ""
-        describe(description, _without_detections(text) if options.no_camera else text)
+        write_description(description, _without_detections(text) if options.no_camera else text)
     here = domain.environment(world)
     return _Robot(VEHICLE, description, changed, "vehicle", words, "sim.log", world, here)
 
@@ -175,7 +175,7 @@ def _without_detections(text: str) -> str:
         },
         alarms={name: alarm for name, alarm in site.alarms.items() if alarm.signal not in gone},
     )
-    return saved(text, without)
+    return save_into_text(text, without)
 
 
 def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
@@ -190,9 +190,11 @@ def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
     changed = is_changed(description)
     if changed:
         text = description.read_text()
-        description.write_text(saved(text, at_night(read_site(description), now)))
+        description.write_text(save_into_text(text, at_night(read_site(description), now)))
     else:
-        describe(description, dump_site(at_night(read_site(example(OBSERVATORY)), now)))
+        write_description(
+            description, dump_site(at_night(read_site(find_example(OBSERVATORY)), now))
+        )
     here = domain.environment(world)
     return _Robot(
         OBSERVATORY, description, changed, "observatory", words, "observatory.log", world, here

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Login",
-    "describe",
-    "example",
-    "folder",
-    "greet",
+    "data_folder",
+    "find_example",
     "is_changed",
     "make_logins",
+    "print_greeting",
+    "write_description",
 ]
 
 ROLES = ("admin", "operator", "guest")
@@ -42,7 +42,7 @@ class Login(NamedTuple):
 
 
 @contextmanager
-def folder(kept: Path | None, prefix: str) -> Iterator[Path]:
+def data_folder(kept: Path | None, prefix: str) -> Iterator[Path]:
     """Give the folder to keep things in, or one that is removed again."""
     data = kept or Path(tempfile.mkdtemp(prefix=prefix))
     data.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -64,7 +64,7 @@ async def make_logins(settings: Settings) -> list[Login]:
     return logins
 
 
-def example(name: str) -> Path:
+def find_example(name: str) -> Path:
     """Find an example: in this tree, or beside the installed package."""
     package = Path(__file__).resolve().parents[2]
     for base in (package.parent.parent / "examples", package / "examples"):
@@ -74,7 +74,7 @@ def example(name: str) -> Path:
 
 
 def is_changed(path: Path) -> bool:
-    """Tell whether somebody changed a description that `describe` wrote in an earlier run."""
+    """Tell whether somebody changed a description written by `write_description` earlier."""
     try:
         return _digest_of(path.read_text()) != _digest_file(path).read_text()
     except FileNotFoundError:
@@ -82,7 +82,7 @@ def is_changed(path: Path) -> bool:
         return path.exists()
 
 
-def describe(path: Path, text: str) -> None:
+def write_description(path: Path, text: str) -> None:
     """Write a description, and note that it is the demo's own."""
     path.write_text(text)
     _digest_file(path).write_text(_digest_of(text))
@@ -96,7 +96,7 @@ def _digest_of(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def greet(
+def print_greeting(
     address: str,
     logins: Sequence[Login],
     *,

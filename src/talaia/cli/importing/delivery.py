@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from talaia.hub.history.import_file import Head
     from talaia.hub.settings import Settings
 
-__all__ = ["deliver", "described"]
+__all__ = ["deliver_parcels", "known_description"]
 
 _LOOK_S = 0.2
 
 
-def deliver(
+def deliver_parcels(
     settings: Settings, paths: Sequence[Path], say: Callable[[str], None]
 ) -> list[ImportResult]:
     """Wait until parcels are in the history, or bring them there when no hub runs.
@@ -58,7 +58,7 @@ def deliver(
         time.sleep(_LOOK_S)
 
 
-def described(settings: Settings, site: str) -> str | None:
+def known_description(settings: Settings, site: str) -> str | None:
     """Give the description by which the hub knows a site.
 
     Raises:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from talaia.cli.errors import BadFile, CliError
-from talaia.cli.importing.delivery import deliver, described
+from talaia.cli.importing.delivery import deliver_parcels, known_description
 from talaia.cli.importing.extension_source import ExtensionImportSource, importer_of
 from talaia.cli.importing.messages import Messages
 from talaia.cli.importing.staging import Staging
@@ -81,7 +81,7 @@ def main(argv: Sequence[str]) -> int:
             return 0
         # Only now that all of them are read; until here nothing has happened.
         ready = [writer.publish() for writer in writers]
-    for read, how in zip(reads, deliver(settings, ready, _print_progress), strict=True):
+    for read, how in zip(reads, deliver_parcels(settings, ready, _print_progress), strict=True):
         print(f"{read.path}: {_result_text(how)}")
     return 0
 
@@ -137,7 +137,7 @@ def _load_site(asked: str, settings: Settings) -> Site:
     if path.suffix in (".yaml", ".yml") or path.is_file():
         return raise_first(read_site(path))
     _check_data(settings.data)
-    text = described(settings, asked)
+    text = known_description(settings, asked)
     if text is None:
         raise CliError(f"the hub knows no site {asked!r}; name the file of its description instead")
     return load_site(text)

@@ -9,7 +9,7 @@ import msgspec
 from talaia.configurator.edits import ai_services, with_services
 from talaia.configurator.places import with_value
 from talaia.configurator.qt.form import Form
-from talaia.configurator.qt.widgets import Card, Page, Switch, label
+from talaia.configurator.qt.widgets import Card, Page, Switch, make_label
 from talaia.configurator.rows import Row, rows_at
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class AiPage(Page):
             switch.setAccessibleName(switch.text().replace("&", ""))
             switch.setAccessibleDescription(sentence)
             card.body.addWidget(switch)
-            told = label(sentence, "muted", wrap=True)
+            told = make_label(sentence, "muted", wrap=True)
             told.setIndent(50)
             card.body.addWidget(told)
         self.anomalies.clicked.connect(

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
     from talaia.configurator.qt.window import Means
 
-__all__ = ["application", "run"]
+__all__ = ["make_application", "run_window"]
 
 _LOOK_MS = 300
 
 
-def application() -> QApplication:
+def make_application() -> QApplication:
     """Give the one Qt application, with the style that the colours are made for."""
     there = QApplication.instance()
     made = there if isinstance(there, QApplication) else QApplication(sys.argv[:1])
@@ -32,9 +32,9 @@ def application() -> QApplication:
     return made
 
 
-def run(means: Means, file: Path | None) -> int:
+def run_window(means: Means, file: Path | None) -> int:
     """Show the window until it is closed; gives the exit code."""
-    qt = application()
+    qt = make_application()
     window = Window(means)
     if file is not None:
         window.open_file(file)

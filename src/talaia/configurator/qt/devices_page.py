@@ -20,13 +20,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from talaia.configurator.edits import Group, groups_at, with_thing, without
+from talaia.configurator.edits import Group, groups_at, with_thing, without_things
 from talaia.configurator.errors import ConfiguratorError, NoSuchPlace
-from talaia.configurator.places import at, with_value
+from talaia.configurator.places import value_at, with_value
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
-from talaia.configurator.qt.widgets import Card, Inner, Page, button, label, row
-from talaia.configurator.rows import Row, kept, rows_at
+from talaia.configurator.qt.widgets import Card, Inner, Page, make_button, make_label, make_row
+from talaia.configurator.rows import Row, rows_at, stored_value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -127,19 +127,19 @@ class DevicesPage(Page):
         self.add_button.setAccessibleName("Add to the selected item")
         self._menu = QMenu(self.add_button)
         self.add_button.setMenu(self._menu)
-        self.remove_button = button("&Remove", self.remove)
+        self.remove_button = make_button("&Remove", self.remove)
         left = QWidget()
         body = QVBoxLayout(left)
         body.setContentsMargins(0, 0, 0, 0)
         body.setSpacing(SPACE[1])
-        body.addLayout(row(self.add_button, self.remove_button, 1))
+        body.addLayout(make_row(self.add_button, self.remove_button, 1))
         body.addWidget(self.tree, 1)
         return left
 
     def _make_detail_pane(self) -> QWidget:
         card = Card()
-        self.title = label("", "heading", wrap=True)
-        self.hint = label("", "muted", wrap=True)
+        self.title = make_label("", "heading", wrap=True)
+        self.hint = make_label("", "muted", wrap=True)
         card.body.addWidget(self.title)
         card.body.addWidget(self.hint)
         self.form = Form()
@@ -206,7 +206,7 @@ class DevicesPage(Page):
     def _show_details(self) -> None:
         site, path = self._editor.site, self.selected()
         try:
-            thing = at(site, path)
+            thing = value_at(site, path)
         except NoSuchPlace:
             return
         address = "/".join(path[1::2])
@@ -263,11 +263,11 @@ class DevicesPage(Page):
         """Remove the selected thing."""
         path = self.selected()
         if len(path) > 1:
-            self._editor.apply(f"remove {path[-1]}", lambda site: without(site, [path]))
+            self._editor.apply(f"remove {path[-1]}", lambda site: without_things(site, [path]))
 
     def _apply_edit(self, field: Row, value: object) -> None:
         path = self.selected()
         self._editor.apply(
             f"change {field.label.lower()} of {path[-1] if path else 'the site'}",
-            lambda site: with_value(site, (*path, *field.path), kept(field, value)),
+            lambda site: with_value(site, (*path, *field.path), stored_value(field, value)),
         )

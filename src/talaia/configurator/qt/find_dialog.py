@@ -20,10 +20,17 @@ from PySide6.QtWidgets import (
 
 from talaia.configurator.errors import BadHost
 from talaia.configurator.looking import SECONDS, Look, LookPhase, probe_command
-from talaia.configurator.merge import merged
+from talaia.configurator.merge import merge_findings
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.process import Process
-from talaia.configurator.qt.widgets import Number, button, label, mark_wrong, row, telling
+from talaia.configurator.qt.widgets import (
+    Number,
+    make_button,
+    make_label,
+    make_output_label,
+    make_row,
+    mark_wrong,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,7 +62,7 @@ class FindDialog(QDialog):
         body = QVBoxLayout(self)
         body.setSpacing(SPACE[1])
         body.addWidget(
-            label(
+            make_label(
                 "Lists the topics, services, actions and cameras of a robot that is running, and "
                 "fills in what the description does not have yet. It only listens.",
                 "muted",
@@ -66,9 +73,9 @@ class FindDialog(QDialog):
         self.bar = QProgressBar(maximum=1000, textVisible=False)
         self.bar.setAccessibleName("Progress")
         body.addWidget(self.bar)
-        self.told = telling("")
+        self.told = make_output_label("")
         body.addWidget(self.told)
-        self.problem = telling("bad")
+        self.problem = make_output_label("bad")
         body.addWidget(self.problem)
         self.left_out = QPlainTextEdit(readOnly=True)
         self.left_out.setAccessibleName("Left out, and why")
@@ -76,10 +83,10 @@ class FindDialog(QDialog):
         self.left_out.setFixedHeight(110)
         self.left_out.hide()
         body.addWidget(self.left_out)
-        self.start_button = button("&Look", self.start, "main")
+        self.start_button = make_button("&Look", self.start, "main")
         self.start_button.setDefault(True)
-        self.close_button = button("Close", self.close)
-        body.addLayout(row(1, self.close_button, self.start_button))
+        self.close_button = make_button("Close", self.close)
+        body.addLayout(make_row(1, self.close_button, self.start_button))
         self._show_phase()
 
     def _make_target_fields(self) -> QWidget:
@@ -182,7 +189,7 @@ class FindDialog(QDialog):
         elif self.look.phase is LookPhase.FAILED:
             self._show_message("", self.look.problem)
         elif self.look.found is not None:
-            result = merged(self._editor.site, self.look.found)
+            result = merge_findings(self._editor.site, self.look.found)
             self._editor.apply("find on robot", lambda _: result.site)
             self._show_message(_summary_text(result), "")
             self.left_out.setPlainText("Left out:\n" + "\n".join(result.left_out))

@@ -17,8 +17,8 @@ from PySide6.QtWidgets import (
 
 from talaia.configurator.errors import BadValue
 from talaia.configurator.qt.palette import SPACE
-from talaia.configurator.qt.widgets import ComboBox, Switch, label, mark_wrong
-from talaia.configurator.rows import Row, RowKind, read, shown, value_of
+from talaia.configurator.qt.widgets import ComboBox, Switch, make_label, mark_wrong
+from talaia.configurator.rows import Row, RowKind, parse_text, shown_text, value_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -62,7 +62,7 @@ class _Field:
         self.widget.setAccessibleDescription(row.help)
         self.widget.setToolTip(row.help)
         self.widget.setObjectName(row.key)
-        self.wrong = label("", "bad", wrap=True)
+        self.wrong = make_label("", "bad", wrap=True)
         self.wrong.hide()
         self.text = ""
 
@@ -93,7 +93,7 @@ class _Field:
         if text == self.text:
             return
         try:
-            value = read(self.row, text)
+            value = parse_text(self.row, text)
         except BadValue as error:
             self.show_problem(str(error))
             return
@@ -101,7 +101,7 @@ class _Field:
         self._form.edited.emit(self.row, value)
 
     def show(self, value: object, problem: str) -> None:
-        text = shown(self.row, value)
+        text = shown_text(self.row, value)
         widget = self.widget
         self.text = text
         if isinstance(widget, Switch):
@@ -204,7 +204,9 @@ class Form(QWidget):
         for row in [*flat, *(row for row in rows if len(row.path) > 1)]:
             group = row.path[0] if len(row.path) > 1 else ""
             if group != above:
-                self._grid.addWidget(label(_HEADINGS.get(group, group), "heading"), at, 0, 1, 2)
+                self._grid.addWidget(
+                    make_label(_HEADINGS.get(group, group), "heading"), at, 0, 1, 2
+                )
                 at, above = at + 1, group
             field = _Field(self, row)
             name = QLabel(row.label)

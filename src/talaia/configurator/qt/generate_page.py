@@ -19,7 +19,15 @@ from PySide6.QtWidgets import (
 
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.process import Process
-from talaia.configurator.qt.widgets import Card, ComboBox, Page, button, label, row, telling
+from talaia.configurator.qt.widgets import (
+    Card,
+    ComboBox,
+    Page,
+    make_button,
+    make_label,
+    make_output_label,
+    make_row,
+)
 from talaia.configurator.running import (
     MAX_LINES,
     Run,
@@ -92,30 +100,30 @@ class GeneratePage(Page):
     def _make_run_card(self) -> QWidget:
         card = Card("Start it on this machine")
         card.body.addWidget(
-            label(
+            make_label(
                 "The hub with accounts, tables and history, and the gateway to the robot; the "
                 "dashboard opens in your browser.",
                 "muted",
                 wrap=True,
             )
         )
-        self.start_button = button("&Generate", self.start, "main")
-        self.stop_button = button("S&top", self.stop)
-        self.open_button = button("Open &dashboard", self.open_dashboard)
-        card.body.addLayout(row(self.start_button, self.open_button, self.stop_button, 1))
+        self.start_button = make_button("&Generate", self.start, "main")
+        self.stop_button = make_button("S&top", self.stop)
+        self.open_button = make_button("Open &dashboard", self.open_dashboard)
+        card.body.addLayout(make_row(self.start_button, self.open_button, self.stop_button, 1))
         self.bar = QProgressBar(textVisible=False, maximum=0)
         self.bar.setAccessibleName("Starting")
         card.body.addWidget(self.bar)
-        self.state = label("", "muted", wrap=True)
+        self.state = make_label("", "muted", wrap=True)
         card.body.addWidget(self.state)
-        self.problem = telling("bad")
+        self.problem = make_output_label("bad")
         card.body.addWidget(self.problem)
         return card
 
     def _make_deployment_card(self) -> QWidget:
         card = Card("Make a deployment")
         card.body.addWidget(
-            label(
+            make_label(
                 "A folder with containers for a server, and systemd units for the robot's own "
                 "computer. No default password.",
                 "muted",
@@ -130,7 +138,7 @@ class GeneratePage(Page):
         self.database.setAccessibleName("Database of the deployment")
         self.over = QCheckBox("&Overwrite existing files")
         self.over.setToolTip("secrets are kept")
-        self.make_button = button("&Make deployment", self.make)
+        self.make_button = make_button("&Make deployment", self.make)
         grid = QGridLayout()
         grid.setHorizontalSpacing(SPACE[1])
         grid.setColumnStretch(0, 3)
@@ -140,13 +148,13 @@ class GeneratePage(Page):
             title.setBuddy(widget)
             grid.addWidget(title, 0, column)
             grid.addWidget(widget, 1, column)
-        grid.addWidget(button("&Choose …", self._choose_folder), 1, 1)
+        grid.addWidget(make_button("&Choose …", self._choose_folder), 1, 1)
         grid.addWidget(self.make_button, 1, 3)
         grid.addWidget(self.over, 2, 0, 1, 2)
         card.body.addLayout(grid)
-        self.made_state = label("", "ok", wrap=True)
+        self.made_state = make_label("", "ok", wrap=True)
         card.body.addWidget(self.made_state)
-        self.made_problem = telling("bad")
+        self.made_problem = make_output_label("bad")
         card.body.addWidget(self.made_problem)
         return card
 

@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from talaia.configurator.qt.palette import SPACE
-from talaia.configurator.qt.widgets import label
+from talaia.configurator.qt.widgets import make_label
 
 if TYPE_CHECKING:
     from talaia.configurator.document import Problem
@@ -30,7 +30,7 @@ class ProblemsPanel(QWidget):
         body = QVBoxLayout(self)
         body.setContentsMargins(SPACE[4], SPACE[0], SPACE[4], SPACE[1])
         body.setSpacing(SPACE[0])
-        self.sentence = label("")
+        self.sentence = make_label("")
         body.addWidget(self.sentence)
         self.list = QListWidget()
         self.list.setObjectName("problems")

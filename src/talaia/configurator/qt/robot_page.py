@@ -8,19 +8,19 @@ from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QWidget
 
 from talaia.configurator import edits
 from talaia.configurator.errors import BadValue
-from talaia.configurator.places import at, with_value
+from talaia.configurator.places import value_at, with_value
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import (
     Card,
     ComboBox,
     Page,
     Switch,
-    button,
-    label,
+    make_button,
+    make_label,
+    make_row,
     mark_wrong,
-    row,
 )
-from talaia.configurator.rows import read, rows_of
+from talaia.configurator.rows import parse_text, rows_of
 from talaia.model.site import Drive, DriveMessage
 
 if TYPE_CHECKING:
@@ -66,12 +66,12 @@ class _Service(Card):
         self.switch = Switch(name)
         self.switch.setAccessibleDescription(sentence)
         self.switch.clicked.connect(lambda on=False: self._switch_service(on=on))
-        self.more = button(f"More of {name} …", self._show_more)
-        self.where = label("", "muted", wrap=True)
-        self.wrong = label("", "bad", wrap=True)
-        self.buttons = row(self.switch, 1, self.more)
+        self.more = make_button(f"More of {name} …", self._show_more)
+        self.where = make_label("", "muted", wrap=True)
+        self.wrong = make_label("", "bad", wrap=True)
+        self.buttons = make_row(self.switch, 1, self.more)
         self.body.addLayout(self.buttons)
-        self.body.addWidget(label(sentence, "muted", wrap=True))
+        self.body.addWidget(make_label(sentence, "muted", wrap=True))
         self._fields = QWidget()
         grid = QGridLayout(self._fields)
         grid.setContentsMargins(0, 0, 0, 0)
@@ -115,7 +115,7 @@ class _Service(Card):
         for entry in self._entries:
             if not paths:
                 continue
-            value = at(site, (*paths[0], *entry.field))
+            value = value_at(site, (*paths[0], *entry.field))
             if isinstance(entry.widget, QComboBox):
                 entry.widget.setCurrentIndex(entry.widget.findData(str(value)))
             else:
@@ -131,7 +131,7 @@ class _Service(Card):
         else:
             done = self._editor.apply(
                 f"remove {self._name.lower()}",
-                lambda site: edits.without(site, self._found(site)),
+                lambda site: edits.without_things(site, self._found(site)),
             )
         if not done:
             self.show_site()
@@ -144,7 +144,7 @@ class _Service(Card):
         if entry.field[-1].startswith("max_"):
             kind = next(setting for setting in rows_of(Drive) if setting.path == entry.field)
             try:
-                value = read(kind, text)
+                value = parse_text(kind, text)
             except BadValue as error:
                 self.wrong.setText(f"{entry.text}: {error}")
                 self.wrong.show()
@@ -178,7 +178,9 @@ class RobotPage(Page):
             "Actuate",
             "Drive the robot from the dashboard: hold to run, one driver at a time, with STOP. "
             "Raise the careful limits to what your robot may do.",
-            found=lambda site: [("devices", device, "drive") for device in edits.driven(site)],
+            found=lambda site: [
+                ("devices", device, "drive") for device in edits.driven_devices(site)
+            ],
             added=edits.with_drive,
             entries=(
                 _Entry("Topic", QLineEdit(edits.CONTROL), ("topic",)),
@@ -191,7 +193,7 @@ class RobotPage(Page):
             editor,
             "Camera",
             "Show live pictures (sensor_msgs/Image).",
-            found=edits.cameras,
+            found=edits.camera_paths,
             added=edits.with_camera,
             entries=(
                 _Entry("Topic", QLineEdit(edits.IMAGES), ("source", "topic")),
@@ -202,14 +204,16 @@ class RobotPage(Page):
             editor,
             "GPS",
             "Show the robot on the map of the Earth (sensor_msgs/NavSatFix).",
-            found=edits.gps,
+            found=edits.position_paths,
             added=edits.with_gps,
             entries=(
                 _Entry("Topic", QLineEdit(edits.FIX), ("source", "topic")),
                 _Entry("Name", QLineEdit("Geographic position"), ("name",)),
             ),
         )
-        self.another = button("Add another", lambda: editor.apply("add camera", edits.with_camera))
+        self.another = make_button(
+            "Add another", lambda: editor.apply("add camera", edits.with_camera)
+        )
         self.camera.buttons.insertWidget(2, self.another)
         self._editor = editor
         for card in (self.actuate, self.camera, self.gps):
@@ -222,4 +226,4 @@ class RobotPage(Page):
         """Show the site as it is now."""
         for card in (self.actuate, self.camera, self.gps):
             card.show_site()
-        self.another.setVisible(bool(edits.cameras(self._editor.site)))
+        self.another.setVisible(bool(edits.camera_paths(self._editor.site)))

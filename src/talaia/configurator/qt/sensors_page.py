@@ -18,13 +18,22 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from talaia.configurator.edits import NewSensor, free_number, with_sensor, without
-from talaia.configurator.places import at, with_value
+from talaia.configurator.edits import NewSensor, free_number, with_sensor, without_things
+from talaia.configurator.places import value_at, with_value
 from talaia.configurator.presets import OTHERS, SENSORS, SensorKind
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.signals_table import REMOVE, SignalsTable
-from talaia.configurator.qt.widgets import Card, ComboBox, Inner, Number, Page, button, label, row
+from talaia.configurator.qt.widgets import (
+    Card,
+    ComboBox,
+    Inner,
+    Number,
+    Page,
+    make_button,
+    make_label,
+    make_row,
+)
 from talaia.configurator.rows import Row, rows_at
 from talaia.model.units.unit import UNITS
 
@@ -74,7 +83,7 @@ class SensorsPage(Page):
         for unit in UNITS.values():
             if unit.symbol:
                 self.unit.addItem(f"{unit.symbol}  ({unit.name})", unit.symbol)
-        self.add_button = button("Add sensor", self.add, "main")
+        self.add_button = make_button("Add sensor", self.add, "main")
         grid = QGridLayout()
         grid.setHorizontalSpacing(SPACE[1])
         fields: tuple[tuple[str, QWidget, int], ...] = (
@@ -163,13 +172,13 @@ class SensorsPage(Page):
         self.table.clicked.connect(self._on_clicked)
         self._model.switched.connect(self._first_page)
         self.table.selectionModel().selectionChanged.connect(lambda *_: self._show_details())
-        self.remove_button = button("&Remove", self.remove_selected)
-        self.count = label("", "muted")
+        self.remove_button = make_button("&Remove", self.remove_selected)
+        self.count = make_label("", "muted")
         left = QWidget()
         body = QVBoxLayout(left)
         body.setContentsMargins(0, 0, 0, 0)
         body.setSpacing(SPACE[1])
-        body.addLayout(row(self.filter, self.remove_button))
+        body.addLayout(make_row(self.filter, self.remove_button))
         body.addWidget(self.table, 1)
         body.addWidget(self.count)
         split = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=False)
@@ -182,7 +191,7 @@ class SensorsPage(Page):
 
     def _make_detail_pane(self) -> QWidget:
         card = Card()
-        self.details = label("", "heading", wrap=True)
+        self.details = make_label("", "heading", wrap=True)
         card.body.addWidget(self.details)
         self.form = Form()
         self.form.edited.connect(self._apply_edit)
@@ -245,7 +254,7 @@ class SensorsPage(Page):
             return
         numbers = [number for path in paths if (number := self._model.row_of(path)) is not None]
         what = paths[0][3] if len(paths) == 1 else f"{len(paths)} sensors"
-        if self._editor.apply(f"remove {what}", lambda site: without(site, paths)):
+        if self._editor.apply(f"remove {what}", lambda site: without_things(site, paths)):
             # The next one, so that Del can be pressed again.
             last = self._model.rowCount() - 1
             if last >= 0:
@@ -274,7 +283,7 @@ class SensorsPage(Page):
             for problem in self._editor.document.problems
             if problem.spot.node == path
         }
-        self.form.show_thing(rows_at(site, path), at(site, path), wrong, path)
+        self.form.show_thing(rows_at(site, path), value_at(site, path), wrong, path)
 
     def _apply_edit(self, field: Row, value: object) -> None:
         paths = self.selected()

@@ -32,11 +32,11 @@ __all__ = [
     "Number",
     "Page",
     "Switch",
-    "button",
-    "label",
+    "make_button",
+    "make_label",
+    "make_output_label",
+    "make_row",
     "mark_wrong",
-    "row",
-    "telling",
 ]
 
 _TRACK = QSize(36, 20)
@@ -157,7 +157,7 @@ class Card(QFrame):
         self.body.setContentsMargins(SPACE[3], SPACE[2], SPACE[3], SPACE[3])
         self.body.setSpacing(SPACE[1])
         if heading:
-            self.body.addWidget(label(heading, "heading"))
+            self.body.addWidget(make_label(heading, "heading"))
 
 
 class Page(QScrollArea):
@@ -175,12 +175,12 @@ class Page(QScrollArea):
         self.body = QVBoxLayout(inner)
         self.body.setContentsMargins(SPACE[4], SPACE[3], SPACE[4], SPACE[3])
         self.body.setSpacing(SPACE[2])
-        self.body.addWidget(label(title, "title"))
-        self.body.addWidget(label(sentence, "muted", wrap=True))
+        self.body.addWidget(make_label(title, "title"))
+        self.body.addWidget(make_label(sentence, "muted", wrap=True))
         self.setWidget(inner)
 
 
-def label(text: str, part: str = "", *, wrap: bool = False) -> QLabel:
+def make_label(text: str, part: str = "", *, wrap: bool = False) -> QLabel:
     """Make a label of one of the style sheet's parts; it shows text, never markup."""
     made = QLabel(text)
     made.setTextFormat(Qt.TextFormat.PlainText)
@@ -194,9 +194,9 @@ def label(text: str, part: str = "", *, wrap: bool = False) -> QLabel:
     return made
 
 
-def telling(part: str) -> QLabel:
+def make_output_label(part: str) -> QLabel:
     """Make a label for what a program said: selectable, wrapped, hidden until it has text."""
-    made = label("", part, wrap=True)
+    made = make_label("", part, wrap=True)
     made.setTextInteractionFlags(
         Qt.TextInteractionFlag.TextSelectableByMouse
         | Qt.TextInteractionFlag.TextSelectableByKeyboard
@@ -206,7 +206,7 @@ def telling(part: str) -> QLabel:
     return made
 
 
-def button(text: str, pressed: Callable[[], object], part: str = "") -> QPushButton:
+def make_button(text: str, pressed: Callable[[], object], part: str = "") -> QPushButton:
     """Make a button; Enter presses it as well as the space bar."""
     made = QPushButton(text)
     made.setAutoDefault(True)
@@ -217,7 +217,7 @@ def button(text: str, pressed: Callable[[], object], part: str = "") -> QPushBut
     return made
 
 
-def row(*items: QWidget | QLayout | int) -> QHBoxLayout:
+def make_row(*items: QWidget | QLayout | int) -> QHBoxLayout:
     """Lay things out side by side; a number is a stretch."""
     made = QHBoxLayout()
     made.setSpacing(SPACE[1])

@@ -27,7 +27,7 @@ from PySide6.QtWidgets import (
 from talaia.configurator.document import Document
 from talaia.configurator.edits import new_site
 from talaia.configurator.errors import FileChanged, NotWritten
-from talaia.configurator.files import opened, save
+from talaia.configurator.files import open_document, save_document
 from talaia.configurator.qt.ai_page import AiPage
 from talaia.configurator.qt.devices_page import DevicesPage
 from talaia.configurator.qt.editor import Editor
@@ -37,7 +37,7 @@ from talaia.configurator.qt.palette import SPACE, asked_for, qt_palette, style_s
 from talaia.configurator.qt.problems_panel import ProblemsPanel
 from talaia.configurator.qt.robot_page import RobotPage
 from talaia.configurator.qt.sensors_page import SensorsPage
-from talaia.configurator.qt.widgets import button, label, row
+from talaia.configurator.qt.widgets import make_button, make_label, make_row
 from talaia.model.errors import DescriptionError
 
 if TYPE_CHECKING:
@@ -115,9 +115,11 @@ class Window(QMainWindow):
         for page in (self.ai, self.sensors, self.robot, self.devices, self.generate):
             self.pages.addWidget(page)
         self.steps.currentRowChanged.connect(self._turn_page)
-        self.back = button("&Back", lambda: self.show_page(self.pages.currentIndex() - 1))
-        self.next = button("Ne&xt", lambda: self.show_page(self.pages.currentIndex() + 1), "main")
-        turning = row(1, self.back, self.next)
+        self.back = make_button("&Back", lambda: self.show_page(self.pages.currentIndex() - 1))
+        self.next = make_button(
+            "Ne&xt", lambda: self.show_page(self.pages.currentIndex() + 1), "main"
+        )
+        turning = make_row(1, self.back, self.next)
         turning.setContentsMargins(SPACE[4], 0, SPACE[4], SPACE[0])
         self.notice = self._make_notice()
         right = QWidget()
@@ -140,11 +142,11 @@ class Window(QMainWindow):
     def _make_notice(self) -> QFrame:
         frame = QFrame()
         frame.setProperty("part", "notice")
-        self.notice_text = label("", "bad", wrap=True)
+        self.notice_text = make_label("", "bad", wrap=True)
         inner = QHBoxLayout(frame)
         inner.setContentsMargins(SPACE[2], SPACE[0], SPACE[0], SPACE[0])
         inner.addWidget(self.notice_text, 1)
-        inner.addWidget(button("Dismiss", lambda: self._show_message("")))
+        inner.addWidget(make_button("Dismiss", lambda: self._show_message("")))
         frame.hide()
         return frame
 
@@ -238,7 +240,7 @@ class Window(QMainWindow):
     def open_file(self, file: Path) -> bool:
         """Open a file; false, with what is wrong in it, where it cannot be."""
         try:
-            document = opened(file)
+            document = open_document(file)
         except DescriptionError as error:
             self._show_message(f"{file.name} cannot be opened: {error}")
             return False
@@ -267,7 +269,7 @@ class Window(QMainWindow):
 
     def _write_file(self, file: Path, *, over: bool = False) -> bool:
         try:
-            save(self.editor.document, file, over=over)
+            save_document(self.editor.document, file, over=over)
         except FileChanged as error:
             sure = self._ask_person(f"{error}. Overwrite it?", QMessageBox.StandardButton.Save)
             return sure is QMessageBox.StandardButton.Save and self._write_file(file, over=True)

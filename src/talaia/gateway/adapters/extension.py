@@ -33,7 +33,7 @@ from talaia.extensions.adapter_words import (
     UpWords,
     ValueWords,
     read_from_adapter,
-    written,
+    write_message,
 )
 from talaia.extensions.declared import AdapterExtension
 from talaia.extensions.installed import installed
@@ -254,7 +254,7 @@ class ExtensionAdapterProcess:
 
     def _send(self, words: ToAdapter) -> None:
         if self._writer is not None:
-            self._writer.write(written(words))
+            self._writer.write(write_message(words))
 
     # ── what is asked of it ──
 

@@ -7,7 +7,7 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
-from talaia.model.alarms.expression import Expression, parse
+from talaia.model.alarms.expression import Expression, parse_condition
 from talaia.model.checks.alarm_checks import signals_of
 from talaia.model.site import SignalType
 
@@ -84,7 +84,7 @@ class AlarmCondition:
         self._signals = {channel: addresses.signals[channel] for channel in self.channels}
         self._expression: Expression | None = None
         if alarm.kind is AlarmKind.EXPRESSION:
-            self._expression = parse(alarm.expression, addresses.kinds)
+            self._expression = parse_condition(alarm.expression, addresses.kinds)
 
     @property
     def aged(self) -> bool:

@@ -32,7 +32,7 @@ __all__ = [
     "Expression",
     "ExpressionError",
     "ValueKind",
-    "parse",
+    "parse_condition",
 ]
 
 MAX_LENGTH = 1000
@@ -102,7 +102,7 @@ class Expression:
         return found if isinstance(found, bool) else None
 
 
-def parse(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
+def parse_condition(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
     """Read a condition over the channels in ``kinds``.
 
     Raises:

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
-from talaia.model.alarms.expression import ExpressionError, ValueKind, parse
+from talaia.model.alarms.expression import ExpressionError, ValueKind, parse_condition
 from talaia.model.checks.identifiers import Finding, above, at_least, id_fits, name_fits
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
@@ -113,7 +113,7 @@ def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
     """Name the channels that an alarm looks at; none for what a camera sees."""
     if alarm.kind is AlarmKind.EXPRESSION:
         try:
-            return parse(alarm.expression, addresses.kinds).signals
+            return parse_condition(alarm.expression, addresses.kinds).signals
         except ExpressionError:
             return ()
     return (alarm.signal,) if alarm.signal else ()
@@ -208,7 +208,7 @@ def _detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
 
 def _expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     try:
-        found = parse(alarm.expression, addresses.kinds)
+        found = parse_condition(alarm.expression, addresses.kinds)
     except ExpressionError as error:
         yield Finding(f"{where}.expression", str(error))
         return

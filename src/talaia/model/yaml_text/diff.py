@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["ChangeKind", "Difference", "difference", "unified"]
+__all__ = ["ChangeKind", "Difference", "list_differences", "unified_diff"]
 
 _LONGEST = 200
 # As far down as signals are looked up: key, device, group, name.
@@ -41,7 +41,7 @@ class Difference(NamedTuple):
     after: str = ""
 
 
-def difference(before: Site, after: Site) -> list[Difference]:
+def list_differences(before: Site, after: Site) -> list[Difference]:
     """List what differs, in the order of the descriptions; a whole part that came counts once."""
     moved = {
         old.partition(".")[0]: new.partition(".")[0] for old, new in renames(before, after).items()
@@ -59,7 +59,7 @@ def difference(before: Site, after: Site) -> list[Difference]:
     return [*found, *_part_differences("$", was, now)]
 
 
-def unified(before: str, after: str, context: int = 3) -> list[str]:
+def unified_diff(before: str, after: str, context: int = 3) -> list[str]:
     """Give the lines of a unified difference of two texts, without the names of files."""
     lines = difflib.unified_diff(before.splitlines(), after.splitlines(), n=context, lineterm="")
     return list(lines)[2:]

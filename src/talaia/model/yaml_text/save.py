@@ -22,10 +22,10 @@ from talaia.model.yaml_text.source_tags import plain_of
 if TYPE_CHECKING:
     from talaia.model.site import Site
 
-__all__ = ["saved"]
+__all__ = ["save_into_text"]
 
 
-def saved(text: str, site: Site) -> str:
+def save_into_text(text: str, site: Site) -> str:
     """Give ``text`` with what ``site`` has otherwise, and nothing else, changed.
 
     Raises:

@@ -17,7 +17,7 @@ from talaia.model.yaml_text.document import document_of
 from talaia.model.yaml_text.roundtrip import tree_of, written_tree
 from talaia.model.yaml_text.version import FORMAT, OLDEST, version_of
 
-__all__ = ["STEPS", "Tree", "UpgradeStep", "Upgraded", "upgraded"]
+__all__ = ["STEPS", "Tree", "UpgradeStep", "Upgraded", "upgrade_text"]
 
 Tree: TypeAlias = MutableMapping[str, object]
 
@@ -55,7 +55,9 @@ def _link_loss_holds(tree: Tree) -> Iterator[str]:
 STEPS: tuple[UpgradeStep, ...] = (UpgradeStep(1, _link_loss_holds),)
 
 
-def upgraded(text: str, steps: tuple[UpgradeStep, ...] = STEPS, newest: int = FORMAT) -> Upgraded:
+def upgrade_text(
+    text: str, steps: tuple[UpgradeStep, ...] = STEPS, newest: int = FORMAT
+) -> Upgraded:
     """Bring a text to the newest version.
 
     Args:

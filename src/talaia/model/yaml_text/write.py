@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["written"]
+__all__ = ["write_description"]
 
 # Small mappings that read better on one line.
 _ON_ONE_LINE = {"source", "stop", "fixed", "ros2"}
@@ -51,7 +51,7 @@ _Dumper.add_representer(_OneLine, _one_line)
 _Dumper.add_representer(list, _represent_list)
 
 
-def written(site: Site, comments: Iterable[str] = ()) -> str:
+def write_description(site: Site, comments: Iterable[str] = ()) -> str:
     """Write a description that `load_site` reads back to an equal one.
 
     Args:

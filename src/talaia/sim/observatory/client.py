@@ -15,7 +15,7 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from talaia.sim.observatory.words import PROGRAMS, Request, WordsWrong, read
+from talaia.sim.observatory.words import PROGRAMS, Request, WordsWrong, parse_request
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,7 +45,7 @@ def main(argv: Sequence[str]) -> int:
 
         return serve([*(["--ros1"] if ros1 else []), "--only", device, *rest[1:]])
     try:
-        request = read(device, rest[1:])
+        request = parse_request(device, rest[1:])
     except WordsWrong as error:
         sys.stdout.write(f" {error}\n")
         return 1

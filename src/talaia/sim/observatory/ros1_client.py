@@ -11,7 +11,7 @@ import rospy
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from talaia.sim.observatory.words import Request, read
+from talaia.sim.observatory.words import Request, parse_request
 
 __all__ = ["main"]
 
@@ -20,7 +20,7 @@ FIND_S = 5.0
 
 def main(argv: list[str]) -> int:
     """Ask one thing: the device, then its words; 0 when the server did it, else 1."""
-    good, said = _answer_of(read(argv[0], argv[1:]))
+    good, said = _answer_of(parse_request(argv[0], argv[1:]))
     sys.stdout.write(f" {said}\n")
     sys.stdout.flush()
     return 0 if good else 1

@@ -16,16 +16,16 @@ from talaia.sim.starting import Start, join_ros, needing_ros, run_robot
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["arguments", "main"]
+__all__ = ["main", "make_parser"]
 
 
-def arguments() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(
         prog="talaia sim observatory",
         description="A simulated observatory: dome, telescope, weather, camera, power, CCTV.",
     )
-    parser.add_argument("--ros1", action="store_true", help="as ROS 1 nodes, by Debian's rospy")
+    parser.add_argument("--ros1", action="store_true", help="as ROS 1 nodes, with Debian's rospy")
     parser.add_argument(
         "--domain", type=int, help="ROS domain, 1 to 101, reserved by whoever starts this"
     )
@@ -35,21 +35,21 @@ def arguments() -> argparse.ArgumentParser:
         action="append",
         choices=DEVICES,
         metavar="DEVICE",
-        help=f"only this server, may be given again: {', '.join(DEVICES)}",
+        help=f"run only this server; may be repeated: {', '.join(DEVICES)}",
     )
     parser.add_argument(
         "--speed",
         type=float,
         default=1.0,
         metavar="FACTOR",
-        help="everything moves so many times faster, 1 to 20 (default 1); for tests",
+        help="factor by which everything moves faster, 1 to 20 (default 1); for tests",
     )
     parser.add_argument(
         "--longitude",
         type=float,
         default=MONTSEC.longitude,
         metavar="DEG",
-        help=f"where it stands, -180 to 180 (default {MONTSEC.longitude})",
+        help=f"longitude of the site, -180 to 180 (default {MONTSEC.longitude})",
     )
     parser.add_argument(
         "--enclosure",
@@ -58,12 +58,12 @@ def arguments() -> argparse.ArgumentParser:
         help="a dome that turns, or a clamshell of two shells that does not (default dome)",
     )
     parser.add_argument("--fits", type=Path, metavar="DIR", help="keep the pictures here")
-    parser.add_argument("--log", type=Path, metavar="FILE", help="write what is asked (JSON lines)")
+    parser.add_argument("--log", type=Path, metavar="FILE", help="log every request (JSON lines)")
     parser.add_argument(
         "--orders",
         type=Path,
         metavar="PIPE",
-        help="a named pipe that brings faults and foreign hands, a line each; for tests",
+        help="a named pipe that takes faults and manual operation, a line each; for tests",
     )
     return parser
 
@@ -79,11 +79,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     """
     words = list(sys.argv[1:] if argv is None else argv)
-    options = arguments().parse_args(words)
+    options = make_parser().parse_args(words)
     if not 1.0 <= options.speed <= 20.0:
-        arguments().error("--speed: expected a number from 1 to 20")
+        make_parser().error("--speed: expected a number from 1 to 20")
     if not -180.0 <= options.longitude <= 180.0:
-        arguments().error("--longitude: expected a number from -180 to 180")
+        make_parser().error("--longitude: expected a number from -180 to 180")
     if options.ros1:
         from talaia.sim.observatory.ros1_start import run_ros1
 

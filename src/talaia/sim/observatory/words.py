@@ -11,7 +11,7 @@ from talaia.sim.observatory.servers.catalog import DEVICES, make_server
 if TYPE_CHECKING:
     from talaia.sim.observatory.servers.base import Server, Value
 
-__all__ = ["PROGRAMS", "Request", "WordsWrong", "number", "read"]
+__all__ = ["PROGRAMS", "Request", "WordsWrong", "parse_number", "parse_request"]
 
 PROGRAMS = {f"{device}_servcli": device for device in DEVICES}
 _PARTS = re.compile(r"([+-]?)(\d+)[:h](\d+)(?:[:m](\d+(?:\.\d*)?))?s?")
@@ -37,7 +37,7 @@ class Request(NamedTuple):
     values: dict[str, Value]
 
 
-def number(text: str) -> float:
+def parse_number(text: str) -> float:
     """Read a number, or hours (degrees), minutes and seconds: ``5:34:32``, ``-5h23m``.
 
     Raises:
@@ -58,7 +58,7 @@ def number(text: str) -> float:
     return value
 
 
-def read(device: str, words: list[str]) -> Request:
+def parse_request(device: str, words: list[str]) -> Request:
     """Read what stands behind ``client``.
 
     Raises:
@@ -89,7 +89,8 @@ def _parse_values(server: Server, action: str, rest: list[str]) -> dict[str, Val
         )
     given = zip(arguments.items(), rest, strict=False)
     return {
-        name: text if isinstance(example, str) else number(text) for (name, example), text in given
+        name: text if isinstance(example, str) else parse_number(text)
+        for (name, example), text in given
     }
 
 

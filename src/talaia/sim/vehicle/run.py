@@ -14,10 +14,10 @@ from talaia.sim.starting import Start, join_ros, needing_ros, run_robot
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-__all__ = ["arguments", "main"]
+__all__ = ["main", "make_parser"]
 
 
-def arguments() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
     """Describe the command line."""
     parser = argparse.ArgumentParser(
         prog="talaia sim vehicle",
@@ -53,9 +53,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         0 after a signal, 1 when it cannot run here, 2 for a wrong command line.
 
     """
-    options = arguments().parse_args(argv)
+    options = make_parser().parse_args(argv)
     if not 0.1 <= options.camera_rate <= 60.0:
-        arguments().error("--camera-rate: expected a number from 0.1 to 60")
+        make_parser().error("--camera-rate: expected a number from 0.1 to 60")
     # It reports at length which accelerators it does without.
     logging.getLogger("OpenGL").setLevel(logging.WARNING)
     return run_robot("vehicle", options.domain, lambda start: _run_vehicle(options, start))

@@ -15,7 +15,7 @@ from talaia.model.checks.site_checks import check
 from talaia.model.discovery.generate_description import propose
 from talaia.model.discovery.probe_report import Found
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.write import write_description
 
 pytestmark = pytest.mark.robot
 DRIVERS = tuple(f"indi_simulator_{each}" for each in ("telescope", "dome", "weather"))
@@ -55,7 +55,7 @@ async def test_connected_drivers_are_described_with_names_and_units_and_run_as_t
     assert all(each.connected for each in found.devices)
     site = propose(found, "sky", "Sky", "UTC").site
     assert check(site) == []
-    assert load_site(written(site)) == site
+    assert load_site(write_description(site)) == site
     assert site.connections["indi"].port == found.port
     weather = site.devices["weather_simulator"].signals
     assert weather["temperature"].unit == "°C"

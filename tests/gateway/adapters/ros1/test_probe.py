@@ -22,7 +22,7 @@ from talaia.model.checks.site_checks import check
 from talaia.model.discovery.generate_description import propose
 from talaia.model.discovery.probe_report import Found
 from talaia.model.yaml_text.load import load_site
-from talaia.model.yaml_text.write import written
+from talaia.model.yaml_text.write import write_description
 
 from . import ros1_bench
 
@@ -111,7 +111,7 @@ async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
     found = await seen(tmp_path)
     site = propose(found, "old", "Old robot", "UTC").site
     assert check(site) == []
-    assert load_site(written(site)) == site
+    assert load_site(write_description(site)) == site
     assert site.connections["ros1"].master == found.master
     assert site.devices["sensors"].signals["speed_1"].source.name == "speed1"
     assert site.devices["camera"].streams.keys() >= {"images"}

@@ -28,9 +28,9 @@ from talaia.model.checks.identifiers import Finding
 from talaia.model.checks.site_checks import check
 from talaia.model.errors import DescriptionError
 from talaia.model.schema import site_schema
-from talaia.model.yaml_text.diff import difference, unified
+from talaia.model.yaml_text.diff import list_differences, unified_diff
 from talaia.model.yaml_text.load import load_site, site_of_plain
-from talaia.model.yaml_text.save import saved
+from talaia.model.yaml_text.save import save_into_text
 from talaia.model.yaml_text.source_lines import SourcePositions
 from talaia.model.yaml_text.source_tags import plain_of
 from talaia.wire.frames import ChangePhase
@@ -251,9 +251,9 @@ def _builtins(site: Site) -> dict[str, Any]:
 
 
 def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
-    lines = unified(before, after)
+    lines = unified_diff(before, after)
     try:
-        parts = difference(load_site(before), load_site(after))
+        parts = list_differences(load_site(before), load_site(after))
     except DescriptionError:
         # Kept by a version that knew other words: the lines say it all the same.
         parts = []
@@ -266,7 +266,7 @@ def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
 def _edit(text: str, plain: dict[str, Any]) -> EditAnswer:
     try:
         site = site_of_plain(plain)
-        made = saved(text, site)
+        made = save_into_text(text, site)
     except DescriptionError as error:
         finding = FindingShape(
             where=error.where, problem=error.problem, remedy=error.remedy, line=0, column=0

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.units.astronomy import J2000, Observer, altaz, julian_day, precess, sun
 from talaia.sim.observatory.models.fits import Card, fits_file
-from talaia.sim.observatory.models.stars import Chip, Shot, draw
+from talaia.sim.observatory.models.stars import Chip, Shot, draw_picture
 from talaia.sim.observatory.models.ticket import Ticket
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ class CcdCamera:
             dimmed=max(0.0, 1.0 - clouds / 100.0),
             seed=self._count,
         )
-        rows = draw(shot, self.chip)
+        rows = draw_picture(shot, self.chip)
         when = datetime.fromtimestamp(begun.unix, UTC)
         name = f"{when:%Y%m%dT%H%M%S}-{begun.frame}-{self._count:04d}.fits"
         return Picture(rows, fits_file(rows, self._fits_cards(begun, shot, jd)), name)

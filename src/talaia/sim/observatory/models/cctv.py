@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-__all__ = ["HEIGHT", "WIDTH", "View", "draw"]
+__all__ = ["HEIGHT", "WIDTH", "View", "draw_view"]
 
 WIDTH, HEIGHT = 320, 240
 # The row at which the dome stands on its wall.
@@ -36,7 +36,7 @@ class View(NamedTuple):
     shells: tuple[float, float] | None = None
 
 
-def draw(view: View) -> bytes:
+def draw_view(view: View) -> bytes:
     """Draw one picture, ``rgb8``, top row first, as seen from the north wall to the south."""
     inside = max(0.12, 0.9 * view.light * view.shutter, 0.8 if view.lamp else 0.0)
     sky = _mixed_colour((6, 8, 22), (126, 178, 235), view.light)

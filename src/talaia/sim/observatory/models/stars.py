@@ -13,7 +13,7 @@ import random
 from array import array
 from typing import NamedTuple
 
-__all__ = ["Chip", "Shot", "Star", "draw", "project", "stars_near"]
+__all__ = ["Chip", "Shot", "Star", "draw_picture", "project_star", "stars_near"]
 
 CELL = 0.5
 FAINTEST = 15.5
@@ -118,7 +118,7 @@ def _stars_of_cell(band: int, column: int, width: float) -> list[Star]:
     return stars
 
 
-def project(ra: float, dec: float, ra0: float, dec0: float) -> tuple[float, float] | None:
+def project_star(ra: float, dec: float, ra0: float, dec0: float) -> tuple[float, float] | None:
     """Give standard coordinates (°, to the east and north) about a centre; the TAN projection."""
     # Gnomonic projection: Calabretta and Greisen 2002, A&A 395, 1077, section 5.1.3.
     a, d, d0 = math.radians(ra - ra0), math.radians(dec), math.radians(dec0)
@@ -130,7 +130,7 @@ def project(ra: float, dec: float, ra0: float, dec0: float) -> tuple[float, floa
     return math.degrees(xi), math.degrees(eta)
 
 
-def draw(shot: Shot, chip: Chip) -> list[array[int]]:
+def draw_picture(shot: Shot, chip: Chip) -> list[array[int]]:
     """Draw a picture: counts of 16 bits, bottom row first, east to the left."""
     dice = random.Random(shot.seed)  # noqa: S311 - noise
     # Dark current doubles with every 6.3 °C; an electron each second at 0 °C for this chip.
@@ -163,7 +163,7 @@ def _spread_light(shot: Shot, chip: Chip) -> dict[int, dict[int, float]]:
     radius = math.hypot(chip.width, chip.height) / 2 / degree
     lit: dict[int, dict[int, float]] = {}
     for star in stars_near(shot.ra, shot.dec, radius):
-        flat = project(star.ra, star.dec, shot.ra, shot.dec)
+        flat = project_star(star.ra, star.dec, shot.ra, shot.dec)
         if flat is None:
             continue
         x = (chip.width - 1) / 2 - flat[0] * degree

@@ -94,4 +94,4 @@ class CctvServer(Server):
             lamp=self._lamp,
             shells=shells,
         )
-        return ImageFrame(cctv.WIDTH, cctv.HEIGHT, "rgb8", cctv.WIDTH * 3, cctv.draw(view))
+        return ImageFrame(cctv.WIDTH, cctv.HEIGHT, "rgb8", cctv.WIDTH * 3, cctv.draw_view(view))
