@@ -121,8 +121,7 @@ class SensorsPage(Page):
         self._suggest_number()
 
     def _suggest_number(self) -> None:
-        free = free_number(self._editor.site, self._chosen_kind(), self.name.text())
-        self.number.setValue(free)
+        self.number.setValue(free_number(self._editor.site, self._chosen_kind(), self.name.text()))
 
     def add(self) -> None:
         """Add what is chosen, and select it."""
