@@ -114,7 +114,7 @@ def _with_fitting_sources(site: Site, path: Path) -> Site:
     # As if the file were read again: the keys decide, and a source left empty follows the
     # connection.
     for place in places:
-        plain = cast("dict[str, object]", plain_of(at(site, place)))
+        plain = cast("dict[str, object]", plain_of(value_at(site, place)))
         source = source_of_plain(plain, None if link is None else kind_of(link))
         made = _replaced(site, place, source, place)
         assert isinstance(made, type(site))  # noqa: S101 - the same type comes out
