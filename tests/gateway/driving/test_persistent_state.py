@@ -13,6 +13,8 @@ from talaia.gateway.errors import SpoolError
 if TYPE_CHECKING:
     from pathlib import Path
 
+pytestmark = pytest.mark.pure
+
 
 def test_epochs_rise_over_restarts(tmp_path: Path) -> None:
     path = tmp_path / "e.json"

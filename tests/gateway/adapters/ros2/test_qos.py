@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.gateway.adapters.ros2.qos import QosProfile, fits, quality_for
+
+pytestmark = pytest.mark.pure
 
 qualities = st.builds(QosProfile, st.booleans(), st.booleans())
 

@@ -1,6 +1,10 @@
 """Which hosts and origins are the hub itself."""
 
+import pytest
+
 from talaia.hub.api.server.request_guard import host_name, same_origin
+
+pytestmark = pytest.mark.pure
 
 
 def test_host_names_are_told_from_ports() -> None:

@@ -1,8 +1,11 @@
 """What is acknowledged to a gateway: all below the first hole."""
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.hub.live.gateways.acknowledged_sequence import StoredRun
+
+pytestmark = pytest.mark.pure
 
 spans = st.lists(st.tuples(st.integers(0, 60), st.integers(1, 12)), max_size=30)
 

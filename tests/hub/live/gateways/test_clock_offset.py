@@ -1,8 +1,11 @@
 """How far a gateway's clock is from the hub's."""
 
+import pytest
 from hypothesis import given, strategies as st
 
 from talaia.hub.live.gateways.clock_offset import ClockOffset
+
+pytestmark = pytest.mark.pure
 
 
 @given(st.lists(st.tuples(st.integers(0, 500_000), st.integers(0, 500_000)), min_size=1))

@@ -1,9 +1,12 @@
 """What goes down to a gateway first."""
 
 import msgspec
+import pytest
 
 from talaia.hub.live.gateways.send_lanes import PrioritySendQueue
 from talaia.wire import frames
+
+pytestmark = pytest.mark.pure
 
 
 def drive(session: str, seq: int) -> frames.DriveFrame:
