@@ -59,6 +59,7 @@ class FreezeCredit:
     def __init__(self, now_ns: int) -> None:
         """Begin at a moment (monotonic)."""
         self._at_ns = now_ns
+        # When this process stood still (from, to), oldest first.
         self._stalls: deque[tuple[int, int]] = deque(maxlen=self.KEPT)
 
     def at(self, now_ns: int) -> None:

@@ -67,15 +67,23 @@ class DriveController:
         # What such a robot says of its own motion, where the description names that.
         self.measured: tuple[float, float] = (math.nan, math.nan)
         self.latch = StopLatch(rule.stop.below, stopped)
+        # Between two messages to the robot at the control rate.
         self._period_ns = round(SECOND / rule.rate)
+        # While STOP is on (all monotonic): when a zero and STOP itself were last sent, and since
+        # when it is on. It is repeated often at first, for one message may be lost.
         self._zero_ns = 0
         self._told_robot_ns = 0
         self._stopped_ns = 0
+        # Who drove last, for the record of the end: the lease may be another's by then.
         self._driver = ""
+        # What the hub was last told, and when: only changes are told, and not at every frame.
         self._told: tuple[VelocityDemand, float, str, str] | None = None
         self._reported_ns = -REPORT_NS
+        # Why the last frame was refused; empty when it was accepted.
         self._why = ""
+        # Why nobody may drive now: interlock, robot away, description being changed.
         self._barred = ""
+        # A refusal is written down once for a hold.
         self._noted_refusal = False
 
     @property

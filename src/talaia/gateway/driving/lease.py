@@ -56,7 +56,9 @@ class DeviceLease:
         """
         self._duration_ns = duration_ns
         self._next_epoch = next_epoch
+        # May be overdue: only `holder` says whether there is one.
         self._holder: LeaseHolder | None = None
+        # Who asks the holder for it; overdue as well until `rival` is asked.
         self._rival: LeaseRival | None = None
         # Sessions whose ask of the present holder was in vain, and until when they may force it.
         self._in_vain: dict[str, int] = {}

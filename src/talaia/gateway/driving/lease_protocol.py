@@ -47,6 +47,8 @@ class LeaseProtocol:
         self._device = device
         self._output = output
         self._changed = changed
+        # Who was last told to have it, and to ask for it: what time alone has changed since is
+        # found by comparing.
         self._had: LeaseHolder | None = None
         self._asks: LeaseRival | None = None
 

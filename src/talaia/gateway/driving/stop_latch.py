@@ -47,9 +47,12 @@ class StopLatch:
     def __init__(self, below: float, latched: LatchedStop | None = None) -> None:
         """Take how near zero counts as standing still, and the state kept on disk."""
         self._below = below
+        # Session, token and until when it may be used (monotonic); one at a time, used once.
         self._token: tuple[str, str, int] | None = None
+        # When STOP came: readings from before it prove no standstill.
         self._since_ns = 0
         self.latched = latched
+        # The robot itself has shown that it stands; never taken from what was sent.
         self.confirmed = False
 
     def ask(self, latched: LatchedStop, now_ns: int) -> bool:

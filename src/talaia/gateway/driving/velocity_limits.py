@@ -92,17 +92,27 @@ class VelocityLimiter:
         self._phase = OutputPhase.SILENT
         self._wish = STILL
         self._output = STILL
+        # When the phase ends by itself (monotonic, as all times here): driving, or the zeros.
         self._until_ns = 0
+        # Until when the last frame counts, from when its driver made it.
         self._fresh_until_ns = 0
+        # When the robot was last told something; none: it is to be told at once.
         self._said_ns: int | None = None
+        # A demand waits because the rate was used up.
         self._unsaid = False
+        # How many messages may go at once, for frames come in bunches; and counted up to when.
         self._credit = CREDIT
         self._credit_ns = 0
+        # The highest that was accepted: what a network brings late or twice never counts.
         self._seq = -1
         self._epoch = -1
+        # Whoever drives has to let go before anything is accepted again.
         self._rest = False
+        # Between two drivers the robot stands for a moment.
         self._pause_until_ns = 0
+        # When a frame last came, accepted or not: a driver who is silent has let go.
         self._offered_ns = 0
+        # What the round trip and the age of the picture allow (0 to 1).
         self._line_cap = 1.0
         self.share = 1.0
         self.loop_ms = 0.0

@@ -41,6 +41,7 @@ class ArchiveOutbox:
         self._folder = folder
         self._most = most_bytes
         self._wake = wake
+        # Files are added, dropped and counted by one thread at a time.
         self._turn = threading.Lock()
 
     def add_file(self, made: Path, kind: str, device: str, time_us: int) -> None:

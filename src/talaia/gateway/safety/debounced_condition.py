@@ -80,6 +80,7 @@ class DebouncedCondition:
             above=condition.above if condition.until_below is None else condition.until_below,
             below=condition.below if condition.until_above is None else condition.until_above,
         )
+        # It has tripped, and has not let go since.
         self._on = False
         self._bad_time = BadTimeWindow(2 * self._lasting_ns)
 

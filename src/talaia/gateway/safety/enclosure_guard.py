@@ -83,19 +83,29 @@ class EnclosureGuard:
         """Want nothing yet."""
         self._name = name
         self._rule = rule
+        # How many commands were asked: part of each label, so that none waits for another.
         self._asked = 0
+        # What the last alarm said.
         self._problem = ""
         self._forget()
 
     def _forget(self) -> None:
+        # Since when it has to be closed (monotonic, as all times here); none while it may be open.
         self._began_ns: int | None = None
+        # Its sensors have said so since then. Only they decide, never the answer to a command.
         self._closed = False
+        # How often it was asked to close, and when last.
         self._tries = 0
         self._close_ns: int | None = None
+        # When the telescope was last asked to park.
         self._park_ns: int | None = None
+        # When people were last alarmed; none while there is no alarm.
         self._alarm_ns: int | None = None
+        # Who has stopped the closing by hand: it is theirs to resume.
         self._stopped_by = ""
+        # The exposure was asked to end, once.
         self._aborted = False
+        # How often a roof that opens was stopped or turned, in a row, and when last.
         self._turns = 0
         self._turn_ns: int | None = None
 

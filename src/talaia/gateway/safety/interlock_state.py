@@ -59,12 +59,17 @@ class InterlockStateMachine:
         """Start as after a restart: nothing is known, so nothing may be done."""
         self._name = name
         self._rule = rule
+        # All must be safe for so long; a condition may ask for more than the interlock's own.
         self._dwell_ns = self._own_dwell_ns = round(rule.dwell * SECOND)
+        # It refuses, and since when (monotonic).
         self._locked = True
         self._since_ns = now_ns
+        # Something is unsafe now; while it is not, since when all is safe.
         self._unsafe = True
         self._safe_ns = now_ns
+        # Its sequence was begun; once until it is released or its override ends.
         self._fired = False
+        # A condition has asked for a dwell time since it locked.
         self._stretched = False
         self._override: InterlockOverride | None = None
         self.why = "the gateway has just started"

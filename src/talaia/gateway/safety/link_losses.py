@@ -35,7 +35,9 @@ class LinkLosses:
         self.lost_ns: int | None = now_ns
         self._site = site
         self._policies = _policies(site)
+        # Devices whose policy has been carried out in this loss: each is, once.
         self._acted: set[str] = set()
+        # Why a roof is wanted closed, by enclosure, until the link is back.
         self._closing: dict[str, str] = {}
 
     @property

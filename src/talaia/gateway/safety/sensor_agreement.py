@@ -159,7 +159,9 @@ class SensorAgreement:
     def __init__(self, rule: Enclosure) -> None:
         """Start in agreement."""
         self._rule = rule
+        # Since when they disagree (monotonic): for a moment they may, while a roof moves.
         self._since_ns: int | None = None
+        # It has been written down.
         self._said = False
         self._problem = ""
 

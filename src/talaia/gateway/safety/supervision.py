@@ -52,9 +52,11 @@ class Heartbeats:
         self._interlocks = interlocks
         self._target = target
         self._output = output
+        # By enclosure. When the last heartbeat was sent (monotonic):
         self._sent_ns: dict[str, int] = {}
         # One at a time: a controller that hangs must not find a heap of old ones later.
         self._open: dict[str, int] = {}
+        # What was last told of withholding and of failing, for each is told once.
         self._withheld: dict[str, str] = {}
         self._failed: dict[str, str] = {}
 
@@ -143,7 +145,9 @@ class Supervision:
         self._judged_ns = judged_ns
         self._watched = watched
         self._heartbeats = heartbeats
+        # When this looked last: a look that comes late means that the whole process stood still.
         self._looked_ns = clock.monotonic_ns()
+        # What was found then, so that the log has each change once.
         self._well = True
 
     def check_supervision(self) -> bool:

@@ -44,6 +44,7 @@ class ValueValidity:
         """
         self._readings = readings
         self._wall_ns = wall_ns
+        # By address, of signals that can freeze alone.
         self._same: dict[str, _Same] = {}
 
     def observe(self, site: Site, now_ns: int) -> None:

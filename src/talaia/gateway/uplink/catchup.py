@@ -125,6 +125,7 @@ class CatchUp:
     ) -> None:
         """Send what is wanted from a place on, at the rate, until the end or past a sample."""
         step = max(1, round(self._rate * STEP_S))
+        # Bytes since the hub last acknowledged anything: beyond a bound it is waited for.
         acks, unheard = self._lanes.acks, 0
         while True:
             found, place = await self._spool.read(place, step)

@@ -97,11 +97,17 @@ class SendLanes:
         """Take what to call when something begins to wait."""
         self._wake = wake
         self._lanes: tuple[deque[WaitingFrame], ...] = tuple(deque() for _ in SendPriority)
+        # Of the LIVE lane alone: the others are bounded by their number of frames.
         self._live_bytes = 0
+        # Without a link only COMMANDS is filled: state is told anew, samples are in the spool.
         self.linked = False
+        # Facts that were lost to a link that stayed away for too long.
         self.dropped_events = 0
+        # Samples that were dropped from LIVE (first, below), until `CatchUp` sends them.
         self.overflowed: tuple[int, int] | None = None
+        # By boot: samples that the hub asks for again (first, below), until `CatchUp` does.
         self.owed: dict[str, tuple[int, int]] = {}
+        # How often the hub has acknowledged anything: by it `CatchUp` sees that it still stores.
         self.acks = 0
 
     def send(self, message: FromGateway) -> None:

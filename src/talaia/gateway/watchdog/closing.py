@@ -218,6 +218,7 @@ class Closing:
             now_ns=clock.monotonic_ns(),
             wall_ns=clock.wall_ns,
         )
+        # Since when all is closed without a break; end switches may bounce.
         self._closed_ns: int | None = None
 
     @staticmethod
@@ -271,7 +272,7 @@ class Closing:
         return waited >= STEADY_S and (parked or waited >= patience)
 
     def _run_steps(self, label: str, steps: tuple[Step, ...]) -> None:
-        """See `Runner`. Each is sent at once: what waits for what is the enclosure guard's rule."""
+        """See `SequenceStarter`. Each is sent at once: what waits for what is the enclosure guard's rule."""
         for step in steps:
             device, _, name = step.command.partition("/")
             command = self._site.devices[device].commands[name]

@@ -148,12 +148,19 @@ class WatchdogClient:
         self._domain = domain
         self._trouble = trouble
         self._notices = notices
+        # Trouble is told once, until a watchdog runs again.
         self._said_trouble = False
+        # To the process; none while there is none. It sees our death by the line's end.
         self._line: socket.socket | None = None
+        # What the line did not take at once.
         self._unsent = b""
+        # What the process is told first: how long to wait, and what to do then.
         self._setting = b""
+        # After so long without a beat roofs are closed (s); 0: there is nothing to watch.
         self._after_s = 0.0
+        # No start is tried again before this (s, monotonic).
         self._begin_s = 0.0
+        # A start takes a while, and `keep` is called meanwhile.
         self._starting = False
 
     @property
