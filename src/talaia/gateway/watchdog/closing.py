@@ -272,7 +272,7 @@ class Closing:
         return waited >= STEADY_S and (parked or waited >= patience)
 
     def _run_steps(self, label: str, steps: tuple[Step, ...]) -> None:
-        """See `SequenceStarter`. Each is sent at once: what waits for what is the enclosure guard's rule."""
+        """See `SequenceStarter`. Each is sent at once: the enclosure guard says what waits."""
         for step in steps:
             device, _, name = step.command.partition("/")
             command = self._site.devices[device].commands[name]
