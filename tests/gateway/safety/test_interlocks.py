@@ -22,6 +22,7 @@ from talaia.gateway.safety.interlock_state import (
     InterlockVerdict,
 )
 from talaia.gateway.safety.interlocks import Interlocks
+from talaia.model.base import SOURCE_TAG
 from talaia.model.connection import RosSource
 from talaia.model.interlocks.interlock import Condition, Interlock, Overriding
 from talaia.model.interlocks.override_rules import longest_override, never_overridden
@@ -449,7 +450,9 @@ def test_the_condition_that_is_named_must_be_the_one_that_locks(safe: Bench) -> 
 def test_rain_and_the_switch_on_site_are_recognised(
     signal: dict, condition: dict, never: str
 ) -> None:
-    described = msgspec.convert({"name": "W", "source": {"topic": "/w"}, **signal}, Signal)
+    described = msgspec.convert(
+        {"name": "W", "source": {SOURCE_TAG: "ros", "topic": "/w"}, **signal}, Signal
+    )
     device = structs.replace(SITE.devices["weather"], signals={"w": described})
     site = structs.replace(SITE, devices={"weather": device})
     one = structs.replace(Condition(signal="weather/w"), **condition)

@@ -39,6 +39,7 @@ from talaia.extensions.declared import AdapterExtension
 from talaia.extensions.installed import installed
 from talaia.gateway.adapters.outlast import outlast_cancellation
 from talaia.gateway.adapters.topic_readers import SampleBuffer
+from talaia.gateway.adapters.undriven import UndrivenAdapter
 from talaia.gateway.errors import AdapterLost, SettingsError
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
@@ -69,7 +70,7 @@ _PHASES = {
 }
 
 
-class ExtensionAdapterProcess:
+class ExtensionAdapterProcess(UndrivenAdapter):
     """An `Adapter` for a connection of kind ``extension``."""
 
     def __init__(
@@ -264,12 +265,6 @@ class ExtensionAdapterProcess:
 
     def watch(self, streams: Collection[str]) -> None:
         """Take no pictures: extensions give none."""
-
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
-        """Tell nobody: extensions are not driven."""
-
-    def stop(self, device: str, *, stopped: bool) -> None:
-        """Tell nobody."""
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Begin the process anew, for all its devices."""

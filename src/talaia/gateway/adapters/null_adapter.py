@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from talaia.gateway.adapters.undriven import UndrivenAdapter
 from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["NullAdapter"]
 
 
-class NullAdapter:
+class NullAdapter(UndrivenAdapter):
     """An `Adapter`."""
 
     async def run(self) -> None:
@@ -30,12 +31,6 @@ class NullAdapter:
     def latest(self, address: str) -> ChannelReading | None:
         """Give nothing."""
         return None
-
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
-        """Tell nobody."""
-
-    def stop(self, device: str, *, stopped: bool) -> None:
-        """Tell nobody."""
 
     def act(
         self,

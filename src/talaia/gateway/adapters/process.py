@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.gateway.adapters.outlast import outlast_cancellation
 from talaia.gateway.adapters.topic_readers import SampleBuffer
+from talaia.gateway.adapters.undriven import UndrivenAdapter
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
@@ -169,7 +170,7 @@ class _Line:
         self.why = ""
 
 
-class ProcessAdapter:
+class ProcessAdapter(UndrivenAdapter):
     """An `Adapter` for plain commands. See `talaia.gateway.ports` for its promises.
 
     Attributes:
@@ -248,12 +249,6 @@ class ProcessAdapter:
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`."""
         return self._latest.get(address)
-
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
-        """Tell nobody: a command cannot be driven."""
-
-    def stop(self, device: str, *, stopped: bool) -> None:
-        """Tell nobody."""
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Say how the newest answers were: there is no connection to be made anew."""

@@ -30,6 +30,7 @@ from talaia.gateway.adapters.topic_readers import (
     parameter_plans_of,
     plans_of,
 )
+from talaia.gateway.adapters.unreadable import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.driving.drive_keys import HALT
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
@@ -88,6 +89,7 @@ class Ros1Adapter:
         self._scope, self._status = scope, status
         self._clock = context.clock
         self._samples, self._events = context.samples, context.events
+        self._unreadable = UnreadableReports(context.events)
         self._pictures = context.pictures
         self._raw, self._files = context.raw, context.files
         # By number: the type and its definition, as the publisher told them.
@@ -97,8 +99,8 @@ class Ros1Adapter:
         self._master = RosMaster(uri)
         self._latest: dict[str, ChannelReading] = {}
         self._gathered = SampleBuffer()
-        self._plans = plans_of(scope, self._latest, self._complain)
-        self._parameters = parameter_plans_of(scope, self._latest, self._complain)
+        self._plans = plans_of(scope, self._latest, self._unreadable.report)
+        self._parameters = parameter_plans_of(scope, self._latest, self._unreadable.report)
         self._wanted: dict[int, _Wanted] = {}
         self._streams: dict[str, int] = {}
         # By device: where its FITS files come.
@@ -336,7 +338,7 @@ class Ros1Adapter:
                         raise FieldError("", "its type is not known")
                     return known(raw)
 
-                taker = PictureStream(address, stream, decode, self._complain)
+                taker = PictureStream(address, stream, decode, self._unreadable.report)
 
                 def take_picture(heard: ReceivedMessage, taker: PictureStream = taker) -> None:
                     worker.offer(taker, heard.raw)
@@ -455,7 +457,7 @@ class Ros1Adapter:
             try:
                 wanted.take(frame)
             except FieldError as error:
-                self._complain_once(wanted.topic, str(error))
+                self._unreadable.report_once(wanted.topic, str(error))
         elif frame["op"] == "type":
             self._learn(frame)
         elif frame["op"] == "parameter":
@@ -482,24 +484,12 @@ class Ros1Adapter:
             return
         if found != wanted.type_name:
             problem = f"is of type {found}, and not {wanted.type_name} as the description says"
-            self._complain_once(wanted.topic, problem)
+            self._unreadable.report_once(wanted.topic, problem)
             return
         try:
             self._decoders[number] = decoder_of(found, said["definition"])
         except FieldError as error:
-            self._complain_once(wanted.topic, str(error))
-
-    def _complain_once(self, topic: str, problem: str) -> None:
-        if topic not in self._complained:
-            self._complained.add(topic)
-            log.warning("%s: %s", topic, problem)
-            self._events.report_event("unreadable", f"{topic}: {problem}")
-
-    def _complain(self, address: str, problem: str) -> None:
-        log.warning("%s: %s", address, problem)
-        self._events.report_event(
-            "unreadable", f"{address}: {problem}", device=address.split("/", 1)[0]
-        )
+            self._unreadable.report_once(wanted.topic, str(error))
 
     # ── what the node says, on the event loop ──
 
@@ -518,7 +508,7 @@ class Ros1Adapter:
             case "missing":
                 self._tell_missing(said["type"], said["used_by"])
             case "complaint":
-                self._complain_once(said["id"], said["problem"])
+                self._unreadable.report_once(said["id"], said["problem"])
             case _:
                 log.debug("the node said %s", said["op"])
 

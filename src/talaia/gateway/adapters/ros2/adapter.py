@@ -38,6 +38,7 @@ from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.waitset import WaitThread
 from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, file_in, plans_of
+from talaia.gateway.adapters.unreadable import UnreadableReports
 from talaia.gateway.errors import AdapterLost, TypeMissing
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.camera import PictureStream
@@ -113,13 +114,14 @@ class Ros2Adapter:
         self._samples = context.samples
         self._pictures = context.pictures
         self._events = context.events
+        self._unreadable = UnreadableReports(context.events)
         self._domain = settings.domain if context.domain is None else context.domain
         self._node_name = settings.node
         self._raw = context.raw
         self._files = context.files
         self._latest: dict[str, ChannelReading] = {}
         self._gathered = SampleBuffer()
-        self._plans = plans_of(scope, self._latest, self._complain)
+        self._plans = plans_of(scope, self._latest, self._unreadable.report)
         self._watched: frozenset[str] = frozenset()
         self._listening: dict[str, _Listening] = {}
         self._motion: Ros2Motion | None = None
@@ -169,7 +171,7 @@ class Ros2Adapter:
         if self._thread is None:
             # It is joined with the next `run`.
             self._scope = scope
-            self._plans = plans_of(scope, self._latest, self._complain)
+            self._plans = plans_of(scope, self._latest, self._unreadable.report)
         else:
             self._thread.run_soon(lambda: self._redescribe(scope))
 
@@ -245,7 +247,7 @@ class Ros2Adapter:
             clock=self._clock,
             gathered=self._gathered,
             latest=self._latest,
-            complain=self._complain,
+            complain=self._unreadable.report,
         )
         self._presence = Ros2Presence(
             scope=self._scope,
@@ -284,7 +286,7 @@ class Ros2Adapter:
         """Bring all in line with another scope; on the wait-set thread, between two turns."""
         before, self._scope = self._scope, scope
         old = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
-        self._plans = plans_of(scope, self._latest, self._complain)
+        self._plans = plans_of(scope, self._latest, self._unreadable.report)
         wanted = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
         for key in old.keys() - wanted.keys():
             self._end_listening(key)
@@ -351,12 +353,6 @@ class Ros2Adapter:
             self._missing.add(str(error))
             log.warning("%s", error)
             self._events.report_event("type_missing", str(error))
-
-    def _complain(self, address: str, problem: str) -> None:
-        log.warning("%s: %s", address, problem)
-        self._events.report_event(
-            "unreadable", f"{address}: {problem}", device=address.split("/", 1)[0]
-        )
 
     # ── on the wait-set thread ──
 
@@ -449,7 +445,7 @@ class Ros2Adapter:
         if kind is None:
             return
         decode = decoder_for(source.type, lambda data: deserialize_message(data, kind))
-        taker = PictureStream(address, stream, decode, self._complain)
+        taker = PictureStream(address, stream, decode, self._unreadable.report)
         worker = self._worker
 
         def offer_picture(raw: bytes, _: Any) -> None:  # noqa: ANN401

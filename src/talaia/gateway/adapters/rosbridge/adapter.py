@@ -29,6 +29,7 @@ from talaia.gateway.adapters.rosbridge.protocol import (
     type_for,
 )
 from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
+from talaia.gateway.adapters.unreadable import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError, SettingsError
 from talaia.gateway.ports import CommandOutcome
@@ -88,14 +89,15 @@ class RosbridgeAdapter:
         self._settings = settings
         self._scope, self._status = scope, status
         self._clock = context.clock
-        self._samples, self._events = context.samples, context.events
+        self._samples = context.samples
+        self._unreadable = UnreadableReports(context.events)
         self._pictures = context.pictures
         self._headers, self._tls = _trust(settings, context.folder)
         self._latest: dict[str, ChannelReading] = {}
         self._gathered = SampleBuffer()
         self._plans = {
             (plan.topic, plan.type_name): plan
-            for plan in plans_of(scope, self._latest, self._complain)
+            for plan in plans_of(scope, self._latest, self._unreadable.report)
         }
         self._by_topic = {plan.topic: plan for plan in self._plans.values()}
         self._streams: dict[str, Stream] = {
@@ -114,7 +116,6 @@ class RosbridgeAdapter:
         self._calls = count(1)
         self._pending: dict[str, _Call] = {}
         self._heard: set[str] = set()
-        self._complained: set[str] = set()
 
     # ── Adapter ──
 
@@ -185,7 +186,7 @@ class RosbridgeAdapter:
                 said = await loop.run_in_executor(None, read, data) if large else read(data)
                 self._hear(said)
             except FieldError as error:
-                self._complain_once("rosbridge", str(error))
+                self._unreadable.report_once("rosbridge", str(error))
 
     async def _write(self, socket: ClientConnection) -> None:
         while True:
@@ -355,7 +356,7 @@ class RosbridgeAdapter:
         stream = self._streams.get(address)
         if stream is None:
             return
-        taker = PictureStream(address, stream, bytes_of, self._complain)
+        taker = PictureStream(address, stream, bytes_of, self._unreadable.report)
         source = source_as(stream.source, RosSource)
         self._takers.setdefault(source.topic, {})[address] = taker
         # A little sooner than shown, so that the two paces do not lose every other picture.
@@ -418,19 +419,7 @@ class RosbridgeAdapter:
         if call is not None:
             call.done(CommandOutcome(CommandPhase.FAILED, words[:2000]))
         elif said.level in {"error", "warning"}:
-            self._complain_once(said.id or "rosbridge", words[:500])
-
-    def _complain_once(self, about: str, problem: str) -> None:
-        if about not in self._complained:
-            self._complained.add(about)
-            log.warning("%s: %s", about, problem)
-            self._events.report_event("unreadable", f"{about}: {problem}")
-
-    def _complain(self, address: str, problem: str) -> None:
-        log.warning("%s: %s", address, problem)
-        self._events.report_event(
-            "unreadable", f"{address}: {problem}", device=address.split("/", 1)[0]
-        )
+            self._unreadable.report_once(said.id or "rosbridge", words[:500])
 
     def _fail_pending(self) -> None:
         pending, self._pending = self._pending, {}

@@ -16,6 +16,7 @@ from urllib.parse import quote, urlsplit, urlunsplit
 import av
 import numpy as np
 
+from talaia.gateway.adapters.undriven import UndrivenAdapter
 from talaia.gateway.adapters.video.relay import CameraRefused, CameraRelay
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import ChannelReading, CommandOutcome
@@ -45,7 +46,7 @@ AGAIN_S = 2.0
 _PROTOCOLS, _LOSSY_PROTOCOLS = "rtsp,tcp", "rtsp,tcp,rtp,udp"
 
 
-class VideoAdapter:
+class VideoAdapter(UndrivenAdapter):
     """An `Adapter` for cameras only."""
 
     def __init__(
@@ -102,12 +103,6 @@ class VideoAdapter:
     def latest(self, address: str) -> ChannelReading | None:
         """Have no signals."""
         return None
-
-    def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
-        """Tell nobody: a camera cannot be driven."""
-
-    def stop(self, device: str, *, stopped: bool) -> None:
-        """Tell nobody."""
 
     def act(
         self,

@@ -1,0 +1,36 @@
+"""What a robot says and nobody can read: told in the log, and as an event of the site."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from talaia.gateway.ports import EventSink
+
+__all__ = ["UnreadableReports"]
+
+log = logging.getLogger(__name__)
+
+
+class UnreadableReports:
+    """Reports what cannot be read; any thread."""
+
+    def __init__(self, events: EventSink) -> None:
+        """Report to ``events``."""
+        self._events = events
+        # What was reported already: a topic that is wrong is so with each of its messages.
+        self._reported: set[str] = set()
+
+    def report(self, address: str, problem: str) -> None:
+        """Report a signal or camera by its address; callers do so once."""
+        log.warning("%s: %s", address, problem)
+        device = address.split("/", 1)[0]
+        self._events.report_event("unreadable", f"{address}: {problem}", device=device)
+
+    def report_once(self, about: str, problem: str) -> None:
+        """Report a topic, or what else is no device's, the first time."""
+        if about not in self._reported:
+            self._reported.add(about)
+            log.warning("%s: %s", about, problem)
+            self._events.report_event("unreadable", f"{about}: {problem}")
