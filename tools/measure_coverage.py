@@ -7,6 +7,7 @@ Python 3.11, whose tracer is called for each line.
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -20,9 +21,17 @@ QUICK, ALL, WEB = "Python, quick ring", "Python, all", "pages"
 CHANCE = 0.3
 
 
-def is_measurable() -> bool:
-    """Tell whether this project has floors: the runner's own tests run it in projects without."""
-    return FLOORS.exists()
+def is_measurable(*, pages: bool = False) -> bool:
+    """Tell whether this project has floors, and what measures is installed.
+
+    The runner's own tests run it in projects without floors; `make setup` installs the rest.
+    """
+    installed = (
+        (ROOT / "web/node_modules/@vitest/coverage-v8").exists()
+        if pages
+        else importlib.util.find_spec("coverage") is not None
+    )
+    return FLOORS.exists() and installed
 
 
 def words_before(module: str, *, processes: bool) -> list[str]:
@@ -71,11 +80,14 @@ def print_shares(folder: Path, *, everything: bool, whole_ring: bool) -> bool:
         whole_ring: all files of the ring ran; only then the floors hold.
 
     """
-    if not is_measurable():
+    if not FLOORS.exists():
         return True
+    if not (is_measurable() and is_measurable(pages=True)):
+        print("line coverage: not measured, for what measures is missing; run `make setup`")
     floors = json.loads(FLOORS.read_text())
     good = True
-    shares = {ALL if everything else QUICK: python_share(folder), WEB: pages_share(folder)}
+    python = python_share(folder) if is_measurable() else None
+    shares = {ALL if everything else QUICK: python, WEB: pages_share(folder)}
     for name, share in shares.items():
         if share is None:
             continue

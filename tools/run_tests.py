@@ -158,7 +158,7 @@ class Run:
 
     def _words_of(self, group: Group) -> list[str]:
         """Give the command that runs a group, with its coverage measured where it is to be."""
-        measurable = measure_coverage.is_measurable()
+        measurable = measure_coverage.is_measurable(pages=group.files == [PAGES])
         if group.files == [PAGES]:
             words = [sys.executable, "tools/node.py", "run", "test"]
             if measurable:
