@@ -200,7 +200,9 @@ async def core_for_a_thousand() -> float:
     )
     sites, clock, nowhere = Sites(), SystemClock(), Nowhere()
     live = sites.describe(site, "c")
-    watching = AnomalyService(sites, nowhere, nowhere, Fanout(sites, clock), clock)
+    watching = AnomalyService(
+        sites=sites, history=nowhere, learned=nowhere, fanout=Fanout(sites, clock), clock=clock
+    )
     running = asyncio.create_task(watching.run())
     chance, began = np.random.default_rng(1), 0.0
     for second in range(LEARNED + LOOKED):

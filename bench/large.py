@@ -59,7 +59,15 @@ def build(url: str, signals: int, days: int) -> None:
     engine = open_engine(url, writes=True)
     metadata.create_all(engine, list(tables.HISTORY_TABLES))
     day = _day()
-    made = seal(1, 0, 1, 0, day, HistoryLimits().largest, was_saved=False)
+    made = seal(
+        1,
+        0,
+        first_block=1,
+        longest_us=0,
+        samples=day,
+        block=HistoryLimits().largest,
+        was_saved=False,
+    )
     # Where in the day each block begins, to give the bodies of other days their own times.
     starts = np.cumsum([0, *(row["samples"] for row in made.blocks)]).tolist()
     parts = [day.part(first, past) for first, past in pairwise(starts)]

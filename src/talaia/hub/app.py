@@ -16,12 +16,11 @@ from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
 from talaia.hub.features.extensions import ExtensionsFeature
-from talaia.hub.features.feature import Core
+from talaia.hub.features.feature import Core, Feature
 from talaia.hub.features.gateway_links import GatewayLinksFeature
 from talaia.hub.features.gateways import GatewaysFeature
 from talaia.hub.features.history import HistoryFeature
 from talaia.hub.features.imports import ImportsFeature
-from talaia.hub.features.lifecycle import opened
 from talaia.hub.features.media import MediaFeature
 from talaia.hub.features.notifications import NotificationsFeature
 from talaia.hub.features.pages import PagesFeature
@@ -30,6 +29,7 @@ from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
 from talaia.hub.features.storage import StorageFeature
+from talaia.hub.lifecycle import opened
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -123,12 +123,10 @@ class Hub:
             sightings=self.sightings,
             audit=log,
         )
-        self.features = (
-            self.audit, self.gateways, self.people, self.history, self.media, self.alarms,
-            self.notifications, self.robot_events, self.anomalies, self.sightings,
-            self.detection, self.archive, self.recordings, self.descriptions,
-            self.gateway_links, self.imports, self.extensions, self.storage, self.pages,
-        )  # fmt: skip
+        # In the order in which they are built above: no feature can be forgotten.
+        self.features = tuple(
+            feature for feature in vars(self).values() if isinstance(feature, Feature)
+        )
         self.app = self._application()
         self.asgi: ASGIApp = RequestGuard(self.app, settings)
 

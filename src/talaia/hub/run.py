@@ -191,21 +191,29 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         " may repeat",
     )
     parser.add_argument(
-        "--history-gb", type=float, default=0.0,
+        "--history-gb",
+        type=float,
+        default=0.0,
         help="the history's blocks may take so many GB; then the oldest go (no limit)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--recordings-gb", type=float, default=20.0,
+        "--recordings-gb",
+        type=float,
+        default=20.0,
         help="recordings of raw topics may take so many GB; then the oldest go (20; 0: no limit)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--sightings-days", type=float, default=90.0,
+        "--sightings-days",
+        type=float,
+        default=90.0,
         help="what cameras have seen is kept for so many days (90; 0: for good)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--sightings-most", type=int, default=10_000,
+        "--sightings-most",
+        type=int,
+        default=10_000,
         help="of each site so many sightings are kept at the most; then the oldest go (10000)",
-    )  # fmt: skip
+    )
     return parser.parse_args(argv)
 
 

@@ -164,7 +164,9 @@ async def test_a_roof_that_is_not_closed_reaches_the_next_person_through_the_hub
     for name in ("anna", "ben"):
         await people.add(name, "x", "operator")
     store = NotifyStore(database, lambda: Seal(bytes(32)))
-    way = await store.put_way(None, WayKind.MAIL, WayKind.MAIL, {}, {}, 0)
+    way = await store.put_way(
+        None, WayKind.MAIL, kind=WayKind.MAIL, settings={}, secrets={}, now_us=0
+    )
     for user in (1, 2):
         await store.add_rule(
             Rule(
@@ -199,7 +201,11 @@ alarms:
     live = sites.describe(described, "c")
     live.link = object()  # type: ignore[assignment] - there is one; nothing is sent on it
     alarms = AlarmEngine(
-        sites, Browsers(), AlarmStore(database), NotificationOutbox(database), clock
+        sites=sites,
+        browsers=Browsers(),
+        store=AlarmStore(database),
+        notices=NotificationOutbox(database),
+        clock=clock,
     )
     await alarms.open()
 

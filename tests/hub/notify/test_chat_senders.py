@@ -205,7 +205,9 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
     clock = HandClock()
     user = await People(database, clock).add("op", "x", "operator")
     store, outbox = NotifyStore(database, lambda: Seal(bytes(32))), NotificationOutbox(database)
-    way = await store.put_way(None, "chat", WayKind.CHAT, {}, {"url": TELEGRAM}, 0)
+    way = await store.put_way(
+        None, "chat", kind=WayKind.CHAT, settings={}, secrets={"url": TELEGRAM}, now_us=0
+    )
     await store.add_rule(
         Rule(
             id=0, user=user, site="*", way=way, target="", least=Severity.INFO, over=True,
@@ -219,7 +221,9 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
 
     async def told() -> None: ...
 
-    delivering = DeliveryWorker(outbox, store, Sender(LOOPBACK), clock, told)
+    delivering = DeliveryWorker(
+        notices=outbox, store=store, sender=Sender(LOOPBACK), clock=clock, told=told
+    )
     telegram_is_at(9)
     for wait_s in (10, 60, 300):
         await delivering.deliver_due()

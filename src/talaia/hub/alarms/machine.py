@@ -217,7 +217,7 @@ def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
                 return state, ()
             seen = f" (acknowledged by {state.acked_by})" if state.acked_by else ""
             why = f"still so{seen}: {state.why}"
-            again = _happened(What.REMINDED, state, event.time_us, "", why, tell=True)
+            again = _happened(What.REMINDED, state, event.time_us, who="", message=why, tell=True)
             return state, (again._replace(to=event.to),)
         case Clear():
             return _cleared(state, event)
@@ -225,10 +225,12 @@ def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
             return _acknowledged(state, event)
         case Assign():
             message = f"to {event.to}" if event.to else "to nobody"
-            said = _happened(What.ASSIGNED, state, event.time_us, event.who, message)
+            said = _happened(What.ASSIGNED, state, event.time_us, who=event.who, message=message)
             return (state, ()) if state.assigned == event.to else (_assigned(state, event), (said,))
         case Comment():
-            return state, (_happened(What.COMMENTED, state, event.time_us, event.who, event.text),)
+            return state, (
+                _happened(What.COMMENTED, state, event.time_us, who=event.who, message=event.text),
+            )
         case Shelve():
             return _shelved(state, event)
         case Unshelve():
@@ -255,7 +257,7 @@ def _raised(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
         assigned=state.assigned if state.phase is Phase.CLEARED else "",
     )
     tell = not _is_shelved(state, event.time_us)
-    said = _happened(What.RAISED, after, event.time_us, "", event.why, tell=tell)
+    said = _happened(What.RAISED, after, event.time_us, who="", message=event.why, tell=tell)
     return after, (said._replace(to=event.to),)
 
 
@@ -265,7 +267,9 @@ def _cleared(state: State, event: Clear) -> tuple[State, tuple[Happened, ...]]:
     phase = Phase.CLEARED if state.phase is Phase.ACTIVE else Phase.NORMAL
     after = replace(state, phase=phase, cleared_us=event.time_us)
     tell = not _is_shelved(state, event.time_us)
-    return after, (_happened(What.CLEARED, after, event.time_us, "", event.why, tell=tell),)
+    return after, (
+        _happened(What.CLEARED, after, event.time_us, who="", message=event.why, tell=tell),
+    )
 
 
 def _acknowledged(state: State, event: Acknowledge) -> tuple[State, tuple[Happened, ...]]:
@@ -274,7 +278,9 @@ def _acknowledged(state: State, event: Acknowledge) -> tuple[State, tuple[Happen
         raise NotNow(f"there is nothing to acknowledge{by}")
     phase = Phase.ACKNOWLEDGED if state.phase is Phase.ACTIVE else Phase.NORMAL
     after = replace(state, phase=phase, acked_us=event.time_us, acked_by=event.who)
-    return after, (_happened(What.ACKNOWLEDGED, after, event.time_us, event.who, event.comment),)
+    return after, (
+        _happened(What.ACKNOWLEDGED, after, event.time_us, who=event.who, message=event.comment),
+    )
 
 
 def _assigned(state: State, event: Assign) -> State:
@@ -290,7 +296,7 @@ def _shelved(state: State, event: Shelve) -> tuple[State, tuple[Happened, ...]]:
         shelved_by=event.who,
         shelved_why=event.why,
     )
-    return after, (_happened(What.SHELVED, after, event.time_us, event.who, event.why),)
+    return after, (_happened(What.SHELVED, after, event.time_us, who=event.who, message=event.why),)
 
 
 def _unshelved(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ...]]:
@@ -302,7 +308,9 @@ def _unshelved(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ..
     # Nobody was told while it was put aside.
     tell = state.phase is Phase.ACTIVE
     message = state.why if tell else ""
-    return after, (_happened(What.UNSHELVED, after, event.time_us, event.who, message, tell=tell),)
+    return after, (
+        _happened(What.UNSHELVED, after, event.time_us, who=event.who, message=message, tell=tell),
+    )
 
 
 def _retired(state: State, event: Retire) -> tuple[State, tuple[Happened, ...]]:
@@ -310,7 +318,9 @@ def _retired(state: State, event: Retire) -> tuple[State, tuple[Happened, ...]]:
     if state == after:
         return state, ()
     return after, (
-        _happened(What.RETIRED, after, event.time_us, event.who, "it is described no more"),
+        _happened(
+            What.RETIRED, after, event.time_us, who=event.who, message="it is described no more"
+        ),
     )
 
 
@@ -319,6 +329,6 @@ def _is_shelved(state: State, time_us: int) -> bool:
 
 
 def _happened(
-    what: What, state: State, time_us: int, who: str, message: str, *, tell: bool = False
+    what: What, state: State, time_us: int, *, who: str, message: str, tell: bool = False
 ) -> Happened:
     return Happened(what, state.episode, time_us, who, message, tell)

@@ -46,6 +46,7 @@ class Access:
 
     def __init__(
         self,
+        *,
         sessions: Sessions,
         tokens: ApiTokens,
         sites: Sites,
@@ -140,10 +141,10 @@ class Access:
         try:
             alive = await self.who(socket)
         except StoreDown:
-            await deny(socket, 503, "store", STORE_DOWN)
+            await deny(socket, status=503, code="store", message=STORE_DOWN)
             return None
         if alive is None or need not in {AccessNeed.SESSION, AccessNeed.SEE}:
-            await deny(socket, 401, "unauthorized", "sign in first")
+            await deny(socket, status=401, code="unauthorized", message="sign in first")
             return None
         return alive.who
 
@@ -157,13 +158,24 @@ class Access:
                 async with self._admission.turn():
                     found = await self._registry.gateway_of(key.strip())
         except HubBusy as error:
-            await deny(socket, 503, "busy", str(error), round(self._admission.after_s))
+            await deny(
+                socket,
+                status=503,
+                code="busy",
+                message=str(error),
+                retry_s=round(self._admission.after_s),
+            )
             return None
         except StoreDown:
-            await deny(socket, 503, "store", STORE_DOWN, 2)
+            await deny(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
             return None
         if found is None:
-            await deny(socket, 401, "unauthorized", "this key is not known, or was revoked")
+            await deny(
+                socket,
+                status=401,
+                code="unauthorized",
+                message="this key is not known, or was revoked",
+            )
         return found
 
     def _hand(self, response: Response, name: str, token: str, life_s: int) -> None:
@@ -225,6 +237,8 @@ def number_of(text: str, what: str) -> int:
     return int(text)
 
 
-async def deny(socket: WebSocket, status: int, code: str, message: str, retry_s: int = 0) -> None:
+async def deny(
+    socket: WebSocket, *, status: int, code: str, message: str, retry_s: int = 0
+) -> None:
     """Send a socket away before the upgrade; ``retry_s`` says when to come back."""
     await socket.send_denial_response(problem(status, code, message, retry_s))

@@ -142,8 +142,11 @@ def looks_of(path: Path) -> Looks:
     with _opened(path) as hdus:
         hdu = _picture(hdus)
         values = _sample(_plane(hdu))
-        cards = [card for unit in ([hdu] if hdu is hdus[0] else [hdus[0], hdu])
-                 for card in unit.header.cards]  # fmt: skip
+        cards = [
+            card
+            for unit in ([hdu] if hdu is hdus[0] else [hdus[0], hdu])
+            for card in unit.header.cards
+        ]
         shown = tuple(
             (str(card.keyword), "" if card.is_blank else str(card.value)[:200], str(card.comment))
             for card in cards[:_MOST_CARDS]
@@ -154,9 +157,15 @@ def looks_of(path: Path) -> Looks:
     high = high if high > low else low + 1.0
     counts, _ = np.histogram(values, BINS, (low, high))
     return Looks(
-        float(values.min()), float(values.max()), float(np.median(values)), float(values.std()),
-        low, high, tuple(int(count) for count in counts), shown,
-    )  # fmt: skip
+        float(values.min()),
+        float(values.max()),
+        float(np.median(values)),
+        float(values.std()),
+        low,
+        high,
+        tuple(int(count) for count in counts),
+        shown,
+    )
 
 
 def preview_of(path: Path, stretch: str, most_px: int = PREVIEW_PX) -> bytes:

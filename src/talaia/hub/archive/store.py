@@ -280,8 +280,21 @@ def _frame(row: RowMapping) -> ArchivedFrame:
         return math.nan if row[key] is None else float(row[key])
 
     return ArchivedFrame(
-        row["id"], row["site"], row["device"], row["night"], row["name"], row["time_us"],
-        row["target"], row["filter"], row["kind"], number("exposure_s"), number("ra_deg"),
-        number("dec_deg"), row["width"], row["height"], row["bytes"], row["digest"],
+        row["id"],
+        row["site"],
+        row["device"],
+        row["night"],
+        row["name"],
+        row["time_us"],
+        row["target"],
+        row["filter"],
+        row["kind"],
+        number("exposure_s"),
+        number("ra_deg"),
+        number("dec_deg"),
+        row["width"],
+        row["height"],
+        row["bytes"],
+        row["digest"],
         tuple(filter(None, row["problems"].split("\n"))),
-    )  # fmt: skip
+    )

@@ -42,7 +42,7 @@ __all__ = [
     "boot_of",
     "read_parcel",
     "sweep",
-]  # fmt: skip
+]
 
 FOLDER = "import"
 PART, READY = ".part", ".ready"

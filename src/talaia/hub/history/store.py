@@ -346,7 +346,9 @@ class HistoryStore:
         if width < 1:
             raise HistoryError(f"a chart of {width} pixels cannot be drawn", "ask for 1 or more")
         reading = self._reader.read
-        return await self._in_thread(reading, site, addresses, from_us, to_us, width, steps)
+        return await self._in_thread(
+            reading, site, addresses, from_us=from_us, to_us=to_us, width=width, steps=steps
+        )
 
     async def last(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
@@ -371,9 +373,15 @@ class HistoryStore:
 
         """
         return await self._in_thread(
-            read_statistics, self._reading, self._ledger, self._limits,
-            site, addresses, from_us, to_us,
-        )  # fmt: skip
+            read_statistics,
+            self._reading,
+            self._ledger,
+            self._limits,
+            site=site,
+            addresses=addresses,
+            from_us=from_us,
+            to_us=to_us,
+        )
 
     async def outliers(
         self, site: str, address: str, from_us: int, to_us: int, k: float
@@ -389,7 +397,14 @@ class HistoryStore:
         """
         async with self._one_count:
             steps = find_outliers(
-                self._reading, self._ledger, site, address, from_us, to_us, k, self._limits.counted
+                self._reading,
+                self._ledger,
+                site=site,
+                address=address,
+                from_us=from_us,
+                to_us=to_us,
+                k=k,
+                most=self._limits.counted,
             )
             found = None
             while found is None:
@@ -455,11 +470,20 @@ class HistoryStore:
         addresses = [column.address for column in columns]
         if width:
             steps = {column.address for column in columns if column.states}
-            shown = self._reader.read(site, addresses, from_us, to_us, width, steps)
+            shown = self._reader.read(
+                site, addresses, from_us=from_us, to_us=to_us, width=width, steps=steps
+            )
             flows = [iter([SampleChunk(series.samples(), FARTHEST_US + 1)]) for series in shown]
         else:
             flows = [
-                flow(self._reading, self._ledger, site, address, from_us, to_us)
+                flow(
+                    self._reading,
+                    self._ledger,
+                    site=site,
+                    address=address,
+                    from_us=from_us,
+                    to_us=to_us,
+                )
                 for address in addresses
             ]
         return written(form, list(columns), joined(flows))
@@ -478,7 +502,7 @@ class HistoryStore:
         work: Callable[P, R],
         *args: P.args,
         **kwargs: P.kwargs,
-    ) -> R:  # fmt: skip
+    ) -> R:
         return await self._run(self._threads, lambda: work(*args, **kwargs))
 
     async def _run(self, threads: ThreadPoolExecutor, work: Callable[[], R]) -> R:

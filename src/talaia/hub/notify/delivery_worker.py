@@ -50,6 +50,7 @@ class DeliveryWorker:
 
     def __init__(
         self,
+        *,
         notices: NotificationOutbox,
         store: NotifyStore,
         sender: Sends,

@@ -215,8 +215,19 @@ sensor = Table(
 )
 
 HISTORY_TABLES = (
-    channel, boot, stored_range, gap, catalogue, hot, tail, block, body, rollup, recent, sensor
-)  # fmt: skip
+    channel,
+    boot,
+    stored_range,
+    gap,
+    catalogue,
+    hot,
+    tail,
+    block,
+    body,
+    rollup,
+    recent,
+    sensor,
+)
 
 
 def _store_as_it_is(table: Table, connection: Connection, **_: object) -> None:

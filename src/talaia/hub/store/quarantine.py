@@ -58,8 +58,10 @@ def set_aside_if_damaged(url: str, clock: Clock, read_through: int = _READ_THROU
     _LOG.error(
         "the database %s is damaged (%s); it is kept as %s and a new, empty one is begun. "
         "`talaia restore` brings back a backup; `sqlite3 FILE .recover` saves what can be read",
-        path, problem, aside,
-    )  # fmt: skip
+        path,
+        problem,
+        aside,
+    )
     return aside
 
 

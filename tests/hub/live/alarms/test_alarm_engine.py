@@ -149,7 +149,9 @@ class Hub(RuleBasedStateMachine):
         store = NotifyStore(self.database, lambda: SEAL)
         self.wishes = [
             Rule(
-                id=1, user=1, site="*", way=await store.put_way(None, kind, kind, {}, {}, 0),
+                id=1, user=1, site="*", way=await store.put_way(
+                    None, kind, kind=kind, settings={}, secrets={}, now_us=0
+                ),
                 target=MAILBOX if kind is WayKind.MAIL else "", least=Severity.INFO, over=True,
                 quiet_from=0, quiet_to=0, quiet_least=Severity.INFO, zone="UTC", group_s=group_s,
             )
@@ -167,14 +169,20 @@ class Hub(RuleBasedStateMachine):
         self.notices = NotificationOutbox(self.database)
         sites = Sites()
         self.live = sites.describe(SITE, "c")
-        self.alarms = AlarmEngine(sites, Browsers(), self.store, self.notices, self.clock)
+        self.alarms = AlarmEngine(
+            sites=sites,
+            browsers=Browsers(),
+            store=self.store,
+            notices=self.notices,
+            clock=self.clock,
+        )
         await self.alarms.open()
         self.delivering = DeliveryWorker(
-            self.notices,
-            NotifyStore(self.database, lambda: SEAL),
-            self.sender,
-            self.clock,
-            self.alarms.refresh_troubles,
+            notices=self.notices,
+            store=NotifyStore(self.database, lambda: SEAL),
+            sender=self.sender,
+            clock=self.clock,
+            told=self.alarms.refresh_troubles,
         )
         await self.delivering.recover()
         # The robot says what is so as soon as the hub is back.

@@ -103,7 +103,11 @@ async def test_what_was_learned_survives_the_hub(hub, watched) -> None:
     assert set(kept) == {("base/speed", "limits"), ("base/speed", "iqr")}
     live = hub.hub.core.sites.get("agv")
     after = AnomalyService(
-        hub.hub.core.sites, hub.history, watching._learned, hub.hub.core.fanout, SystemClock()
+        sites=hub.hub.core.sites,
+        history=hub.history,
+        learned=watching._learned,
+        fanout=hub.hub.core.fanout,
+        clock=SystemClock(),
     )
     await after._wake(live, after._watch(live))
     assert after.of("agv")[1].detector.recent == watching.of("agv")[1].detector.recent

@@ -67,7 +67,7 @@ async def test_state_its_past_and_the_logbook_are_kept_together(database) -> Non
 
 async def test_everybody_who_may_and_wants_to_is_told_once(database, ways, person) -> None:
     guest = await People(database, HandClock()).add("guest", "x", "guest")
-    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    way = await ways.put_way(None, "way", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     await ways.add_rule(rule(person, way))
     await ways.add_rule(rule(person, way, site="moon"))
     await ways.add_rule(rule(guest, way))
@@ -92,7 +92,11 @@ async def test_message_under_way_when_the_hub_ended_is_unsure_or_the_same_again(
     database, ways, person
 ) -> None:
     for name, kind in (("mail", WayKind.MAIL), ("hook", WayKind.WEBHOOK)):
-        await ways.add_rule(rule(person, await ways.put_way(None, name, kind, {}, {}, 0)))
+        await ways.add_rule(
+            rule(
+                person, await ways.put_way(None, name, kind=kind, settings={}, secrets={}, now_us=0)
+            )
+        )
     await raised(database)
     outbox = NotificationOutbox(database)
     first, second = await outbox.claim_due(10**12), await outbox.claim_due(10**12)
@@ -110,7 +114,7 @@ async def test_rule_is_changed_by_its_own_person_and_keeps_its_number(
     database, ways, person
 ) -> None:
     other = await People(database, HandClock()).add("other", "x", "operator")
-    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    way = await ways.put_way(None, "way", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     number = await ways.add_rule(rule(person, way))
     changed = rule(person, way, id=number, site="agv", over=False, group_s=7)
     assert not await ways.change_rule(rule(other, way, id=number))
@@ -123,8 +127,8 @@ async def test_rule_is_changed_by_its_own_person_and_keeps_its_number(
 
 
 async def test_what_waits_goes_where_its_rule_says_by_then_and_once(database, ways, person) -> None:
-    mail = await ways.put_way(None, "mail", WayKind.MAIL, {}, {}, 0)
-    chat = await ways.put_way(None, "chat", WayKind.CHAT, {}, {}, 0)
+    mail = await ways.put_way(None, "mail", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
+    chat = await ways.put_way(None, "chat", kind=WayKind.CHAT, settings={}, secrets={}, now_us=0)
     number = await ways.add_rule(rule(person, mail))
     store = await raised(database)
     # It does not want such a thing any more, but what it wanted is not lost.
@@ -153,8 +157,8 @@ async def test_what_waits_goes_where_its_rule_says_by_then_and_once(database, wa
 async def test_what_may_have_arrived_is_sent_once_more_by_no_other_way(
     database, ways, person
 ) -> None:
-    hook = await ways.put_way(None, "hook", WayKind.WEBHOOK, {}, {}, 0)
-    mail = await ways.put_way(None, "mail", WayKind.MAIL, {}, {}, 0)
+    hook = await ways.put_way(None, "hook", kind=WayKind.WEBHOOK, settings={}, secrets={}, now_us=0)
+    mail = await ways.put_way(None, "mail", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     number = await ways.add_rule(rule(person, hook, target=""))
     await raised(database)
     outbox = NotificationOutbox(database)
@@ -172,7 +176,7 @@ async def test_what_may_have_arrived_is_sent_once_more_by_no_other_way(
 async def test_burst_that_begins_before_a_rule_is_changed_is_one_message(
     database, ways, person
 ) -> None:
-    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    way = await ways.put_way(None, "way", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     number = await ways.add_rule(rule(person, way))
     store = await raised(database)
     await ways.change_rule(rule(person, way, id=number, group_s=60))
@@ -185,7 +189,7 @@ async def test_burst_that_begins_before_a_rule_is_changed_is_one_message(
 
 
 async def test_whoever_lost_the_right_or_the_rule_is_not_told(database, ways, person) -> None:
-    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    way = await ways.put_way(None, "way", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     await ways.add_rule(rule(person, way))
     await raised(database)
     await People(database, HandClock()).set_role("op", "guest")
@@ -196,13 +200,19 @@ async def test_whoever_lost_the_right_or_the_rule_is_not_told(database, ways, pe
 
 async def test_secret_is_sealed_and_a_way_and_its_rules_go_together(database, ways, person) -> None:
     secret = {"password": "hush"}
-    way = await ways.put_way(None, "way", WayKind.MAIL, {"host": "a"}, secret, 0)
+    way = await ways.put_way(
+        None, "way", kind=WayKind.MAIL, settings={"host": "a"}, secrets=secret, now_us=0
+    )
     with pytest.raises(NameTaken):
-        await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+        await ways.put_way(None, "way", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     assert (await ways.way(way))[1] == secret
-    await ways.put_way(way, "other", WayKind.MAIL, {"host": "a"}, {}, 0)
+    await ways.put_way(
+        way, "other", kind=WayKind.MAIL, settings={"host": "a"}, secrets={}, now_us=0
+    )
     assert (await ways.way(way))[1] == secret
-    await ways.put_way(way, "other", WayKind.MAIL, {"host": "b"}, {}, 0)
+    await ways.put_way(
+        way, "other", kind=WayKind.MAIL, settings={"host": "b"}, secrets={}, now_us=0
+    )
     assert (await ways.way(way))[1] == {}
     await ways.add_rule(rule(person, way))
     assert await ways.remove_way(way)
@@ -234,7 +244,7 @@ async def test_what_waits_for_the_end_of_quiet_hours_does_not_go_along_with_what
     database, ways, person
 ) -> None:
     # Quiet all day but for a minute; the clock shows 01:00:01 in Madrid.
-    way = await ways.put_way(None, "way", WayKind.MAIL, {}, {}, 0)
+    way = await ways.put_way(None, "way", kind=WayKind.MAIL, settings={}, secrets={}, now_us=0)
     quiet = {"quiet_from": 30, "quiet_to": 29, "quiet_least": Severity.CRITICAL}
     await ways.add_rule(rule(person, way, **quiet))
     store = await raised(database)

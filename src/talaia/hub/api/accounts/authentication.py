@@ -71,9 +71,13 @@ class Authentication:
 
         """
         ask = await self.begin(request, name)
-        person = await self._known(request, name, password, 401, "login failed")
+        person = await self._known(
+            request, name=name, password=password, status=401, what="login failed"
+        )
         if person.factor:
-            await self._second(request, ask, person, code, 401, "login failed")
+            await self._second(
+                request, ask=ask, person=person, code=code, status=401, what="login failed"
+            )
         await self.right(ask)
         return person
 
@@ -86,12 +90,14 @@ class Authentication:
         """
         person = await self._person(user)
         ask = await self.begin(request, person.name)
-        person = await self._known(request, person.name, password, 403, what)
+        person = await self._known(
+            request, name=person.name, password=password, status=403, what=what
+        )
         await self.right(ask)
         return person
 
     async def both(
-        self, request: Request, user: int, password: str, code: str, what: str
+        self, request: Request, *, user: int, password: str, code: str, what: str
     ) -> Person:
         """Check the password and the second factor of a person who is signed in.
 
@@ -101,8 +107,10 @@ class Authentication:
         """
         person = await self._person(user)
         ask = await self.begin(request, person.name)
-        person = await self._known(request, person.name, password, 403, what)
-        await self._second(request, ask, person, code, 403, what)
+        person = await self._known(
+            request, name=person.name, password=password, status=403, what=what
+        )
+        await self._second(request, ask=ask, person=person, code=code, status=403, what=what)
         await self.right(ask)
         return person
 
@@ -129,7 +137,7 @@ class Authentication:
         return person
 
     async def _known(
-        self, request: Request, name: str, password: str, status: int, what: str
+        self, request: Request, *, name: str, password: str, status: int, what: str
     ) -> Person:
         person = await self._people.find(name)
         kept = person.password_hash if person and not person.disabled else None
@@ -142,6 +150,7 @@ class Authentication:
     async def _second(
         self,
         request: Request,
+        *,
         ask: SignInAttempt,
         person: Person,
         code: str,

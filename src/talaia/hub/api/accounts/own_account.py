@@ -133,7 +133,9 @@ class OwnPages:
         what = "second factor removal refused"
         if not who.factor:
             raise ApiProblem(409, "missing", "you have no second factor")
-        await self._proving.both(request, who.user, asked.password, asked.code, what)
+        await self._proving.both(
+            request, user=who.user, password=asked.password, code=asked.code, what=what
+        )
         await self._factors.remove(who.user)
         await self._sessions.follow_rights()
         self._append_record(request, "second factor removed")

@@ -63,6 +63,7 @@ class ArchivePages:
 
     async def find(
         self,
+        *,
         request: Request,
         site: str,
         night: Word = "",
@@ -113,6 +114,7 @@ class ArchivePages:
 
     async def preview(
         self,
+        *,
         request: Request,
         site: str,
         frame: str,

@@ -90,6 +90,7 @@ class HistoryPages:
 
     async def window(
         self,
+        *,
         request: Request,
         from_us: Time,
         to_us: Time,
@@ -139,6 +140,7 @@ class HistoryPages:
 
     async def statistics(
         self,
+        *,
         request: Request,
         from_us: Time,
         to_us: Time,
@@ -154,6 +156,7 @@ class HistoryPages:
 
     async def outliers(
         self,
+        *,
         request: Request,
         from_us: Time,
         to_us: Time,
@@ -199,6 +202,7 @@ class HistoryPages:
 
     async def export(
         self,
+        *,
         request: Request,
         from_us: Time,
         to_us: Time,

@@ -153,9 +153,12 @@ class RecordingPages:
         name = f"{camera}-{found.id}.mp4" if camera else f"{found.id}.mcap"
         kind = "video/mp4" if camera else "application/octet-stream"
         return FileResponse(
-            path, media_type=kind, filename=f"{found.site}-{name}", content_disposition_type=how,
+            path,
+            media_type=kind,
+            filename=f"{found.site}-{name}",
+            content_disposition_type=how,
             headers=_STILL,
-        )  # fmt: skip
+        )
 
     async def remove(self, site: str, recording: str, request: Request) -> None:
         """Delete a recording for good."""
@@ -224,10 +227,12 @@ def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
             if not filmed:
                 shapes.append(
                     UnfilmedShape(
-                        recording=recording.id, stream=stream, begin_us=recording.begin_us,
+                        recording=recording.id,
+                        stream=stream,
+                        begin_us=recording.begin_us,
                         end_us=recording.end_us,
                     )
-                )  # fmt: skip
+                )
     return shapes
 
 

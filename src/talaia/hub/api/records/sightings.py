@@ -43,13 +43,14 @@ class SightingPages:
 
     async def find(
         self,
+        *,
         request: Request,
         site: str,
         from_us: Time = 0,
         to_us: Time = 2**53,
         camera: Word = "",
         label: Word = "",
-        open: bool | None = None,  # noqa: A002, FBT001 - a part of the address
+        open: bool | None = None,  # noqa: A002 - a part of the address
         before: Time | None = None,
         limit: Annotated[int, Query(ge=1, le=500)] = 100,
     ) -> SightingList:

@@ -60,6 +60,7 @@ class AlarmPages:
 
     def __init__(
         self,
+        *,
         alarms: AlarmEngine,
         store: AlarmStore,
         people: People,
@@ -109,6 +110,7 @@ class AlarmPages:
 
     async def past(
         self,
+        *,
         site: str,
         alarm: str,
         request: Request,

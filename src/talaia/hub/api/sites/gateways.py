@@ -62,6 +62,7 @@ class GatewayPages:
 
     def __init__(
         self,
+        *,
         registry: SiteRegistry,
         enrolment: Enrolment,
         links: OpenLinks,

@@ -198,11 +198,19 @@ class NotifyPages:
         if found[0].kind is WayKind.MAIL and not _MAIL.match(asked.target):
             raise ApiProblem(422, "invalid", "target: expected one mail address")
         return found[0], Rule(
-            id=number, user=who_of(request).user, site=asked.site, way=int(asked.way),
-            target=asked.target, least=Severity(asked.least), over=asked.over,
-            quiet_from=asked.quiet_from, quiet_to=asked.quiet_to,
-            quiet_least=Severity(asked.quiet_least), zone=asked.zone, group_s=asked.group_s,
-        )  # fmt: skip
+            id=number,
+            user=who_of(request).user,
+            site=asked.site,
+            way=int(asked.way),
+            target=asked.target,
+            least=Severity(asked.least),
+            over=asked.over,
+            quiet_from=asked.quiet_from,
+            quiet_to=asked.quiet_to,
+            quiet_least=Severity(asked.quiet_least),
+            zone=asked.zone,
+            group_s=asked.group_s,
+        )
 
     async def _save_channel(self, number: int | None, asked: WayAsk) -> int | None:
         secrets = {
@@ -227,7 +235,12 @@ class NotifyPages:
                 raise ApiProblem(422, "invalid", "url: expected the address")
         try:
             return await self._store.put_way(
-                number, asked.name, WayKind(asked.kind), settings, secrets, self._now_us()
+                number,
+                asked.name,
+                kind=WayKind(asked.kind),
+                settings=settings,
+                secrets=secrets,
+                now_us=self._now_us(),
             )
         except NameTaken as error:
             raise ApiProblem(409, "taken", "there is a way of that name already") from error
@@ -314,8 +327,15 @@ def _security(word: str) -> Literal["starttls", "tls", "none"]:
 
 def _rule_shape(rule: Rule) -> NoticeRuleShape:
     return NoticeRuleShape(
-        id=str(rule.id), site=rule.site, way=str(rule.way), target=rule.target,
-        least=rule.least.value, over=rule.over, quiet_from=rule.quiet_from,
-        quiet_to=rule.quiet_to, quiet_least=rule.quiet_least.value, zone=rule.zone,
+        id=str(rule.id),
+        site=rule.site,
+        way=str(rule.way),
+        target=rule.target,
+        least=rule.least.value,
+        over=rule.over,
+        quiet_from=rule.quiet_from,
+        quiet_to=rule.quiet_to,
+        quiet_least=rule.quiet_least.value,
+        zone=rule.zone,
         group_s=rule.group_s,
-    )  # fmt: skip
+    )

@@ -84,6 +84,7 @@ class SitePages:
 
     async def events(
         self,
+        *,
         request: Request,
         site: str,
         limit: Annotated[int, Query(ge=1, le=1000)] = 100,
@@ -94,7 +95,7 @@ class SitePages:
         who: _Text = None,
         device: _Text = None,
         text: _Text = None,
-        good: bool | None = None,  # noqa: FBT001 - a part of the address
+        good: bool | None = None,
     ) -> EventList:
         """List what happened at a site, newest first, of the devices you may view.
 
@@ -105,9 +106,17 @@ class SitePages:
         """
         devices = who_of(request).grants.devices(Right.VIEW, site)
         wanted = AuditFilter(
-            site=site, from_us=from_us, to_us=to_us + 1, before=before, kind=kind, who=who,
-            device=device, text=text, good=good, devices=devices,
-        )  # fmt: skip
+            site=site,
+            from_us=from_us,
+            to_us=to_us + 1,
+            before=before,
+            kind=kind,
+            who=who,
+            device=device,
+            text=text,
+            good=good,
+            devices=devices,
+        )
         rows, more = await self._audit.find(wanted, limit)
         sighted = await self._sighted(site, rows)
         return EventList(

@@ -62,16 +62,16 @@ class PictureSockets:
         if live is None or not sees_stream(
             who.grants, live.description, *(stream.split("/", 1) if "/" in stream else ("", ""))
         ):
-            await deny(socket, 404, "unknown", "there is no such stream")
+            await deny(socket, status=404, code="unknown", message="there is no such stream")
             return
         await socket.accept()
         viewer = Viewer(
             socket,
-            who,
-            site,
-            stream,
-            self._now_us,
-            frozenset(socket.query_params.get("forms", "")[:MOST_FORMS].split(",")) - {""},
+            who=who,
+            site=site,
+            stream=stream,
+            now_us=self._now_us,
+            able=frozenset(socket.query_params.get("forms", "")[:MOST_FORMS].split(",")) - {""},
             text=speaks_json(socket),
         )
         self._seats.add(viewer)

@@ -39,7 +39,7 @@ class SocketAdmission:
         with self._limits.socket(who) as allowed:
             if not allowed:
                 message = f"at most {MOST_SOCKETS} connections at once; close some pages"
-                await deny(socket, 429, "busy", message)
+                await deny(socket, status=429, code="busy", message=message)
             yield who if allowed else None
 
     async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:

@@ -81,6 +81,7 @@ class _Part(NamedTuple):
 def find_outliers(
     engine: Engine,
     ledger: BlockIndex,
+    *,
     site: str,
     address: str,
     from_us: int,
@@ -89,7 +90,7 @@ def find_outliers(
     most: int,
 ) -> Iterator[Outliers | None]:
     """Go a step with each ``next``: None until it is done, then what was found."""
-    found = window_of(ledger, site, address, from_us, to_us)
+    found = window_of(ledger, site=site, address=address, from_us=from_us, to_us=to_us)
     if found is None:
         yield _nothing(address)
         return

@@ -65,6 +65,7 @@ class Reader:
         self,
         site: str,
         addresses: Sequence[str],
+        *,
         from_us: int,
         to_us: int,
         width: int,
@@ -72,7 +73,10 @@ class Reader:
     ) -> list[Series]:
         """Read a window of several channels; see `HistoryStore.read`."""
         asked = [
-            (address, window_of(self._ledger, site, address, from_us, to_us))
+            (
+                address,
+                window_of(self._ledger, site=site, address=address, from_us=from_us, to_us=to_us),
+            )
             for address in addresses
         ]
         with self._engine.begin() as connection:
@@ -80,7 +84,15 @@ class Reader:
             return [
                 empty_series(address, gaps)
                 if found is None
-                else self._series(connection, address, *found, width, gaps, address in steps)
+                else self._series(
+                    connection,
+                    address,
+                    window=found[0],
+                    held=found[1],
+                    width=width,
+                    gaps=gaps,
+                    steps=address in steps,
+                )
                 for address, found in asked
             ]
 
@@ -89,7 +101,12 @@ class Reader:
     ) -> dict[str, tuple[int, float, str]]:
         """Find each channel's newest sample up to ``to_us``; see `HistoryStore.last`."""
         asked = [
-            (address, window_of(self._ledger, site, address, -FARTHEST_US, to_us))
+            (
+                address,
+                window_of(
+                    self._ledger, site=site, address=address, from_us=-FARTHEST_US, to_us=to_us
+                ),
+            )
             for address in addresses
         ]
         found = {}
@@ -112,11 +129,12 @@ class Reader:
         self,
         connection: Connection,
         address: str,
+        *,
         window: StoredWindow,
         held: BlockSamples,
         width: int,
         gaps: list[HistoryGap],
-        steps: bool,  # noqa: FBT001 - one of many, and never written as a literal
+        steps: bool,
     ) -> Series:
         tail = in_order(held).between(window.from_us, window.to_us)
         span_us = window.to_us - window.from_us + 1
@@ -128,18 +146,29 @@ class Reader:
         if tier:
             pixel_us = pixel_width(span_us, width, tier)
             names = _STEPS if steps else _LINES
-            rolled = _rolled(connection, self._cache, window, tier, pixel_us, names)
+            rolled = _rolled(
+                connection,
+                cache=self._cache,
+                window=window,
+                tier=tier,
+                pixel_us=pixel_us,
+                names=names,
+            )
             if not rolled.texts and not tail.texts:
                 points = in_order(concatenate([rolled, tail]))
-                return _drawn(address, points, pixel_us, gaps, steps)
+                return _drawn(address, samples=points, pixel_us=pixel_us, gaps=gaps, steps=steps)
         if blocks is None:
             blocks = overlapping(connection, window, FARTHEST_US) or ()
-        samples, unread = raw(connection, blocks, window, self._limits.texts, self._cache)
+        samples, unread = raw(
+            connection, blocks, window=window, most_texts=self._limits.texts, cache=self._cache
+        )
         gaps = [*gaps, *unread]
         samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
         if samples.time_us.size <= 2 * width:
             return Series(address, *samples, not unread, gaps)
-        return _drawn(address, samples, pixel_width(span_us, width), gaps, steps)
+        return _drawn(
+            address, samples=samples, pixel_us=pixel_width(span_us, width), gaps=gaps, steps=steps
+        )
 
 
 def _within(from_us: int, to_us: int) -> tuple[int, int]:
@@ -148,10 +177,11 @@ def _within(from_us: int, to_us: int) -> tuple[int, int]:
 
 def _drawn(
     address: str,
+    *,
     samples: BlockSamples,
     pixel_us: int,
     gaps: list[HistoryGap],
-    steps: bool,  # noqa: FBT001 - handed on
+    steps: bool,
 ) -> Series:
     starts = groups(samples.time_us, pixel_us)
     if samples.texts:
@@ -170,6 +200,7 @@ _STEPS = (*_LINES, "last_us", "last")
 
 def _rolled(
     connection: Connection,
+    *,
     cache: BlockCache,
     window: StoredWindow,
     tier: int,

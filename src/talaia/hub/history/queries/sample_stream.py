@@ -40,13 +40,13 @@ class SampleChunk(NamedTuple):
 
 
 def flow(
-    engine: Engine, ledger: BlockIndex, site: str, address: str, from_us: int, to_us: int
+    engine: Engine, ledger: BlockIndex, *, site: str, address: str, from_us: int, to_us: int
 ) -> Iterator[SampleChunk]:
     """Give a channel's samples of a window, both ends included; memory is looked at now.
 
     Samples with one time stamp come in the order in which they were stored.
     """
-    found = window_of(ledger, site, address, from_us, to_us)
+    found = window_of(ledger, site=site, address=address, from_us=from_us, to_us=to_us)
     if found is None:
         return iter(())
     window, held = found

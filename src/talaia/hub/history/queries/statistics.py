@@ -77,19 +77,30 @@ def read_statistics(
     engine: Engine,
     ledger: BlockIndex,
     limits: HistoryLimits,
+    *,
     site: str,
     addresses: Sequence[str],
     from_us: int,
     to_us: int,
 ) -> list[Statistics]:
     """Sum up a window of several channels; see `HistoryStore.statistics`."""
-    asked = [(address, window_of(ledger, site, address, from_us, to_us)) for address in addresses]
+    asked = [
+        (address, window_of(ledger, site=site, address=address, from_us=from_us, to_us=to_us))
+        for address in addresses
+    ]
     with engine.begin() as connection:
         gap_us = covered_us(gaps_of(connection, site, from_us, to_us), from_us, to_us)
         return [
             _of_nothing(address, gap_us)
             if found is None
-            else _of_window(connection, address, *found, limits.raw, gap_us)
+            else _of_window(
+                connection,
+                address,
+                window=found[0],
+                held=found[1],
+                most=limits.raw,
+                gap_us=gap_us,
+            )
             for address, found in asked
         ]
 
@@ -110,6 +121,7 @@ def _of_nothing(address: str, gap_us: int) -> Statistics:
 def _of_window(
     connection: Connection,
     address: str,
+    *,
     window: StoredWindow,
     held: BlockSamples,
     most: int,
@@ -118,7 +130,7 @@ def _of_window(
     tail = in_order(held).between(window.from_us, window.to_us)
     blocks = overlapping(connection, window, most)
     if blocks is not None:
-        samples, _ = raw(connection, blocks, window, most)
+        samples, _ = raw(connection, blocks, window=window, most_texts=most)
         samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
         cells = summarise(samples.time_us, samples.value, 0)
         ends = samples

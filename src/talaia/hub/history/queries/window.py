@@ -89,6 +89,7 @@ def overlapping(connection: Connection, window: StoredWindow, most: int) -> Sequ
 def raw(
     connection: Connection,
     found: Sequence[Any],
+    *,
     window: StoredWindow,
     most_texts: int,
     cache: BlockCache | None = None,

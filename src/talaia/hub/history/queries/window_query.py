@@ -14,7 +14,7 @@ __all__ = ["window_of"]
 
 
 def window_of(
-    ledger: BlockIndex, site: str, address: str, from_us: int, to_us: int
+    ledger: BlockIndex, *, site: str, address: str, from_us: int, to_us: int
 ) -> tuple[StoredWindow, BlockSamples] | None:
     """Find a channel's window and what of the channel stands in memory; None if it has none.
 

@@ -42,7 +42,7 @@ from talaia.hub.history.writing.writer_jobs import (
 from talaia.hub.store import history_tables as tables
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from sqlalchemy import Connection, Engine
 
@@ -174,7 +174,7 @@ class BlockIndex:
         tails = self.tails
         if tails.is_due():
             tails.deal()
-        enough = self._enough()
+        enough = _sealing_size(self._limits, len(tails.items()))
         # Twice as many as come, so that they are never more than a few behind.
         budget = 1 + self._samples // (enough // 2)
         self._samples = 0
@@ -215,9 +215,7 @@ class BlockIndex:
         rows = connection.execution_options(yield_per=500).execute(
             select(tables.hot).order_by(tables.hot.c.id)
         )
-        saved = np.zeros(max(names.saved_row, default=0) + 1, np.int64)
-        for channel, last in names.saved_row.items():
-            saved[channel] = last
+        saved = _saved_rows(names)
         for row in rows:
             past = row.first_seq + row.samples
             self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
@@ -302,40 +300,20 @@ class BlockIndex:
             self._changed.add(boot)
 
     def _take_gap(self, job: GapJob, draft: _Draft) -> None:
-        if not 0 <= job.first <= job.last + 1 or job.from_us > job.to_us:
-            raise HistoryError(
-                f"a gap from {job.first} to {job.last}, {job.from_us} to {job.to_us} µs, ends "
-                "before it begins"
-            )
-        job.reason.encode()
+        row = _gap_row(job)
         boot = self.names.boot(job.site, job.boot)
-        draft.gaps.append(
-            {
-                "boot_id": boot,
-                "first_seq": job.first,
-                "last_seq": job.last,
-                "from_us": job.from_us,
-                "to_us": job.to_us,
-                "reason": job.reason.replace("\0", "�"),
-            }
-        )
+        draft.gaps.append({"boot_id": boot, **row})
         self._settled.setdefault(boot, Ranges()).add(job.first, job.last + 1)
-
-    def _enough(self) -> int:
-        """Tell how many samples a channel may hold before it is sealed."""
-        limits = self._limits
-        share = limits.held // max(1, len(self.tails.items()))
-        return max(limits.block, min(limits.largest, share))
 
     def _seal(self, channel: int, block: int) -> Sealed:
         tail = self.tails.items()[channel]
         sealed = seal(
             channel,
             self.tails.dealt_row,
-            self._next_block,
-            self.names.longest_us[channel],
-            concatenate(tail.parts),
-            block,
+            first_block=self._next_block,
+            longest_us=self.names.longest_us[channel],
+            samples=concatenate(tail.parts),
+            block=block,
             was_saved=tail.saved,
         )
         self._next_block += len(sealed.blocks)
@@ -357,9 +335,7 @@ class BlockIndex:
                 self._newest.pop(block.channel, None)
         for sealed in draft.seals:
             channel = sealed.channel
-            newest = self._newest.get(channel)
-            if newest is None:
-                newest = read_newest(connection, channel)
+            newest = self._newest.get(channel) or read_newest(connection, channel)
             draft.newest[channel] = sealed.write(connection, newest)
         for saved in draft.saves:
             saved.write(connection)
@@ -383,9 +359,9 @@ class BlockIndex:
         for boot in self._changed:
             ranges = list(self._stored[boot])
             draft.ranges[boot] = {first for first, _ in ranges}
-            for first in self._written_ranges.get(boot, set()) - draft.ranges[boot]:
-                gone = (table.c.boot_id == boot, table.c.first_seq == first)
-                connection.execute(delete(table).where(*gone))
+            _delete_ranges(
+                connection, boot, self._written_ranges.get(boot, set()) - draft.ranges[boot]
+            )
             rows += [
                 {"boot_id": boot, "first_seq": first, "past_seq": past} for first, past in ranges
             ]
@@ -410,6 +386,51 @@ class BlockIndex:
         self.tails.add(draft.chunks)
         for row in draft.rows:
             self._journal.append(row["id"], row["samples"])
+
+
+def _sealing_size(limits: HistoryLimits, channels: int) -> int:
+    """Give how many samples a channel may hold in memory before they are made blocks."""
+    share = limits.held // max(1, channels)
+    return max(limits.block, min(limits.largest, share))
+
+
+def _saved_rows(names: Names) -> np.ndarray[Any, np.dtype[np.int64]]:
+    """Give by channel id the last journal row that is in its saved tail or in blocks (ids,)."""
+    saved = np.zeros(max(names.saved_row, default=0) + 1, np.int64)
+    for channel, last in names.saved_row.items():
+        saved[channel] = last
+    return saved
+
+
+def _gap_row(job: GapJob) -> dict[str, Any]:
+    """Give what the table holds of a gap, less whose it is.
+
+    Raises:
+        HistoryError: it ends before it begins.
+        UnicodeEncodeError: its reason is not Unicode.
+
+    """
+    if not 0 <= job.first <= job.last + 1 or job.from_us > job.to_us:
+        raise HistoryError(
+            f"a gap from {job.first} to {job.last}, {job.from_us} to {job.to_us} µs, ends "
+            "before it begins"
+        )
+    job.reason.encode()
+    return {
+        "first_seq": job.first,
+        "last_seq": job.last,
+        "from_us": job.from_us,
+        "to_us": job.to_us,
+        # PostgreSQL's texts hold no zero byte.
+        "reason": job.reason.replace("\0", "�"),
+    }
+
+
+def _delete_ranges(connection: Connection, boot: int, firsts: Iterable[int]) -> None:
+    table = tables.stored_range
+    for first in firsts:
+        gone = (table.c.boot_id == boot, table.c.first_seq == first)
+        connection.execute(delete(table).where(*gone))
 
 
 def _only(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:

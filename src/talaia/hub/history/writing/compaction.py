@@ -98,11 +98,11 @@ def save(channel: int, row: int, samples: BlockSamples) -> Saved:
 def seal(
     channel: int,
     row: int,
+    *,
     first_block: int,
     longest_us: int,
     samples: BlockSamples,
     block: int,
-    *,
     was_saved: bool,
 ) -> Sealed:
     """Compress a tail into blocks and sum it up."""

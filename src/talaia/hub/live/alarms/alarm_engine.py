@@ -30,7 +30,7 @@ from talaia.model.alarms.standard_alarms import standard_alarms
 from talaia.wire.frames import RecordingRequest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Mapping
 
     import numpy as np
     from numpy.typing import NDArray
@@ -71,6 +71,7 @@ class AlarmEngine:
 
     def __init__(
         self,
+        *,
         sites: Sites,
         browsers: Browsers,
         store: AlarmStore,
@@ -83,12 +84,19 @@ class AlarmEngine:
         self._store = store
         self._notices = notices
         self._clock = clock
+        # By site: what its description asks for, and what was made in the page.
         self._of: dict[str, SiteAlarms] = {}
+        # As the database has them, by site and alarm; also of alarms that are described no more.
         self._states: dict[tuple[str, str], State] = {}
+        # By site and alarm: those made in the page.
         self._made: dict[str, dict[str, MadeAlarm]] = {}
+        # What was decided and is not in the database yet; nobody is told of it before.
         self._queue: deque[_Ask] = deque()
+        # Set when there is something to write, or the end.
         self._news = asyncio.Event()
+        # Set once: what waits is written, and `run` ends.
         self._stopping = False
+        # When all conditions were evaluated last (monotonic).
         self._looked_ns = clock.monotonic_ns()
         self._wake_delivery: Callable[[], None] = lambda: None
 
@@ -114,7 +122,7 @@ class AlarmEngine:
             known = self._of[live.name] = SiteAlarms(self._clock, self._enqueue, self._publish)
         before = known.described(
             live,
-            self._definitions(live.description),
+            _definitions(live.description, self._made.get(live.name, {})),
             lambda name, was: self._begins(live.name, name, was),
         )
         for name, gone in before.items():
@@ -138,18 +146,6 @@ class AlarmEngine:
         """Find one."""
         known = self._of.get(site)
         return known.alarms.get(alarm) if known else None
-
-    def _definitions(self, site: Site) -> Iterator[tuple[str, Alarm, bool]]:
-        own = {**site.alarms, **standard_alarms(site)}
-        for name, alarm in own.items():
-            yield name, alarm, False
-        for name, made in self._made.get(site.site, {}).items():
-            if name in own:
-                continue
-            try:
-                yield name, msgspec.json.decode(made.definition, type=Alarm), True
-            except msgspec.MsgspecError:
-                _LOG.exception("the alarm %s of %s cannot be read", name, site.site)
 
     def _begins(self, site: str, name: str, before: LiveAlarm | None) -> State:
         """Give how an alarm stands when it is described: as before, or as the database has it."""
@@ -333,21 +329,9 @@ class AlarmEngine:
                 self._browsers.broadcast_message(event_news(live, happened))
                 if happened.what is What.RAISED:
                     live.undelivered = ""
-                    self._record(live, happened)
+                    _begin_recording(self._sites.get(live.about.site), live, happened)
         if changes:
             self._wake_delivery()
-
-    def _record(self, live_alarm: LiveAlarm, happened: Happened) -> None:
-        live = self._sites.get(live_alarm.about.site)
-        if (
-            live_alarm.alarm is None
-            or not live_alarm.alarm.record
-            or live is None
-            or live.link is None
-        ):
-            return
-        why = f"alarm {live_alarm.about.name}: {happened.message}"[:500]
-        live.link.send(RecordingRequest(on=True, who="alarm", why=why, alarm=True))
 
     async def refresh_troubles(self) -> None:
         """Read anew which alarms could not be delivered, and tell."""
@@ -376,6 +360,30 @@ class AlarmEngine:
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000
+
+
+def _begin_recording(live: LiveSite | None, raised: LiveAlarm, happened: Happened) -> None:
+    """Ask the site's gateway to record around an alarm, where its description wants that."""
+    if raised.alarm is None or not raised.alarm.record or live is None or live.link is None:
+        return
+    why = f"alarm {raised.about.name}: {happened.message}"[:500]
+    live.link.send(RecordingRequest(on=True, who="alarm", why=why, alarm=True))
+
+
+def _definitions(
+    site: Site, made_in_page: Mapping[str, MadeAlarm]
+) -> Iterator[tuple[str, Alarm, bool]]:
+    """Give each alarm with its name, and whether it was made in the page."""
+    own = {**site.alarms, **standard_alarms(site)}
+    for name, alarm in own.items():
+        yield name, alarm, False
+    for name, made in made_in_page.items():
+        if name in own:
+            continue
+        try:
+            yield name, msgspec.json.decode(made.definition, type=Alarm), True
+        except msgspec.MsgspecError:
+            _LOG.exception("the alarm %s of %s cannot be read", name, site.site)
 
 
 def _worked_out(

@@ -86,7 +86,13 @@ class SiteAlarms:
         for name, alarm, made in definitions:
             was = before.get(name)
             self.alarms[name] = _made_live(
-                live, addresses, name, alarm, was, state_of(name, was), made=made
+                live,
+                addresses,
+                name=name,
+                alarm=alarm,
+                before=was,
+                state=state_of(name, was),
+                made=made,
             )
         self._index(live)
         return before
@@ -168,11 +174,13 @@ class SiteAlarms:
         latest = live.latest
         self._values = {
             self._addresses[at]: (
-                float(latest.value[at]), latest.texts.get(at, ""), int(latest.arrived_ns[at])
+                float(latest.value[at]),
+                latest.texts.get(at, ""),
+                int(latest.arrived_ns[at]),
             )
             for at in self._lookers
             if latest.arrived_ns[at] != np.iinfo(np.int64).min
-        }  # fmt: skip
+        }
 
     def _judge(self, live: LiveSite, live_alarm: LiveAlarm, now: int) -> None:
         edge = live_alarm.watch.update_verdict(self._verdict(live, live_alarm, now), now)
@@ -213,19 +221,24 @@ class SiteAlarms:
 def _made_live(
     live: LiveSite,
     addresses: Addresses,
+    *,
     name: str,
     alarm: Alarm,
     before: LiveAlarm | None,
     state: State,
-    *,
     made: bool,
 ) -> LiveAlarm:
     """Make an alarm live; one that is what it was before goes on, with its delays."""
     finding = next(iter(alarm_findings(addresses, "$", alarm)), None)
     about = About(
-        live.name, name, device_of(addresses, alarm), alarm.severity, alarm.name,
-        live.description.name, alarm.advice,
-    )  # fmt: skip
+        live.name,
+        name,
+        device_of(addresses, alarm),
+        alarm.severity,
+        alarm.name,
+        live.description.name,
+        alarm.advice,
+    )
     same = before is not None and before.alarm == alarm and before.condition is not None
     if before is not None and same and finding is None:
         before.about, before.made = about, made

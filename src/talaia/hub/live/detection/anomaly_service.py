@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import secrets
 import time
 from collections import deque
 from contextlib import suppress
@@ -25,6 +24,7 @@ from talaia.errors import TalaiaError
 from talaia.hub.anomaly.guarded import GuardedDetector
 from talaia.hub.anomaly.runner import AnomalyBegan, AnomalyEnded, DetectorRunner, score_address
 from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted
+from talaia.hub.live.detection.score_writer import ScoreWriter
 from talaia.hub.live.detection.thinning import Thinning
 from talaia.hub.ports import AnomalyReport
 from talaia.wire.columns import Columns
@@ -52,7 +52,6 @@ _TICK_S = 1.0
 _SAVES_A_TICK = 4
 _SAVE_EVERY_S = 900.0
 # Scores that may wait for a database that does not answer.
-_MOST_SCORES = 100_000
 _FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
 
@@ -95,12 +94,17 @@ class AnomalyService:
     """
 
     def __init__(
-        self, sites: Sites, history: History, learned: DetectorState, fanout: Fanout, clock: Clock
+        self,
+        *,
+        sites: Sites,
+        history: History,
+        learned: DetectorState,
+        fanout: Fanout,
+        clock: Clock,
     ) -> None:
         """Keep scores in ``history`` and what is learned in ``learned``; show scores live."""
         self._sites = sites
         self._fanout = fanout
-        self._history = history
         self._learned = learned
         self._clock = clock
         self._sinks: list[AnomalySink] = []
@@ -110,9 +114,7 @@ class AnomalyService:
         self._count = 0
         self.skipped = 0
         self._news = asyncio.Event()
-        self._run = f"scores-{secrets.token_hex(8)}"
-        self._scores: dict[str, list[tuple[str, int, float]]] = {}
-        self._first: dict[str, int] = {}
+        self._scores = ScoreWriter(history)
         self._saved_at: dict[tuple[str, str, str], float] = {}
         self._failing = False
 
@@ -194,7 +196,7 @@ class AnomalyService:
     async def close(self) -> None:
         """Write down what is left; `run` has ended."""
         with suppress(*_FAILS):
-            await self._write_scores()
+            await self._scores.write_waiting()
         with suppress(*_FAILS):
             await self._save(self._unsaved(None))
 
@@ -214,7 +216,7 @@ class AnomalyService:
                         address, runner.unit, runner.watch
                     )
                     continue
-                self._after(piece.live, watch, runner, turn, time_us)
+                self._after(piece.live, watch, runner=runner, turn=turn, time_us=time_us)
             if time.perf_counter() > until:
                 self._publish(piece.live, watch)
                 await asyncio.sleep(0)
@@ -225,6 +227,7 @@ class AnomalyService:
         self,
         live: LiveSite,
         watch: _SiteWatch,
+        *,
         runner: DetectorRunner,
         turn: AnomalyBegan | AnomalyEnded | None,
         time_us: int,
@@ -237,9 +240,8 @@ class AnomalyService:
         place = watch.places.get(address)
         if place is not None:
             watch.fresh.append((place, time_us, runner.score))
-        waiting = self._scores.setdefault(live.name, [])
-        if runner.worth_writing(time_us) and len(waiting) < _MOST_SCORES:
-            waiting.append((address, time_us, runner.score))
+        if runner.worth_writing(time_us):
+            self._scores.add_score(live.name, address, time_us, runner.score)
 
     def _publish(self, live: LiveSite, watch: _SiteWatch) -> None:
         """Show pages the newest scores."""
@@ -336,7 +338,7 @@ class AnomalyService:
             await asyncio.sleep(_TICK_S)
             self._idle()
             try:
-                await self._write_scores()
+                await self._scores.write_waiting()
                 await self._save(self._unsaved(_SAVES_A_TICK))
             except _FAILS as error:
                 if not self._failing:
@@ -355,27 +357,8 @@ class AnomalyService:
             for runner in watch.every():
                 turn = runner.idle(now_us)
                 if turn is not None:
-                    self._after(live, watch, runner, turn, now_us)
+                    self._after(live, watch, runner=runner, turn=turn, time_us=now_us)
             self._publish(live, watch)
-
-    async def _write_scores(self) -> None:
-        for site in [site for site, waiting in self._scores.items() if waiting]:
-            waiting, self._scores[site] = self._scores[site], []
-            addresses = tuple(dict.fromkeys(address for address, _, _ in waiting))
-            place = {address: at for at, address in enumerate(addresses)}
-            columns = Columns(
-                np.array([place[address] for address, _, _ in waiting], np.uint16),
-                np.array([time_us for _, time_us, _ in waiting], np.int64),
-                np.array([score for _, _, score in waiting], np.float64),
-                {},
-            )
-            first = self._first.get(site, 0)
-            try:
-                await self._history.append(site, self._run, first, addresses, columns)
-            except _FAILS:
-                self._scores[site] = (waiting + self._scores[site])[:_MOST_SCORES]
-                raise
-            self._first[site] = first + len(waiting)
 
     def _unsaved(self, most: int | None) -> list[tuple[str, DetectorRunner]]:
         now, due = self._clock.monotonic_ns() / 1e9, []

@@ -91,6 +91,7 @@ class CameraDetection:
     def __init__(
         self,
         around: DetectionHost,
+        *,
         live: LiveSite,
         name: str,
         detect: Detect,

@@ -156,7 +156,9 @@ class DetectionService:
             if name in site.cameras:
                 site.cameras[name][1].recount(_counted(live, name))
                 continue
-            camera = CameraDetection(self, live, name, detect, _counted(live, name))
+            camera = CameraDetection(
+                self, live=live, name=name, detect=detect, counted=_counted(live, name)
+            )
             site.cameras[name] = (eye, camera, asyncio.create_task(camera.run()))
         self._rest()
 
@@ -246,11 +248,13 @@ class DetectionService:
         if why:
             _LOG.warning("%s of %s: nothing can be detected: %s", camera, live.name, why)
             said = f"nothing is detected on {called}, at the hub: {why}"
-            self._reporting.event(live, "detection lost", device, said[:500], good=False)
+            self._reporting.event(
+                live, "detection lost", device=device, message=said[:500], good=False
+            )
         else:
             _LOG.info("%s of %s: objects are detected again", camera, live.name)
             said = f"objects are detected on {called} again"
-            self._reporting.event(live, "detection back", device, said)
+            self._reporting.event(live, "detection back", device=device, message=said)
 
     # ── for a camera ────────────────────────────────────────────────────────────────────────
 

@@ -70,6 +70,7 @@ class SightingJournal:
 
     def __init__(
         self,
+        *,
         sites: Sites,
         browsers: Browsers,
         store: SightingStore,
@@ -296,9 +297,14 @@ class SightingJournal:
 
     def _tell_sinks(self, sighted: Sighted) -> None:
         news = SightingEvent(
-            sighted.site, sighted.camera, sighted.label, sighted.many, sighted.confidence,
-            sighted.began_us, sighted.ended_us or None,
-        )  # fmt: skip
+            sighted.site,
+            sighted.camera,
+            sighted.label,
+            sighted.many,
+            sighted.confidence,
+            sighted.began_us,
+            sighted.ended_us or None,
+        )
         for sink in self._sinks:
             sink.sighting(news)
 
@@ -306,10 +312,13 @@ class SightingJournal:
         """Let logbooks on pages, and marks on charts, follow."""
         self._browsers.broadcast_message(
             page.EventUpdate(
-                site=entry.site, kind=entry.kind, device=entry.device, message=entry.message,
+                site=entry.site,
+                kind=entry.kind,
+                device=entry.device,
+                message=entry.message,
                 time_us=began_us,
             )
-        )  # fmt: skip
+        )
 
     def _line(self, sighted: Sighted) -> AuditEntry:
         """Give the logbook's line of what is over."""
@@ -345,7 +354,12 @@ def _of_others(boot: str) -> Callable[[Sighted], bool]:
 
 def _news(number: int, sighted: Sighted) -> page.SightingUpdate:
     return page.SightingUpdate(
-        site=sighted.site, id=number, camera=sighted.camera, label=sighted.label,
-        many=sighted.many, confidence=sighted.confidence, began_us=sighted.began_us,
+        site=sighted.site,
+        id=number,
+        camera=sighted.camera,
+        label=sighted.label,
+        many=sighted.many,
+        confidence=sighted.confidence,
+        began_us=sighted.began_us,
         ended_us=sighted.ended_us,
-    )  # fmt: skip
+    )

@@ -96,8 +96,11 @@ class ImportInbox:
         await asyncio.to_thread(self._answer, path, taken)
         _LOG.info(
             "%s is in the history of %s: %d samples, and %d were there already",
-            head.file, head.site, stored, there,
-        )  # fmt: skip
+            head.file,
+            head.site,
+            stored,
+            there,
+        )
         return taken
 
     async def _append(self, head: Head, stretch: ImportChunk) -> None:

@@ -35,7 +35,7 @@ from talaia.wire.frames import (
     FilePiece,
     FileProgress,
     FilmOffer,
-)  # fmt: skip
+)
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -94,7 +94,9 @@ class DescriptionIntake:
             await self._history.describe(description)
         if live is None or live.told != told or live.source != source:
             note = "first seen" if live is None else "changed at the gateway"
-            await self._versions.add(site, source or hello.description, gateway, "", note)
+            await self._versions.add(
+                site, source or hello.description, gateway=gateway, who="", note=note
+            )
 
     def notify_followers(self, live: LiveSite) -> None:
         """Let every part that follows a description take the site's new one."""
@@ -120,7 +122,13 @@ class DescriptionIntake:
         return self._changes.note_of(told.id) or kept
 
     async def store(
-        self, description: Site, told: frames.DescriptionUpdate, said: str, source: str, note: str
+        self,
+        description: Site,
+        told: frames.DescriptionUpdate,
+        *,
+        said: str,
+        source: str,
+        note: str,
     ) -> int:
         """Make room in the history for what is described, and keep it; the version's number.
 
@@ -133,13 +141,16 @@ class DescriptionIntake:
         await self._history.describe(description)
         await self._registry.said_hello(site, said, told.catalogue)
         gateway = 0 if live is None else live.gateway
-        return await self._versions.add(site, source or said, gateway, told.who, note)
+        return await self._versions.add(
+            site, source or said, gateway=gateway, who=told.who, note=note
+        )
 
     def show(
         self,
         live: LiveSite,
         description: Site,
         told: frames.DescriptionUpdate,
+        *,
         said: str,
         source: str,
         number: int,
@@ -226,19 +237,27 @@ class Redescription:
             raise PeerError(f"the description is of {description.site!r}, not {live.name!r}")
         if [channel.address for channel in description.channels()] != list(told.addresses):
             raise PeerError("the description has other channels than its list")
-        number = await self._stored(description, told, said, source, note)
-        self._describing.show(live, description, told, said, source, number)
+        number = await self._stored(description, told, said=said, source=source, note=note)
+        self._describing.show(live, description, told, said=said, source=source, number=number)
         self._lists.shown(tuple(channel.address for channel in live.channels))
         _LOG.info("%s is described anew: version %d", live.name, number)
 
     async def _stored(
-        self, description: Site, told: frames.DescriptionUpdate, said: str, source: str, note: str
+        self,
+        description: Site,
+        told: frames.DescriptionUpdate,
+        *,
+        said: str,
+        source: str,
+        note: str,
     ) -> int:
         """Store it, however long the database is away; give the version's number."""
         failing = False
         while True:
             try:
-                return await self._describing.store(description, told, said, source, note)
+                return await self._describing.store(
+                    description, told, said=said, source=source, note=note
+                )
             except _STORE_FAILS:
                 if not failing:
                     _LOG.exception(

@@ -158,9 +158,14 @@ class Ingest:
             taken: list[Batch | SampleGap] = [first]
             spans = [(first.boot, first.first, first.last + 1)]
             await self._history.record_gap(
-                self._site, first.boot, first.first, first.last, first.from_us, first.to_us,
+                self._site,
+                first.boot,
+                first.first,
+                first.last,
+                first.from_us,
+                first.to_us,
                 first.reason,
-            )  # fmt: skip
+            )
         else:
             pieces = self._pieces()
             batches = [batch for piece in pieces for batch in piece]

@@ -258,7 +258,7 @@ class LinkService:
         lists = ChannelMaps(live.catalogue, addresses, live.renamed)
         redescription = Redescription(self._describing, live, lists, ingest)
         results = await until_first(
-            self._read_all(link, live, ingest, lists, redescription),
+            self._read_all(link, live, ingest=ingest, lists=lists, redescription=redescription),
             redescription.run(),
             self._beat(link, live),
             link.write(),
@@ -279,6 +279,7 @@ class LinkService:
         self,
         link: GatewayLink,
         live: LiveSite,
+        *,
         ingest: Ingest,
         lists: ChannelMaps,
         redescription: Redescription,

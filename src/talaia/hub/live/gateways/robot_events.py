@@ -56,7 +56,7 @@ class RobotEvents:
     """Tells pages what is so, now and whenever it changes."""
 
     def __init__(
-        self, sites: Sites, browsers: Browsers, alarms: AlarmEngine, audit: Audit, clock: Clock
+        self, *, sites: Sites, browsers: Browsers, alarms: AlarmEngine, audit: Audit, clock: Clock
     ) -> None:
         """Write down in ``audit`` what happened and how it ended."""
         self._alarms = alarms
@@ -77,7 +77,7 @@ class RobotEvents:
                 browser.send_message(_drive_news(live, drive))
             self.greet_interlocks(live, browser)
             for device in live.unreached:
-                browser.send_message(self._device_news(live, device))
+                browser.send_message(_device_news(live, device))
             now_ns = self._clock.monotonic_ns()
             for state, heard_ns in live.acting.values():
                 later_s = (now_ns - heard_ns) / SECOND
@@ -140,18 +140,23 @@ class RobotEvents:
                 self._device_state(live, told)
             case frames.Event():
                 self.event(
-                    live, told.kind, told.device, told.message, told.who, good=told.good,
+                    live,
+                    told.kind,
+                    device=told.device,
+                    message=told.message,
+                    who=told.who,
+                    good=told.good,
                     time_us=told.time_us,
-                )  # fmt: skip
+                )
 
     def event(
         self,
         live: LiveSite,
         kind: str,
+        *,
         device: str = "",
         message: str = "",
         who: str = "",
-        *,
         good: bool = True,
         time_us: int = 0,
     ) -> None:
@@ -184,7 +189,9 @@ class RobotEvents:
         if news.ended_us is not None:
             kind, time_us = "anomaly ended", news.ended_us
         good = news.ended_us is not None
-        self.event(live, kind, device, f"{name}: {news.why}", good=good, time_us=time_us)
+        self.event(
+            live, kind, device=device, message=f"{name}: {news.why}", good=good, time_us=time_us
+        )
 
     def detector(self, site: str, watched: DetectorRunner) -> None:
         """Tell everyone who may see the signal how a detector stands; see `DetectorSink`."""
@@ -251,18 +258,16 @@ class RobotEvents:
         else:
             since_us = self._clock.wall_ns() // 1000 - state.for_ms * 1000
             live.unreached[state.device] = (state.why, since_us)
-        self._browsers.broadcast_message(self._device_news(live, state.device))
-
-    def _device_news(self, live: LiveSite, device: str) -> page.DeviceUpdate:
-        why, since_us = live.unreached.get(device, ("", 0))
-        reached = device not in live.unreached
-        return page.DeviceUpdate(
-            site=live.name, device=device, reached=reached, why=why, since_us=since_us
-        )
+        self._browsers.broadcast_message(_device_news(live, state.device))
 
     def _tell_interlock(self, live: LiveSite, name: str, browser: Browser) -> None:
-        now = (self._clock.monotonic_ns(), self._clock.wall_ns())
-        news = interlock_news(live, name, browser.who.grants, *now)
+        news = interlock_news(
+            live,
+            name,
+            grants=browser.who.grants,
+            mono_ns=self._clock.monotonic_ns(),
+            wall_ns=self._clock.wall_ns(),
+        )
         if news is not None:
             browser.send_message(news)
 
@@ -280,7 +285,9 @@ class RobotEvents:
         if held[0] != state.session or (state.session and held[1] != state.epoch):
             kind = "lease taken" if state.session else "lease freed"
             who = state.who or (before[0].who if before else "")
-            self._append_record(live, kind, who, state.device, f"epoch {state.epoch or held[1]}")
+            self._append_record(
+                live, kind, who, device=state.device, message=f"epoch {state.epoch or held[1]}"
+            )
 
     def _lease_news(
         self, live: LiveSite, device: str, browser: Browser, *, answer: bool = False
@@ -312,7 +319,7 @@ class RobotEvents:
             what = "stop released"
             if state.latched:
                 what = "stop confirmed by the robot" if state.confirmed else "stop latched"
-            self._append_record(live, what, state.who, state.device)
+            self._append_record(live, what, state.who, device=state.device)
 
     def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
         pending = live.pending.get(state.id)
@@ -324,7 +331,9 @@ class RobotEvents:
         self._browsers.broadcast_message(_command_news(live, state, who))
         if state.over:
             message = f"{state.command} {state.id} interrupts {state.over}"
-            self._append_record(live, "command interrupts", who, state.device, message)
+            self._append_record(
+                live, "command interrupts", who, device=state.device, message=message
+            )
         if state.phase in _FINAL:
             live.pending.pop(state.id, None)
             self._audit.append_record(
@@ -337,9 +346,17 @@ class RobotEvents:
             )
 
     def _append_record(
-        self, live: LiveSite, kind: str, who: str, device: str, message: str = ""
+        self, live: LiveSite, kind: str, who: str, *, device: str, message: str = ""
     ) -> None:
         self._audit.append_record(kind, who=who, site=live.name, device=device, message=message)
+
+
+def _device_news(live: LiveSite, device: str) -> page.DeviceUpdate:
+    why, since_us = live.unreached.get(device, ("", 0))
+    reached = device not in live.unreached
+    return page.DeviceUpdate(
+        site=live.name, device=device, reached=reached, why=why, since_us=since_us
+    )
 
 
 def site_news(live: LiveSite) -> page.SiteUpdate:

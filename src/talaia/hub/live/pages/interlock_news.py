@@ -18,7 +18,7 @@ __all__ = ["interlock_news"]
 
 
 def interlock_news(
-    live: LiveSite, name: str, grants: Grants, mono_ns: int, wall_ns: int
+    live: LiveSite, name: str, *, grants: Grants, mono_ns: int, wall_ns: int
 ) -> InterlockUpdate | None:
     """Say how an interlock stands now; none if the description has none of that name.
 

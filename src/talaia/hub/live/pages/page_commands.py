@@ -91,7 +91,9 @@ class PageCommands:
                 live.link.send(
                     frames.CommandCancel(id=asked.id, device=asked.device, who=browser.who.name)
                 )
-                self._append_record(live, "cancel asked", browser.who.name, asked.device, asked.id)
+                self._append_record(
+                    live, "cancel asked", browser.who.name, asked.device, message=asked.id
+                )
             case page.PageOverride():
                 self._override(browser, live, asked)
 
@@ -141,7 +143,7 @@ class PageCommands:
         )
         named = f" ({asked.condition})" if asked.condition else ""
         said = f"{asked.interlock}{named} for {asked.seconds:g} s: {asked.reason}"
-        self._append_record(live, "override asked", who, "", said)
+        self._append_record(live, "override asked", who, "", message=said)
 
     def _command(self, browser: Browser, live: LiveSite, asked: page.PageCommand) -> None:
         command = live.description.devices[asked.device].commands.get(asked.command)
@@ -174,7 +176,7 @@ class PageCommands:
         said = ", ".join(f"{key}={value!r}" for key, value in asked.args.items())
         over = f" over {asked.over}" if asked.over else ""
         message = f"{asked.command}({said}) {asked.id}{over}"
-        self._append_record(live, "command asked", who, asked.device, message)
+        self._append_record(live, "command asked", who, asked.device, message=message)
 
     def _refuse(self, browser: Browser, asked: Asked, code: str, message: str) -> None:
         about = str(type(asked).__struct_config__.tag)
@@ -202,7 +204,7 @@ class PageCommands:
             )
 
     def _append_record(
-        self, live: LiveSite, kind: str, who: str, device: str, message: str = ""
+        self, live: LiveSite, kind: str, who: str, device: str, *, message: str = ""
     ) -> None:
         self._audit.append_record(kind, who=who, site=live.name, device=device, message=message)
 

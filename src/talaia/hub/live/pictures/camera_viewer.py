@@ -44,12 +44,12 @@ class Viewer:
     def __init__(
         self,
         socket: WebSocket,
+        *,
         who: Who,
         site: str,
         stream: str,
         now_us: Callable[[], int],
         able: Collection[str] = (),
-        *,
         text: bool,
     ) -> None:
         """Look at ``stream`` (``device/stream``) of ``site``; JSON with ``text``.

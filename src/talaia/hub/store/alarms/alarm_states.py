@@ -103,7 +103,13 @@ class AlarmStore:
                     )
                     number = added.inserted_primary_key
                     if happened.tell and number is not None:
-                        await add_notices(connection, about, int(number[0]), happened, now_us)
+                        await add_notices(
+                            connection,
+                            about,
+                            happened_id=int(number[0]),
+                            happened=happened,
+                            now_us=now_us,
+                        )
             if entries:
                 await append(connection, entries)
 

@@ -91,6 +91,7 @@ class NotifyStore:
         self,
         number: int | None,
         name: str,
+        *,
         kind: WayKind,
         settings: Mapping[str, str],
         secrets: Mapping[str, str],

@@ -107,7 +107,7 @@ class OutboxMessage(NamedTuple):
 
 
 async def add_notices(
-    connection: AsyncConnection, about: About, happened_id: int, happened: Happened, now_us: int
+    connection: AsyncConnection, about: About, *, happened_id: int, happened: Happened, now_us: int
 ) -> None:
     """Put what happened into the outbox of everybody who wants to know it and may."""
     rows = await connection.execute(
@@ -251,7 +251,9 @@ class NotificationOutbox:
             ids = [row.id for row in rows]
             found_target = await self._target(connection, rows[0])
             if found_target is None:
-                await self._mark(connection, ids, NoticeState.DROPPED, now_us, "")
+                await self._mark(
+                    connection, ids, state=NoticeState.DROPPED, now_us=now_us, problem=""
+                )
                 return OutboxMessage(key, first.rule, 0, 0, "", "UTC", 0, ())
             rule_way, target, zone = found_target
             way = rows[0].way if first.parcel else rule_way
@@ -379,12 +381,13 @@ class NotificationOutbox:
     ) -> None:
         ids = [notice.id for notice in parcel.notices]
         async with self._database.write() as connection:
-            await self._mark(connection, ids, state, now_us, problem)
+            await self._mark(connection, ids, state=state, now_us=now_us, problem=problem)
 
     @staticmethod
     async def _mark(
         connection: AsyncConnection,
         ids: Sequence[int],
+        *,
         state: NoticeState,
         now_us: int,
         problem: str,

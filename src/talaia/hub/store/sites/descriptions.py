@@ -48,7 +48,9 @@ class Descriptions:
         self._database = database
         self._clock = clock
 
-    async def add(self, site: str, text: str, gateway: int, who: str = "", note: str = "") -> int:
+    async def add(
+        self, site: str, text: str, *, gateway: int, who: str = "", note: str = ""
+    ) -> int:
         """Write down what counts from now on, unless it is what counted before; give its number."""
         digest = digest_of(text)
         async with self._database.write() as connection:

@@ -71,8 +71,11 @@ class Enrolment:
         hashed = await self._hash(secret)
         now = self._now_us()
         said = {
-            "site": site, "name": name[:200], "created_us": now, "expires_us": now + CODE_LIFE_US
-        }  # fmt: skip
+            "site": site,
+            "name": name[:200],
+            "created_us": now,
+            "expires_us": now + CODE_LIFE_US,
+        }
         async with self._database.write() as connection:
             await connection.execute(delete(codes).where(codes.c.expires_us < now - _REMEMBER_US))
             made = await connection.execute(

@@ -109,7 +109,12 @@ class RecordingList:
         async with self._database.read() as connection:
             rows = await connection.execute(query.order_by(_table.c.begin_us.desc(), _table.c.id))
             return [
-                Recorded(**{**row._asdict(), "state": RecordingState(row.state),
-                            "topics": tuple(json.loads(row.topics))})
+                Recorded(
+                    **{
+                        **row._asdict(),
+                        "state": RecordingState(row.state),
+                        "topics": tuple(json.loads(row.topics)),
+                    }
+                )
                 for row in rows
-            ]  # fmt: skip
+            ]

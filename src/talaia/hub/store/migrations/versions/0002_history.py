@@ -36,8 +36,17 @@ def upgrade() -> None:
 
 def downgrade() -> None:
     for table in (
-        "rollup", "body", "block", "tail", "hot", "catalogue", "gap", "range", "boot", "channel"
-    ):  # fmt: skip
+        "rollup",
+        "body",
+        "block",
+        "tail",
+        "hot",
+        "catalogue",
+        "gap",
+        "range",
+        "boot",
+        "channel",
+    ):
         op.drop_table(f"history_{table}")
 
 

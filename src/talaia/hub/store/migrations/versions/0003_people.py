@@ -14,9 +14,16 @@ branch_labels = None
 depends_on = None
 
 _MADE_BEFORE = (
-    "roles", "permissions", "role_permissions", "users", "sessions", "setup_tokens", "gateways",
-    "sites", "audit",
-)  # fmt: skip
+    "roles",
+    "permissions",
+    "role_permissions",
+    "users",
+    "sessions",
+    "setup_tokens",
+    "gateways",
+    "sites",
+    "audit",
+)
 
 
 def upgrade() -> None:
@@ -101,7 +108,9 @@ def _tokens() -> None:
         sa.Column("permission_id", ID, nullable=False),
         sa.PrimaryKeyConstraint("token_id", "permission_id", name="pk_token_permissions"),
         sa.ForeignKeyConstraint(
-            ["token_id"], ["api_tokens.id"], name="fk_token_permissions_token_id",
+            ["token_id"],
+            ["api_tokens.id"],
+            name="fk_token_permissions_token_id",
             ondelete="CASCADE",
         ),
         sa.ForeignKeyConstraint(
@@ -110,7 +119,7 @@ def _tokens() -> None:
             name="fk_token_permissions_permission_id",
             ondelete="CASCADE",
         ),
-    )  # fmt: skip
+    )
 
 
 def _tries() -> None:

@@ -7,9 +7,9 @@ import asyncio
 import pytest
 from patience import PATIENCE_S
 
-from talaia.hub.features import lifecycle
+from talaia.hub import lifecycle
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.features.lifecycle import opened
+from talaia.hub.lifecycle import opened
 
 
 class Diary:
