@@ -335,7 +335,9 @@ class BlockIndex:
                 self._newest.pop(block.channel, None)
         for sealed in draft.seals:
             channel = sealed.channel
-            newest = self._newest.get(channel) or read_newest(connection, channel)
+            newest = self._newest.get(channel)
+            if newest is None:
+                newest = read_newest(connection, channel)
             draft.newest[channel] = sealed.write(connection, newest)
         for saved in draft.saves:
             saved.write(connection)
