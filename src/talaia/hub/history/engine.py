@@ -147,11 +147,10 @@ def _send_at_once(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> N
 def _write_out(
     _connection: Connection,
     _cursor: DBAPICursor,
-    *,
     statement: str,
     parameters: Any,  # noqa: ANN401 - whatever the dialect makes of them
     _context: ExecutionContext | None,
-    many: bool,
+    many: bool,  # noqa: FBT001
 ) -> tuple[str, Any]:
     """Write whole numbers into the statement itself.
 
