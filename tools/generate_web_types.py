@@ -31,6 +31,7 @@ from talaia.hub.api.schemas import (
     observatory_schemas,
     recording_schemas,
     sighting_schemas,
+    tile_schemas,
 )
 from talaia.hub.auth.permissions import Right
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
@@ -61,6 +62,7 @@ SHAPES = (
     extension_schemas,
     notification_schemas,
     sighting_schemas,
+    tile_schemas,
 )
 # Texts of the API that come from a closed list.
 CLOSED = {

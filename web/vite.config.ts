@@ -67,7 +67,7 @@ export default defineConfig({
   plugins: [firstPaint(), precompress()],
   server: {
     host: "127.0.0.1",
-    proxy: { "/api": hub, "/ws": { target: hub.replace("http", "ws"), ws: true } },
+    proxy: { "/api": hub, "/extensions": hub, "/ws": { target: hub.replace("http", "ws"), ws: true } },
   },
   test: {
     include: ["tests/**/*.test.ts"],

@@ -182,6 +182,9 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
     },
     "extensions": {
         ("GET", "/api/extensions"): AccessNeed.ADMIN,
+        # What is broken, and why, only an admin is given.
+        ("GET", "/api/tiles"): AccessNeed.SESSION,
+        ("GET", "/extensions/{tile}/{path:path}"): AccessNeed.SESSION,
     },
     "storage": {
         ("GET", "/api/storage"): AccessNeed.ADMIN,

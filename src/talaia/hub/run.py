@@ -214,6 +214,13 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         default=10_000,
         help="of each site so many sightings are kept at the most; then the oldest go (10000)",
     )
+    parser.add_argument(
+        "--extensions",
+        type=Path,
+        metavar="FOLDER",
+        help="web components of the administrator's own, a folder for each tile, that devices'"
+        " pages show; read at the start",
+    )
     return parser.parse_args(argv)
 
 
@@ -238,6 +245,7 @@ def _settings(options: argparse.Namespace) -> Settings:
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
         sightings_days=max(0.0, options.sightings_days),
         sightings_most=max(1, options.sightings_most),
+        extensions=options.extensions,
     )
 
 

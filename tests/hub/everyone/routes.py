@@ -404,6 +404,11 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("DELETE", "/api/people/{person}/factor"): _of_person(done=(409,)),
     ("GET", "/api/roles"): Recipe(plain()),
     ("GET", "/api/extensions"): Recipe(plain()),
+    ("GET", "/api/tiles"): Recipe(plain()),
+    # This hub has no folder of tiles: whoever may ask is told that there is no such file.
+    ("GET", "/extensions/{tile}/{path:path}"): Recipe(
+        plain(params={"tile": "rose", "path:path": "tile.js"}, done=(404,))
+    ),
     ("POST", "/api/roles"): Recipe(plain(json=NEW_ROLE)),
     ("PUT", "/api/roles/{role}"): _of_role(json={"name": "other", "permissions": []}),
     ("DELETE", "/api/roles/{role}"): _of_role(done=(204,)),

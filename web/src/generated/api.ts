@@ -1247,3 +1247,33 @@ export interface SightingList {
   readonly sightings: readonly SeenShape[];
   readonly more: boolean;
 }
+
+/** One that cannot be used, and why. */
+export interface BrokenTileShape {
+  readonly name: string;
+  readonly problem: string;
+}
+
+/** The tiles in the hub's folder of extensions. */
+export interface TileList {
+  readonly api: number;
+  readonly tiles: readonly TileShape[];
+  readonly broken: readonly BrokenTileShape[];
+}
+
+/** A web component that a device's page shows where the device has all its signals. */
+export interface TileShape {
+  readonly name: string;
+  readonly title: string;
+  readonly module: string;
+  readonly device: string;
+  readonly signals: readonly TileSignalShape[];
+}
+
+/** Which signal of a device a tile reads; what is empty fits any. */
+export interface TileSignalShape {
+  readonly name: string;
+  readonly type: string;
+  readonly unit: string;
+  readonly id: string;
+}

@@ -1,23 +1,51 @@
-"""Parts that other packages bring to the hub, for the page of those who manage it."""
+"""Parts that other packages and the administrator's folder bring to the hub."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from talaia.extensions.tile_folder import TileFolder, read_tiles
 from talaia.hub.api.server.extensions import ExtensionPages
+from talaia.hub.api.server.tiles import TilePages
+from talaia.hub.errors import CannotStart
 from talaia.hub.features.feature import Feature
 
 if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
+    from talaia.hub.settings import Settings
 
 __all__ = ["ExtensionsFeature"]
 
 
 class ExtensionsFeature(Feature):
-    """Lists what is installed beside the hub, and what of it is broken."""
+    """Lists what is installed beside the hub, serves its tiles, and names what is broken."""
 
     name = "extensions"
 
     def __init__(self, core: Core) -> None:
-        """Answer from what is installed."""
-        self.routers = [ExtensionPages().router()]
+        """Answer from what is installed, and from the folder that the settings name.
+
+        Raises:
+            CannotStart: the folder is not there, cannot be read, or is where uploads are kept.
+
+        """
+        folder = _tiles_of(core.settings)
+        self.routers = [ExtensionPages(folder).router(), TilePages(folder).router()]
+
+
+def _tiles_of(settings: Settings) -> TileFolder:
+    chosen = settings.extensions
+    if chosen is None:
+        return TileFolder()
+    if chosen.resolve().is_relative_to(settings.data.resolve()):
+        raise CannotStart(
+            f"--extensions {chosen} is inside the data folder, where files of gateways are kept",
+            "choose a folder that only the administrator of this machine fills",
+        )
+    try:
+        return read_tiles(chosen)
+    except OSError as error:
+        raise CannotStart(
+            f"--extensions {chosen} cannot be read: {error.strerror or error}",
+            "name a folder that has a folder for each tile",
+        ) from error

@@ -19,6 +19,8 @@ import { archivePath, sitePath, withQuery } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/chart-feed.js";
 import { renderDrawnPart } from "../../tiles/observatory/drawn.js";
 import { partOf, commandsShownBy } from "../../tiles/observatory/roles.js";
+import type { TileList } from "../../generated/api.js";
+import { signalsFor } from "../../tiles/extension-view.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -31,6 +33,7 @@ import "../../tiles/camera/camera-tile.js";
 import "../../tiles/chart/chart-tile.js";
 import "../../tiles/command/command-list.js";
 import "../../tiles/command/device-holder.js";
+import "../../tiles/extension-tile.js";
 
 /** What the small charts show. */
 const LENGTH_US = MINUTE_US;
@@ -106,6 +109,7 @@ export class PageDevice extends LitElement {
   private readonly reach = new ContextStoreController(this, reachContext);
   private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly tiles = new LoadController<TileList>(this);
   private feed: ChartFeed | null = null;
   private commands: CommandClient | null = null;
 
@@ -125,6 +129,8 @@ export class PageDevice extends LitElement {
     const { connection } = this.link;
     if (sites === undefined || connection === undefined || this.api === undefined) return;
     this.detail.load(`${this.site} ${sites.catalogueOf(this.site)}`, () => sites.loadDetail(this.site));
+    const { api } = this;
+    this.tiles.load("tiles", () => api.request<TileList>("GET", "/api/tiles"));
     const device = this.findDevice();
     if (device === undefined || !this.isConnected) return;
     this.feed ??= new ChartFeed(this.site, connection, this.api, this.onSiteLoaded, LENGTH_US);
@@ -162,7 +168,7 @@ export class PageDevice extends LitElement {
           <a href=${this.historyPath(device)}><t-icon name="history"></t-icon>History</a>
         </nav>
       </div>
-      ${this.renderProblem()} ${this.renderUnguarded(device)} ${this.renderDrawn(device, detail)} ${this.renderCameras(device, detail)} ${this.renderActions(device, detail)}
+      ${this.renderProblem()} ${this.renderUnguarded(device)} ${this.renderDrawn(device, detail)} ${this.renderExtensions(device, detail)} ${this.renderCameras(device, detail)} ${this.renderActions(device, detail)}
       ${this.renderSignals(device, detail)}`;
   }
 
@@ -212,6 +218,27 @@ export class PageDevice extends LitElement {
 
   private renderDrawn(device: DeviceInfo, detail: SiteDetail): unknown {
     return renderDrawnPart({ site: this.site, device, detail, line: this.commands, online: this.isReachable(detail) });
+  }
+
+  /** Tiles of the hub's administrator; what of them is broken, the hub tells admins only. */
+  private renderExtensions(device: DeviceInfo, detail: SiteDetail): unknown {
+    const { tiles = [], broken = [] } = this.tiles.value ?? {};
+    const shown = tiles.filter((tile) => signalsFor(tile, device) !== null);
+    if (shown.length === 0 && broken.length === 0) return nothing;
+    return html`<section aria-label="Extensions">
+      ${repeat(
+        broken,
+        ({ name }) => name,
+        ({ name, problem }) => html`<p role="alert">The tile “${name}” in the hub's extensions folder cannot be used: ${problem}</p>`,
+      )}
+      <div class="charts">
+        ${repeat(
+          shown,
+          ({ name }) => name,
+          (tile) => html`<t-extension-tile .site=${this.site} .device=${device} .tile=${tile} .online=${this.isReachable(detail)}></t-extension-tile>`,
+        )}
+      </div>
+    </section>`;
   }
 
   private renderSignals(device: DeviceInfo, detail: SiteDetail): unknown {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fastapi import APIRouter
 
 from talaia.extensions.declared import (
@@ -13,6 +15,7 @@ from talaia.extensions.declared import (
 )
 from talaia.extensions.installed import installed
 from talaia.extensions.shown import keys_shown
+from talaia.extensions.tile_folder import TILE_GROUP
 from talaia.hub.api.schemas.extension_schemas import (
     BrokenExtensionShape,
     ExtensionKeyShape,
@@ -20,11 +23,18 @@ from talaia.hub.api.schemas.extension_schemas import (
     ExtensionShape,
 )
 
+if TYPE_CHECKING:
+    from talaia.extensions.tile_folder import TileFolder
+
 __all__ = ["ExtensionPages"]
 
 
 class ExtensionPages:
     """The routes of extensions."""
+
+    def __init__(self, tiles: TileFolder) -> None:
+        """List what is installed, and ``tiles`` beside it."""
+        self._tiles = tiles
 
     def router(self) -> APIRouter:
         """Give the routes."""
@@ -34,22 +44,32 @@ class ExtensionPages:
 
     async def overview(self) -> ExtensionList:
         """List the extensions that are installed at the hub, and what is wrong with them."""
-        every = installed().every()
-        return ExtensionList(
-            extensions=[
-                ExtensionShape(
-                    group=extension.group,
-                    name=extension.name,
-                    package=extension.package,
-                    summary=extension.declared.summary,
-                    keys=_keys(extension.declared),
-                )
-                for extension in every
-            ],
-            broken=[
-                BrokenExtensionShape(**extension._asdict()) for extension in installed().broken()
-            ],
-        )
+        extensions = [
+            ExtensionShape(
+                group=found.group,
+                name=found.name,
+                package=found.package,
+                summary=found.declared.summary,
+                keys=_keys(found.declared),
+            )
+            for found in installed().every()
+        ]
+        broken = [BrokenExtensionShape(**found._asdict()) for found in installed().broken()]
+        extensions += [
+            ExtensionShape(
+                group=TILE_GROUP,
+                name=found.name,
+                package="",
+                summary=found.manifest.title,
+                keys=[],
+            )
+            for found in self._tiles.tiles
+        ]
+        broken += [
+            BrokenExtensionShape(group=TILE_GROUP, name=found.name, package="", problem=found.problem)
+            for found in self._tiles.broken
+        ]
+        return ExtensionList(extensions=extensions, broken=broken)
 
 
 def _keys(declared: Declared) -> list[ExtensionKeyShape]:
