@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from talaia.hub.features.feature import Core
     from talaia.hub.settings import Settings
 
-__all__ = ["ExtensionsFeature"]
+__all__ = ["ExtensionsFeature", "tiles_of"]
 
 
 class ExtensionsFeature(Feature):
@@ -29,11 +29,17 @@ class ExtensionsFeature(Feature):
             CannotStart: the folder is not there, cannot be read, or is where uploads are kept.
 
         """
-        folder = _tiles_of(core.settings)
+        folder = tiles_of(core.settings)
         self.routers = [ExtensionPages(folder).router(), TilePages(folder).router()]
 
 
-def _tiles_of(settings: Settings) -> TileFolder:
+def tiles_of(settings: Settings) -> TileFolder:
+    """Read the folder of tiles that the settings name.
+
+    Raises:
+        CannotStart: it is not there, cannot be read, or is where uploads are kept.
+
+    """
     chosen = settings.extensions
     if chosen is None:
         return TileFolder()

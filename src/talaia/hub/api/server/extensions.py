@@ -66,7 +66,9 @@ class ExtensionPages:
             for found in self._tiles.tiles
         ]
         broken += [
-            BrokenExtensionShape(group=TILE_GROUP, name=found.name, package="", problem=found.problem)
+            BrokenExtensionShape(
+                group=TILE_GROUP, name=found.name, package="", problem=found.problem
+            )
             for found in self._tiles.broken
         ]
         return ExtensionList(extensions=extensions, broken=broken)
