@@ -76,9 +76,13 @@ async def test_files_are_given_to_who_is_signed_in_and_none_outside_the_folder(h
     assert answer.headers["content-type"].startswith("text/javascript")
     assert "default-src 'self'" in answer.headers["content-security-policy"]
     for path in (
-        "wind_gauge/../../secret.js", "wind_gauge/%2e%2e/html/tile.js", "html/tile.js",
-        "wind_gauge/..%2f..%2fetc%2fpasswd", "wind_gauge/%00", "other/tile.js",
-    ):  # fmt: skip
+        "wind_gauge/../../secret.js",
+        "wind_gauge/%2e%2e/html/tile.js",
+        "html/tile.js",
+        "wind_gauge/..%2f..%2fetc%2fpasswd",
+        "wind_gauge/%00",
+        "other/tile.js",
+    ):
         assert "export" not in (await client.get(f"/extensions/{path}")).text
     assert (await client.post("/extensions/wind_gauge/tile.js")).status_code in {403, 405}
     assert (await client.get("/api/tiles")).json()["broken"] == []
