@@ -41,7 +41,7 @@ export const liveStyle = css`
     border-radius: 3px;
     font-family: inherit;
     font-size: 0.75em;
-    opacity: 0.75;
+    opacity: 0.85;
   }
   .count {
     color: var(--t-muted);
