@@ -12,8 +12,8 @@ _ALWAYS = (
     ("X-Frame-Options", "DENY"),
     (
         "Permissions-Policy",
-        "camera=(), microphone=(), geolocation=(), payment=(), usb=(), serial=(), bluetooth=(),"
-        " midi=(), display-capture=()",
+        "camera=(), microphone=(), geolocation=(), payment=(), usb=(), serial=(), midi=(),"
+        " display-capture=()",
     ),
 )
 _STRICT = ("Strict-Transport-Security", "max-age=31536000")

@@ -131,6 +131,7 @@ def _signals(
 def _device(site: Site, device_id: str, device: Device, grants: Grants) -> DeviceShape:
     uses = grants.may(Right.USE, site.site, device_id)
     views = grants.may(Right.VIEW, site.site, device_id)
+    heartbeats = {roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat}
     return DeviceShape(
         id=device_id,
         name=device.name,
@@ -152,7 +153,12 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
             for stream_id, stream in device.streams.items()
             if sees_stream(grants, site, device_id, stream_id)
         ],
-        commands=[_command(*command) for command in device.commands.items()] if uses else [],
+        commands=[
+            _command(command_id, command)
+            for command_id, command in device.commands.items()
+            # The gateway's own business: sent by a person it would only hide that nobody supervises.
+            if uses and f"{device_id}/{command_id}" not in heartbeats
+        ],
         drive=_drive(device.drive) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",
