@@ -197,8 +197,8 @@ def test_a_damaged_byte_is_an_error_or_harmless_but_never_half_an_import(place, 
 def test_a_file_that_is_no_recording_is_refused(data, capsys) -> None:
     for name, body, said in (
         ("empty.bag", b"", "it is empty"),
-        ("noise.bag", b"\0\1\2\3" * 9, "it begins like none of"),
-        ("noise.mcap", b"hello", "it begins like none of"),
+        ("noise.bag", b"\0\1\2\3" * 9, "its format is none of"),
+        ("noise.mcap", b"hello", "its format is none of"),
         ("missing.bag", None, "cannot be opened: No such file"),
     ):
         path = data.parent / name
