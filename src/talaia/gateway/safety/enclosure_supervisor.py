@@ -166,8 +166,9 @@ class EnclosureSupervisor:
     def blind_reason(self, name: str, now_ns: int) -> str:
         """Say why an enclosure cannot be supervised now: its sensors, or all of the weather's."""
         rule = self._site.enclosures[name]
-        if self.read_enclosure(name, now_ns).closed is None:
-            return "its sensors say nothing"
+        readings = self.read_enclosure(name, now_ns)
+        if readings.closed is None:
+            return "its sensors disagree" if readings.disagree else "its sensors say nothing"
         conditions = [
             part
             for interlock in rule.unsafe
