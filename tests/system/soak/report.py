@@ -16,7 +16,7 @@ MEMORY = 4.0
 MEMORY_WHILE_WARMING = 60.0
 FIGURES: Mapping[str, float] = {
     **{f"{each}: memory (RSS), MiB": MEMORY for each in ("hub", "gateway")},
-    **{f"{each}: memory (PSS), MiB": MEMORY for each in ("hub", "gateway")},
+    **{f"{each}: memory (anonymous), MiB": MEMORY for each in ("hub", "gateway")},
     **{f"{each}: descriptors": 1.0 for each in ("hub", "gateway")},
     **{f"{each}: threads": 1.0 for each in ("hub", "gateway")},
     **{f"{each}: tasks": 1.0 for each in ("hub", "gateway")},
