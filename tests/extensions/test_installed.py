@@ -153,6 +153,10 @@ def test_the_schema_knows_the_keys_of_what_is_installed(target: Path) -> None:
     assert {"if", "then"} == set(with_them["$defs"]["Watch"]["allOf"][0])
 
 
-def test_the_examples_folder_holds_nothing_but_packages() -> None:
-    assert [each for each in EXAMPLES.iterdir() if each.is_dir()] != []
-    assert all((each / "pyproject.toml").exists() for each in EXAMPLES.iterdir() if each.is_dir())
+def test_the_examples_folder_holds_nothing_but_packages_and_tiles() -> None:
+    packages = [path for path in EXAMPLES.iterdir() if path.is_dir() and path.name != "tiles"]
+    assert packages != []
+    assert all((path / "pyproject.toml").exists() for path in packages)
+    tiles = [path for path in (EXAMPLES / "tiles").iterdir() if path.is_dir()]
+    assert tiles != []
+    assert all((path / "tile.json").exists() for path in tiles)

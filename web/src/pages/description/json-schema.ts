@@ -131,11 +131,10 @@ export function isObject(value: unknown): value is JsonObject {
 }
 
 function fieldOf(root: Schema, key: string, schema: Schema, required: boolean): SchemaField {
-  const choices = (schema["anyOf"] ?? []) as readonly Schema[];
+  const choices = alternatives(schema);
   const nullable = choices.some((choice) => choice["type"] === "null");
-  const real = choices.filter((choice) => choice["type"] !== "null");
-  const only = real.length === 1 ? real[0] : undefined;
-  const inner = resolveSchema(root, only === undefined ? schema : only);
+  const real = choices.filter((choice) => choice["type"] !== "null").map((choice) => resolveSchema(root, choice));
+  const inner = mergedShapes(real) ?? resolveSchema(root, schema);
   const help = schema["description"] ?? (inner["properties"] === undefined ? "" : inner["description"]) ?? "";
   return {
     key,
@@ -145,6 +144,25 @@ function fieldOf(root: Schema, key: string, schema: Schema, required: boolean): 
     required,
     nullable,
     standard: (schema["default"] ?? null) as Json,
+  };
+}
+
+/** What a value may be, however deep a union is nested; one that says by a word what it is stays whole. */
+function alternatives(schema: Schema): readonly Schema[] {
+  const choices = schema["anyOf"] as readonly Schema[] | undefined;
+  return choices === undefined || schema["discriminator"] !== undefined ? [schema] : choices.flatMap(alternatives);
+}
+
+/** One shape with the keys of all: a source is one of several protocols, and its connection says of which. */
+function mergedShapes(shapes: readonly Schema[]): Schema | undefined {
+  const [first] = shapes;
+  if (shapes.length < 2) return first;
+  if (first === undefined || shapes.some((shape) => shape["properties"] === undefined)) return undefined;
+  const required = shapes.map((shape) => (shape["required"] ?? []) as readonly string[]);
+  return {
+    type: "object",
+    properties: Object.assign({}, ...shapes.map((shape) => shape["properties"])) as Schema,
+    required: (required[0] ?? []).filter((key) => required.every((keys) => keys.includes(key))),
   };
 }
 

@@ -29,6 +29,16 @@ const ROOT = {
 };
 const SITE: JsonObject = { name: "S", devices: { base: { name: "Base", signals: { speed: { name: "Speed" }, mode: { name: "Mode" } } } } };
 describe("a form made of a schema", () => {
+  it("has one part with the keys of all for what is one of several shapes, and none for one that a word tells apart", () => {
+    const shape = (...keys: string[]) => ({ type: "object", properties: Object.fromEntries(keys.map((key) => [key, { type: "string" }])), required: ["stamp"] });
+    const union = { anyOf: [{ $ref: "#/$defs/Ros" }, { $ref: "#/$defs/Indi" }] };
+    const tagged = { ...union, discriminator: { propertyName: "kind" } };
+    const part = { type: "object", properties: { source: { anyOf: [union, { type: "null" }] }, connection: tagged } };
+    const root = { $defs: { Ros: shape("topic", "stamp"), Indi: shape("property", "stamp") } };
+    const [source, connection] = schemaFields(root, part);
+    expect([source?.kind, source?.nullable, connection?.kind]).toEqual(["part", true, "other"]);
+    expect(schemaFields(root, source?.schema ?? {}).map((field) => field.key)).toEqual(["stamp", "topic", "property"]);
+  });
   it("has a line for each property, what must be said first", () => {
     const fields = schemaFields(ROOT, ROOT);
     expect(fields.map((field) => [field.key, field.kind, field.required])).toEqual([
