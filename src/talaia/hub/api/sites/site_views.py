@@ -156,7 +156,7 @@ def _device(site: Site, device_id: str, device: Device, grants: Grants) -> Devic
         commands=[
             _command(command_id, command)
             for command_id, command in device.commands.items()
-            # The gateway's own business: sent by a person it would only hide that nobody supervises.
+            # The gateway's business: sent by a person it would hide that nobody supervises.
             if uses and f"{device_id}/{command_id}" not in heartbeats
         ],
         drive=_drive(device.drive) if device.drive and views else None,
