@@ -109,8 +109,7 @@ class IndiRules(KindRules[IndiConnection, IndiSource]):
             problem = f"INDI has one stamp for each property, found {source.stamp!r}"
             yield Finding(f"{where}.stamp", problem, f"write: stamp: {_STAMP}")
         if signal.type is SignalType.POSITION:
-            problem = f"a connection of kind {self.kind} gives no positions"
-            yield Finding(where, problem, "make a signal of each number")
+            yield self.no_positions(where)
             return
         yield from self.stream_fits(where, source)
         if signal.type is SignalType.NUMBER and not source.element:

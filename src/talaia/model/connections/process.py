@@ -80,8 +80,7 @@ class ProcessRules(KindRules[ProcessConnection, ProcessSource]):
     def signal_fits(self, where: str, signal: Signal, source: ProcessSource) -> Iterator[Finding]:
         """See `ConnectionRules`."""
         if signal.type is SignalType.POSITION:
-            problem = f"a connection of kind {self.kind} gives no positions"
-            yield Finding(where, problem, "make a signal of each number")
+            yield self.no_positions(where)
             return
         yield from _line_fits(f"{where}.run", source.run)
         yield from _pattern_fits(f"{where}.pattern", source.pattern)

@@ -100,6 +100,11 @@ class ConnectionRules:
         """Whether its server calls devices by a name of its own (`Device.indi`)."""
         return False
 
+    def no_positions(self, where: str) -> Finding:
+        """Refuse a position, for a kind whose sources give one number each."""
+        problem = f"a connection of kind {self.kind} gives no positions"
+        return Finding(where, problem, "make a signal of each number")
+
     def command_fits(self, where: str, command: Command) -> Iterator[Finding]:
         """Judge a command of a kind that it carries; see `command_findings`."""
         yield from ()

@@ -31,6 +31,8 @@ from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, par
 from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from talaia.hub.live.sites import LiveSite
     from talaia.model.detection import Detect
     from talaia.model.site import Command, Device, Drive, Signal, Site
@@ -44,6 +46,7 @@ _GUEST = Grants()
 def describe(live: LiveSite, grants: Grants) -> SiteShape:
     """Describe a site, leaving out what is not open to the person."""
     site = live.description
+    heartbeats = {roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat}
     return SiteShape(
         site=site.site,
         name=site.name,
@@ -54,7 +57,7 @@ def describe(live: LiveSite, grants: Grants) -> SiteShape:
         catalogue=live.edition,
         place=describe_place(site, grants),
         devices=[
-            _device(site, device_id, device, grants)
+            _device(site, device_id, device, grants, heartbeats=heartbeats)
             for device_id, device in site.devices.items()
             if sees_device(grants, site, device_id)
         ],
@@ -128,10 +131,11 @@ def _signals(
     return set(ages), fresh
 
 
-def _device(site: Site, device_id: str, device: Device, grants: Grants) -> DeviceShape:
+def _device(
+    site: Site, device_id: str, device: Device, grants: Grants, *, heartbeats: Collection[str]
+) -> DeviceShape:
     uses = grants.may(Right.USE, site.site, device_id)
     views = grants.may(Right.VIEW, site.site, device_id)
-    heartbeats = {roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat}
     return DeviceShape(
         id=device_id,
         name=device.name,
