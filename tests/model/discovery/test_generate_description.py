@@ -6,7 +6,7 @@ import msgspec
 from hypothesis import given, settings, strategies as st
 
 from talaia.model.checks.site_checks import check
-from talaia.model.discovery.generate_description import MAX_PRIMARY, propose
+from talaia.model.discovery.generate_description import propose
 from talaia.model.discovery.probe_report import (
     ActionFound,
     FieldFound,
@@ -14,6 +14,7 @@ from talaia.model.discovery.probe_report import (
     ServiceFound,
     TopicFound,
 )
+from talaia.model.discovery.proposed_signals import MAX_PRIMARY
 from talaia.model.discovery.ros_units import human, unit_in_comment, unit_in_name, word_of
 from talaia.model.site import Signal, SignalType
 from talaia.model.units.unit import UNITS

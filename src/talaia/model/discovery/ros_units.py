@@ -194,8 +194,10 @@ def unit_in_comment(comment: str) -> Meaning | None:
 
 def human(text: str) -> str:
     """Make a name people read of a field: ``motorLeft_temp`` gives Motor left temp."""
-    words = [word if word.isupper() and len(word) > 1 else word.lower()
-             for word in _WORD.findall(text)]  # fmt: skip
+    # Capitals are an abbreviation (GPS, IMU) and stay; one capital only begins a word.
+    words = [
+        word if word.isupper() and len(word) > 1 else word.lower() for word in _WORD.findall(text)
+    ]
     joined = " ".join(words)
     return joined[:1].upper() + joined[1:]
 

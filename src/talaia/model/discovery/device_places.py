@@ -1,0 +1,90 @@
+"""Which device a topic, service or action belongs to. Pure.
+
+The same name and type always give the same place, whatever was asked before: so what a robot says
+under one namespace comes together on one page.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.model.discovery.ros_units import human, word_of
+from talaia.model.site import DeviceKind, DriveMessage
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from talaia.model.discovery.probe_report import TopicFound
+
+__all__ = ["PICTURES", "TWISTS", "DevicePlace", "place_of", "place_order"]
+
+PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+# Velocities that a base may listen to.
+TWISTS = {
+    "geometry_msgs/msg/Twist": DriveMessage.TWIST,
+    "geometry_msgs/msg/TwistStamped": DriveMessage.TWIST_STAMPED,
+}
+# ROS's own packages of messages: their names say nothing of the device.
+_COMMON_PACKAGES = ("std_msgs", "sensor_msgs", "geometry_msgs")
+# What people look for first comes first; all others follow by their words.
+_FIRST_KINDS = (DeviceKind.VEHICLE, DeviceKind.CAMERA, DeviceKind.POWER)
+
+
+class DevicePlace(NamedTuple):
+    """A device that something belongs to: its word in addresses, its name, its kind."""
+
+    word: str
+    name: str
+    kind: DeviceKind
+
+
+def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DevicePlace:
+    """Give the device of a topic, service or action, by its type first and then its namespace.
+
+    Args:
+        topic: its name.
+        type_name: ``package/msg/Name``, or with ``srv`` or ``action``.
+        found: all topics of the robot.
+
+    """
+    spaces = topic.strip("/").split("/")[:-1]
+    if type_name in PICTURES or type_name == "sensor_msgs/msg/CameraInfo":
+        # A camera's topics share its namespace (`/front/image_raw`, `/front/camera_info`), and
+        # that names the picture; what stands before it names the device.
+        return _named_place("camera", "Camera", DeviceKind.CAMERA, spaces[:-1])
+    if type_name == "sensor_msgs/msg/BatteryState":
+        return _named_place("power", "Battery", DeviceKind.POWER, spaces)
+    if type_name.startswith(("nav_msgs/", "geometry_msgs/msg/Twist")):
+        return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, spaces)
+    if spaces:
+        return _named_place("", "", DeviceKind.OTHER, spaces)
+    package = type_name.split("/", 1)[0]
+    if "/srv/" in type_name or "/action/" in type_name:
+        # A service without a namespace belongs to what drives: it is the robot as a whole.
+        driven = [other.topic for other in found if _is_driven_by(other)]
+        if not driven:
+            return _named_place("robot", "Robot", DeviceKind.OTHER, ())
+        return place_of(driven[0], "geometry_msgs/msg/Twist", found)
+    if package in _COMMON_PACKAGES:
+        return _named_place("sensors", "Sensors", DeviceKind.OTHER, ())
+    # A package of the maker's own is named after the device: `gripper_msgs`.
+    trimmed = package.removesuffix("_msgs").removesuffix("_interfaces") or package
+    return _named_place(trimmed, human(trimmed), DeviceKind.OTHER, ())
+
+
+def place_order(place: DevicePlace) -> tuple[int, str]:
+    """Give a key to sort places by: vehicles, cameras, batteries, then all others."""
+    kinds = _FIRST_KINDS
+    return (kinds.index(place.kind) if place.kind in kinds else len(kinds), place.word)
+
+
+def _named_place(word: str, name: str, kind: DeviceKind, spaces: Iterable[str]) -> DevicePlace:
+    # The namespace goes before: two bases of one robot have different pages.
+    parts = [space for space in spaces if space]
+    whole = "_".join([*parts, word] if word else parts)
+    title = " ".join([*(human(part) for part in parts), name.lower() if parts else name])
+    return DevicePlace(word_of(whole), title.strip(), kind)
+
+
+def _is_driven_by(topic: TopicFound) -> bool:
+    return topic.type in TWISTS and topic.subscribers > 0 and "cmd_vel" in topic.topic

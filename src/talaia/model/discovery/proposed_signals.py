@@ -1,0 +1,248 @@
+"""Signals of what a robot publishes, by the device they belong to. Pure.
+
+Holds for whoever reads them: words are unique within a device, no field is given twice (once alone
+and once within a position), and after `choose_primary` at most `MAX_PRIMARY` are primary.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia.model.connection import RosSource, source_as
+from talaia.model.discovery.ros_units import human, word_of
+from talaia.model.discovery.topic_words import free_word, last_part, path_in_words
+from talaia.model.site import PositionFrame, Signal, SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from talaia.model.discovery.device_places import DevicePlace
+    from talaia.model.discovery.probe_report import FieldFound, TopicFound
+
+__all__ = ["MAX_PRIMARY", "MOTION_FIELDS", "ProposedSignals"]
+
+# More tiles than that do not fit on a first page.
+MAX_PRIMARY = 12
+# What people look at first, by type and path; the first in the list first.
+_FIRST: tuple[tuple[str, str], ...] = (
+    ("sensor_msgs/msg/BatteryState", "percentage"),
+    ("sensor_msgs/msg/BatteryState", "voltage"),
+    ("nav_msgs/msg/Odometry", "twist.twist.linear.x"),
+    ("nav_msgs/msg/Odometry", "twist.twist.angular.z"),
+    ("sensor_msgs/msg/Temperature", "temperature"),
+    ("sensor_msgs/msg/RelativeHumidity", "relative_humidity"),
+    ("sensor_msgs/msg/FluidPressure", "fluid_pressure"),
+    ("sensor_msgs/msg/Range", "range"),
+    ("sensor_msgs/msg/Illuminance", "illuminance"),
+    ("sensor_msgs/msg/Imu", "linear_acceleration.x"),
+)
+# Whether a base moves, by type and path: what confirms a STOP.
+MOTION_FIELDS = (
+    ("nav_msgs/msg/Odometry", "twist.twist.linear.x"),
+    ("nav_msgs/msg/Odometry", "twist.twist.angular.z"),
+)
+# Names that people use, where a path in words would puzzle them.
+_NAMES = {
+    MOTION_FIELDS[0]: "Speed",
+    MOTION_FIELDS[1]: "Turn rate",
+    ("sensor_msgs/msg/BatteryState", "percentage"): "Charge level",
+}
+_RANGES = {"%": (0.0, 100.0)}
+# By type: the path of the pose in it.
+_POSES = {
+    "nav_msgs/msg/Odometry": "pose.pose",
+    "geometry_msgs/msg/PoseStamped": "pose",
+    "geometry_msgs/msg/PoseWithCovarianceStamped": "pose.pose",
+    "geometry_msgs/msg/Pose": "",
+}
+_GEOGRAPHIC = "sensor_msgs/msg/NavSatFix"
+
+
+class ProposedSignals:
+    """The signals of all devices, as topics are added."""
+
+    def __init__(self, topics: tuple[TopicFound, ...]) -> None:
+        """Start with none; ``topics`` are all of the robot's, for names that must differ."""
+        self._topics = topics
+        # By device and word, in the order in which topics came: the page keeps it.
+        self._signals: dict[DevicePlace, dict[str, Signal]] = {}
+
+    @property
+    def by_place(self) -> Mapping[DevicePlace, Mapping[str, Signal]]:
+        """The signals by device and word."""
+        return self._signals
+
+    def at_place(self, place: DevicePlace) -> dict[str, Signal]:
+        """Give a device's signals by word; none is an empty map."""
+        return self._signals.get(place, {})
+
+    def add_topic(self, place: DevicePlace, topic: TopicFound) -> bool:
+        """Add the signals of a topic to a device; tell whether that has any signal now."""
+        signals = self._signals.setdefault(place, {})
+        if topic.names:
+            # CloudConnect: one text topic says many sensors by name (`adapters/cloudconnect.py`).
+            for sensor in topic.names:
+                source = RosSource(topic=topic.topic, type=topic.type, name=sensor)
+                signals[free_word(word_of(sensor), signals)] = Signal(
+                    name=human(sensor) or sensor, source=source, max_age=_age_of(topic.rate)
+                )
+            return True
+        for word, signal in _positions_of(topic):
+            signals[free_word(word, signals)] = signal
+        for field in topic.fields:
+            if _is_in_position(topic.type, field.path):
+                continue
+            name = self._name_of(topic, field)
+            signals[free_word(word_of(name), signals)] = _signal_of(topic, field, name)
+        if not signals:
+            # A device without anything on it would be an empty page.
+            del self._signals[place]
+        return bool(signals)
+
+    def choose_primary(self) -> None:
+        """Leave at most a dozen primary: those people know first, then numbers with a unit."""
+        ranked: list[tuple[int, int, DevicePlace, str]] = []
+        order = 0
+        for place, signals in self._signals.items():
+            for word, signal in signals.items():
+                # The order breaks ties, so that the same robot always gets the same page.
+                order += 1
+                rank = _rank_of(signal)
+                if rank is not None:
+                    ranked.append((rank, order, place, word))
+        chosen = {(place, word) for _, _, place, word in sorted(ranked)[:MAX_PRIMARY]}
+        for place, signals in self._signals.items():
+            for word, signal in signals.items():
+                wanted = (place, word) in chosen
+                if signal.primary is not wanted:
+                    signals[word] = msgspec.structs.replace(signal, primary=wanted)
+
+    def _name_of(self, topic: TopicFound, field: FieldFound) -> str:
+        known = _NAMES.get((topic.type, field.path))
+        last = human(last_part(topic.topic))
+        alone = len([field for field in topic.fields if field.type != "text"]) == 1
+        if known is not None:
+            # Two odometries at one device must not both be called Speed.
+            return known if self._is_only_one(topic) else f"{last} {known.lower()}"
+        if field.path == "data" or (alone and field.type != "text"):
+            # `data` of std_msgs says nothing; the topic does.
+            return last
+        if topic.type == "sensor_msgs/msg/BatteryState" and self._is_only_one(topic):
+            return path_in_words(field.path)
+        words = path_in_words(field.path)
+        if field.name:
+            # An element of a list that another list names: a joint, a motor.
+            words = f"{human(field.name)} {human(field.path.split('[', 1)[0]).lower()}"
+        first = words.split(" ", 1)[0].lower()
+        if first and last.lower().startswith(first):
+            # `/pose` with `pose.position.x`: no word twice.
+            return words[:1].upper() + words[1:]
+        return f"{last} {words[:1].lower() + words[1:]}" if not field.name else f"{last} {words}"
+
+    def _is_only_one(self, topic: TopicFound) -> bool:
+        return sum(other.type == topic.type for other in self._topics) == 1
+
+
+def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
+    """Give a topic's positions, each with its word."""
+    last = human(last_part(topic.topic))
+    if topic.type == _GEOGRAPHIC:
+        yield (
+            "position",
+            Signal(
+                # Drivers call it `/fix`, which no person says.
+                name=f"{last} position" if last != "Fix" else "Geographic position",
+                type=SignalType.POSITION,
+                frame=PositionFrame.WGS84,
+                max_age=_age_of(topic.rate),
+                primary=False,
+                source=RosSource(topic=topic.topic, type=topic.type),
+            ),
+        )
+    base = _POSES.get(topic.type)
+    if base is not None:
+        inside = f"{base}." if base else ""
+        yield (
+            "pose",
+            Signal(
+                name=f"{last} position",
+                type=SignalType.POSITION,
+                frame=PositionFrame.LOCAL,
+                yaw_from=f"{inside}orientation",
+                # A map shows no more; odometry comes at 50 Hz and above.
+                max_rate=10.0,
+                max_age=_age_of(topic.rate),
+                primary=False,
+                source=RosSource(topic=topic.topic, type=topic.type, field=f"{inside}position"),
+            ),
+        )
+
+
+def _is_in_position(type_name: str, path: str) -> bool:
+    """Tell whether a field is part of the position signal that its topic gives already."""
+    if type_name == _GEOGRAPHIC:
+        return path in ("latitude", "longitude", "altitude")
+    base = _POSES.get(type_name)
+    if base is None:
+        return False
+    # Height stays a signal of its own: a local position is shown on a plane.
+    at = f"{base}.position" if base else "position"
+    return path in (f"{at}.x", f"{at}.y")
+
+
+def _signal_of(topic: TopicFound, field: FieldFound, name: str) -> Signal:
+    source = RosSource(topic=topic.topic, type=topic.type, field=field.path)
+    low, high = _RANGES.get(field.unit, (None, None))
+    age = _age_of(topic.rate)
+    if field.type == "text":
+        return Signal(name=name, type=SignalType.TEXT, source=source, max_age=age)
+    if field.type == "boolean":
+        return Signal(
+            name=name, type=SignalType.STATE, states=("off", "on"), source=source, max_age=age
+        )
+    if field.words:
+        # Constants of the definition, in the order of their numbers.
+        return Signal(
+            name=name, type=SignalType.STATE, states=field.words, source=source, max_age=age
+        )
+    whole = field.type == "integer" and field.scale == 1.0 and not field.unit
+    signal = Signal(
+        name=name,
+        unit=field.unit,
+        minimum=low,
+        maximum=high,
+        max_age=age,
+        source=source,
+        # Every value that the probe saw was NaN: there is probably no such sensor.
+        primary=not field.empty,
+    )
+    # Only what differs is set: the description that is written stays short.
+    changes: dict[str, object] = {} if field.scale == 1.0 else {"scale": field.scale}
+    if whole:
+        changes["decimals"] = 0
+    return msgspec.structs.replace(signal, **changes) if changes else signal
+
+
+def _rank_of(signal: Signal) -> int | None:
+    """Give the place in the queue for the first page; none for what is never on it."""
+    if signal.type in (SignalType.TEXT, SignalType.POSITION) or not signal.primary:
+        return None
+    source = source_as(signal.source, RosSource)
+    key = (source.type, source.field)
+    if key in _FIRST:
+        return _FIRST.index(key)
+    # Somebody gave it a topic or a name of its own, so it matters to them.
+    if source.name or source.field == "data":
+        return len(_FIRST)
+    if signal.type is SignalType.STATE:
+        return len(_FIRST) + 3
+    return len(_FIRST) + (1 if signal.unit else 2)
+
+
+def _age_of(rate: float) -> float:
+    """Give how old a value may be before it is stale: five times its usual spacing (s)."""
+    if rate <= 0:
+        return 60.0
+    return min(max(round(5.0 / rate, 1), 2.0), 3600.0)

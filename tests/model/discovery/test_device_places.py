@@ -1,0 +1,51 @@
+"""Which device a topic or service is put on: by its type, then by its namespace."""
+
+from __future__ import annotations
+
+import pytest
+
+from talaia.model.discovery.device_places import place_of, place_order
+from talaia.model.discovery.probe_report import TopicFound
+from talaia.model.discovery.topic_words import free_word, path_in_words
+
+BASE = TopicFound(topic="/rover/cmd_vel", type="geometry_msgs/msg/Twist", subscribers=1)
+
+
+@pytest.mark.parametrize(
+    ("topic", "type_name", "word"),
+    [
+        ("/front/image_raw", "sensor_msgs/msg/Image", "camera"),
+        ("/rover/front/image_raw", "sensor_msgs/msg/Image", "rover_camera"),
+        ("/battery", "sensor_msgs/msg/BatteryState", "power"),
+        ("/rover/odom", "nav_msgs/msg/Odometry", "rover_base"),
+        ("/arm/joint_states", "sensor_msgs/msg/JointState", "arm"),
+        ("/temperature", "sensor_msgs/msg/Temperature", "sensors"),
+        ("/state", "gripper_msgs/msg/State", "gripper"),
+    ],
+)
+def test_a_topic_is_put_on_the_device_of_its_type_or_else_of_its_namespace(
+    topic: str, type_name: str, word: str
+) -> None:
+    assert place_of(topic, type_name, ()).word == word
+
+
+def test_a_service_without_a_namespace_belongs_to_what_is_driven() -> None:
+    assert place_of("/reset", "std_srvs/srv/Trigger", (BASE,)).word == "rover_base"
+    assert place_of("/reset", "std_srvs/srv/Trigger", ()).word == "robot"
+
+
+def test_vehicles_come_before_cameras_and_those_before_all_others() -> None:
+    camera = place_of("/front/image_raw", "sensor_msgs/msg/Image", ())
+    base = place_of("/odom", "nav_msgs/msg/Odometry", ())
+    arm = place_of("/arm/state", "own_msgs/msg/State", ())
+    assert sorted([arm, camera, base], key=place_order) == [base, camera, arm]
+
+
+def test_a_word_that_is_taken_gets_a_number_within_the_length_of_an_address() -> None:
+    assert free_word("speed", {"speed", "speed_2"}) == "speed_3"
+    long = "a" * 63
+    assert free_word(long, {long}) == "a" * 61 + "_2"
+
+
+def test_a_path_is_said_without_words_twice() -> None:
+    assert path_in_words("pose.pose.position.x") == "Pose position x"
