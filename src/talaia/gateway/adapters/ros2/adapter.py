@@ -1,9 +1,8 @@
 """The ROS 2 adapter: hears what the description names and tells the robot what it may be told.
 
-This file joins the parts: `ros2_waitset` (the thread), `ros2_decode` (messages to samples),
-`pictures` (images to JPEG), `ros2_services` (commands), `ros2_motion` (driving and STOP),
-`ros2_presence` (who is there) and `ros2_qos`. Long, because joining, matching and leaving scope
-one node and must be read together.
+It joins the parts: `participant_number` and `waitset` (how ROS is joined, and the thread),
+`subscriptions` and `listening` (what is heard), `services` and `actions` (commands), `motion`
+(driving and STOP), `parameters`, and `presence` (who is there).
 """
 
 from __future__ import annotations
@@ -12,7 +11,6 @@ import asyncio
 import contextlib
 import logging
 import os
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 # Where ROS comes from Python wheels, this finds their libraries, starting the process anew
@@ -23,29 +21,26 @@ import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.arrivals import Arrivals
 from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
-from talaia.gateway.adapters.ros2.decode import decoder_for
+from talaia.gateway.adapters.ros2.listening import Ros2Listening
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
 from talaia.gateway.adapters.ros2.parameters import Ros2Parameters
 from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, domain_of
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
-from talaia.gateway.adapters.ros2.qos import QosProfile, fits, quality_for
 from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.adapters.ros2.services import Ros2Commands
+from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.waitset import WaitThread
-from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, file_in, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
 from talaia.gateway.adapters.unreadable import UnreadableReports
 from talaia.gateway.errors import AdapterLost, TypeMissing
 from talaia.gateway.ports import CommandOutcome
-from talaia.gateway.video.camera import PictureStream
 from talaia.gateway.video.worker import PictureWorker
-from talaia.model.connection import Ros2Connection, RosSource, source_as
+from talaia.model.connection import Ros2Connection
 from talaia.shared_memory import remove_dead_segments_at_start
 from talaia.wire.frames import CommandPhase
 
@@ -57,49 +52,14 @@ if TYPE_CHECKING:
         AdapterContext,
         AdapterStatus,
         ChannelReading,
-        FileSink,
-        RawSink,
     )
-    from talaia.model.site import Stream
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2Adapter"]
 
 log = logging.getLogger(__name__)
-# Far more than comes between two turns of the wait set: when a transport was stuck (after a crash
-# for seconds), a reliable publisher sends all of it again at once, and what is over this is lost
-# without a trace. Memory is taken only as it is needed.
-DEPTH = 5_000
-PICTURE_DEPTH = 1
-# A file may have many megabytes, and a camera takes its time for each.
-FILE_DEPTH = 4
 # Turns of a quarter of a second: seldom enough to cost nothing, often enough for 20 s of memory.
 MARK_EVERY = 16
-
-# What is listened to under these does not also record.
-_APART = ("stream ", "frames ")
-
-
-class _Listening:
-    """A topic that is wanted: its class, who takes its messages, and the subscription, if any."""
-
-    def __init__(
-        self,
-        topic: str,
-        kind: Any,  # noqa: ANN401 - rclpy ships no types
-        depth: int,
-        take: Callable[[bytes, Any], None],
-    ) -> None:
-        self.topic = topic
-        self.kind = kind
-        self.depth = depth
-        self.take = take
-        self.quality: QosProfile | None = None
-        self.subscription: Any = None
-
-    def taken(self, raw: bytes, info: Any) -> None:  # noqa: ANN401
-        """Give a message to whoever takes them now."""
-        self.take(raw, info)
 
 
 class Ros2Adapter:
@@ -122,23 +82,31 @@ class Ros2Adapter:
         self._node_name = settings.node
         self._raw = context.raw
         self._files = context.files
+        # Newest readings of guarded signals by address: written by the thread, read by the loop.
         self._latest: dict[str, ChannelReading] = {}
+        # Samples of one turn of the wait set, until they go on as columns.
         self._gathered = SampleBuffer()
+        # They outlive a `run`: what is held back of a signal goes on when ROS is joined anew.
         self._plans = plans_of(scope, self._latest, self._unreadable.report)
+        # Streams that somebody looks at; replaced whole, so both threads may read it.
         self._watched: frozenset[str] = frozenset()
-        self._listening: dict[str, _Listening] = {}
-        self._motion: Ros2Motion | None = None
+        # Types that are not installed and have been reported, in the words of the report.
         self._missing: set[str] = set()
+        # From here on: what belongs to one `run`, made by `_join`, None between two of them.
+        self._listening: Ros2Listening | None = None
+        self._motion: Ros2Motion | None = None
         self._commands: Ros2Commands | None = None
         self._parameters: Ros2Parameters | None = None
         self._presence: Ros2Presence | None = None
         self._thread: WaitThread | None = None
         self._worker: PictureWorker | None = None
         self._node: Any = None
-        self._turn = 0
         self._number = ParticipantNumber(None)
+        # Counts looks at the graph, some four a second; what is dear is done at some of them.
+        self._turn = 0
         self._rejoining = ReconnectionAttempts(self._clock)
         self._arrivals = Arrivals(self._clock.monotonic_ns())
+        # Outlives a `run`: joining anew is tried ever more seldom.
         self._deafness = Deafness()
 
     # ── Adapter ──
@@ -219,23 +187,8 @@ class Ros2Adapter:
 
     def _join(self, context: Any, fail: Callable[[BaseException], None]) -> None:  # noqa: ANN401
         self._number = ParticipantNumber(_fast_dds_domain(self._domain))
-        # Nothing spins this node, so it offers no services that nobody would answer.
-        quiet = Parameter("start_type_description_service", value=False)
         with self._number.held():
-            rclpy.init(
-                args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"],
-                context=context,
-                domain_id=self._domain,
-                signal_handler_options=SignalHandlerOptions.NO,
-            )
-            self._node = Node(
-                self._node_name,
-                context=context,
-                use_global_arguments=False,
-                enable_rosout=False,
-                start_parameter_services=False,
-                parameter_overrides=[quiet],
-            )
+            self._node = _join_as(self._node_name, context, self._domain)
         self._number.mark_used()
         guard = self._node.create_guard_condition(lambda: None)
         thread = WaitThread(
@@ -245,6 +198,7 @@ class Ros2Adapter:
             idle=self._on_idle,
             failed=fail,
         )
+        heard_ns: dict[str, int] = {}
         self._worker = PictureWorker(self._pictures, self._clock)
         self._commands = Ros2Commands(self._scope, self._node, thread, self._tell_missing)
         self._parameters = Ros2Parameters(
@@ -262,12 +216,25 @@ class Ros2Adapter:
             thread=thread,
             clock=self._clock,
             commands=self._commands,
+            heard_ns=heard_ns,
             tell=self._on_presence,
             deafness=self._deafness,
             rejoin=lambda why: fail(AdapterLost(why)),
         )
-        for plan in self._plans:
-            self._plan(plan)
+        self._listening = Ros2Listening(
+            scope=self._scope,
+            plans=self._plans,
+            subscriptions=Ros2Subscriptions(self._node, thread),
+            find_class=self._class,
+            clock=self._clock,
+            gathered=self._gathered,
+            heard_ns=heard_ns,
+            arrivals=self._arrivals,
+            unreadable=self._unreadable,
+            worker=self._worker,
+            files=self._files,
+            raw=self._raw,
+        )
         self._motion = Ros2Motion(self._scope, self._node, self._tell_missing)
         self._worker.start()
         self._thread = thread
@@ -282,7 +249,7 @@ class Ros2Adapter:
         self._rejoining.end()
         if self._worker is not None:
             self._worker.close()
-        self._listening.clear()
+        self._listening = None
         self._latest.clear()
         if self._node is not None:
             self._node.destroy_node()
@@ -292,23 +259,9 @@ class Ros2Adapter:
     def _redescribe(self, scope: ConnectionScope) -> None:
         """Bring all in line with another scope; on the wait-set thread, between two turns."""
         before, self._scope = self._scope, scope
-        old = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
         self._plans = plans_of(scope, self._latest, self._unreadable.report)
-        wanted = {_key(plan.topic, plan.type_name): plan for plan in self._plans}
-        for key in old.keys() - wanted.keys():
-            self._end_listening(key)
-        for key, plan in wanted.items():
-            if key in old:
-                plan.take_over(old[key])
-            self._end_listening(f"raw {plan.topic}")
-            self._plan(plan)
-        for key in [key for key in self._listening if key.startswith("stream ")]:
-            device, _, stream = key.removeprefix("stream ").partition("/")
-            if _stream_of(before, device, stream) != _stream_of(scope, device, stream):
-                self._end_listening(key)
-        for device in [device for device in before.devices if _frames_of(before, device)]:
-            if _frames_of(before, device) != _frames_of(scope, device):
-                self._end_listening(f"frames {device}")
+        if self._listening is not None:
+            self._listening.redescribe(scope, self._plans)
         for address in [key for key in self._latest if _moved(before, scope, key)]:
             del self._latest[address]
         if self._commands is not None:
@@ -318,35 +271,6 @@ class Ros2Adapter:
         if self._motion is not None:
             self._motion.redescribe(scope)
         self._update_subscriptions()
-
-    def _end_listening(self, key: str) -> None:
-        listening = self._listening.pop(key, None)
-        if listening is not None:
-            self._drop(listening)
-
-    def _plan(self, plan: TopicPlan) -> None:
-        """Let a plan take its topic's messages; a subscription that is there already stays."""
-        kind = self._class(plan.type_name, plan.topic)
-        if kind is None:
-            return
-        decode = decoder_for(plan.type_name, lambda data: deserialize_message(data, kind))
-        recorded = self._raw if self._raw is not None and plan.topic in self._raw.topics else None
-
-        def read_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
-            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
-            time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
-            if recorded is not None:
-                recorded.offer(plan.topic, plan.type_name, raw, time_us * 1000)
-            if self._presence is not None:
-                self._presence.heard_ns[plan.topic] = now_ns
-            plan.read_message(decode(raw), time_us, now_ns, self._gathered)
-
-        listening = self._listening.get(_key(plan.topic, plan.type_name))
-        if listening is None:
-            listening = _Listening(plan.topic, kind, DEPTH, read_message)
-            self._listening[_key(plan.topic, plan.type_name)] = listening
-        else:
-            listening.take = read_message
 
     def _class(self, type_name: str, used_by: str) -> Any:  # noqa: ANN401
         try:
@@ -395,168 +319,23 @@ class Ros2Adapter:
 
         Topics that it scopes with other devices are taken anew for them, too.
         """
-        commands = self._commands
-        if commands is None or device not in self._scope.devices:
+        commands, listening = self._commands, self._listening
+        if commands is None or listening is None or device not in self._scope.devices:
             done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
-        described = self._scope.devices[device]
-        sources = [source_as(signal.source, RosSource) for signal in described.signals.values()]
-        wanted = {_key(source.topic, source.type) for source in sources if source.topic}
-        for plan in self._plans:
-            if _key(plan.topic, plan.type_name) in wanted - self._listening.keys():
-                self._plan(plan)
-        others = {f"stream {device}/{stream}" for stream in described.streams}
-        wanted |= (others | {f"frames {device}"}) & self._listening.keys()
-        for key in wanted & self._listening.keys():
-            self._drop(self._listening[key])
+        wanted = listening.begin_anew(device)
         commands.rejoin(device)
         self._update_subscriptions()
 
         def absent() -> list[str]:
-            return sorted(self._unheard(wanted)) + commands.absent(device)
+            return sorted(listening.name_unheard(wanted)) + commands.absent(device)
 
-        self._rejoining.begin(len(wanted) + len(described.commands), absent, done)
-
-    def _unheard(self, wanted: Collection[str]) -> list[str]:
-        """Name the topics that nobody publishes now, and types not known here."""
-        unheard = []
-        for key in wanted:
-            listening = self._listening.get(key)
-            if listening is None:
-                unheard.append(f"{key.split(' ', 1)[0]} (its type is not known here)")
-            elif listening.subscription is None:
-                unheard.append(f"{listening.topic} (nobody publishes it)")
-        return unheard
+        count = len(wanted) + len(self._scope.devices[device].commands)
+        self._rejoining.begin(count, absent, done)
 
     def _update_subscriptions(self, *, everything: bool = True) -> None:
-        """Bring subscriptions in line with what is wanted and with what publishers offer."""
-        self._look_at_streams()
-        self._look_at_frames()
-        if self._raw is not None:
-            self._look_at_recorded(self._raw)
-        for listening in self._listening.values():
-            if everything or listening.subscription is None:
-                self._match(listening)
-
-    def _look_at_streams(self) -> None:
-        for device_id, device in self._scope.devices.items():
-            for stream_id, stream in device.streams.items():
-                address = f"{device_id}/{stream_id}"
-                key = f"stream {address}"
-                if address in self._watched and key not in self._listening:
-                    self._begin_stream(key, address, stream)
-                elif address not in self._watched and key in self._listening:
-                    self._drop(self._listening.pop(key))
-
-    def _begin_stream(self, key: str, address: str, stream: Stream) -> None:
-        source = source_as(stream.source, RosSource)
-        kind = self._class(source.type, source.topic)
-        if kind is None:
-            return
-        decode = decoder_for(source.type, lambda data: deserialize_message(data, kind))
-        taker = PictureStream(address, stream, decode, self._unreadable.report)
-        worker = self._worker
-
-        def offer_picture(raw: bytes, _: Any) -> None:  # noqa: ANN401
-            if worker is not None:
-                worker.offer(taker, raw)
-
-        self._listening[key] = _Listening(source.topic, kind, PICTURE_DEPTH, offer_picture)
-
-    def _look_at_frames(self) -> None:
-        files = self._files
-        for device_id in self._scope.devices if files is not None else ():
-            source, key = _frames_of(self._scope, device_id), f"frames {device_id}"
-            if source is None or key in self._listening or files is None:
-                continue
-            kind = self._class(source.type, source.topic)
-            if kind is None:
-                continue
-            decode = decoder_for(source.type, partial(deserialize_message, message_type=kind))
-
-            def keep_file(
-                raw: bytes,
-                _: Any,  # noqa: ANN401
-                *,
-                device: str = device_id,
-                files: FileSink = files,
-                decode: Callable[[bytes], object] = decode,
-            ) -> None:
-                files.keep_file(device, lambda: file_in(decode(raw)))
-
-            self._listening[key] = _Listening(source.topic, kind, FILE_DEPTH, keep_file)
-
-    def _look_at_recorded(self, sink: RawSink) -> None:
-        """Hear topics that are recorded and that nothing else reads; the graph tells their type."""
-        heard = {
-            listener.topic for key, listener in self._listening.items() if key[:7] not in _APART
-        }
-        for topic in sink.topics - heard:
-            offered = [
-                publisher.topic_type for publisher in self._node.get_publishers_info_by_topic(topic)
-            ]
-            kind = self._class(offered[0], topic) if offered else None
-            if kind is not None:
-                self._listening[f"raw {topic}"] = _Listening(
-                    topic, kind, DEPTH, self._recording(sink, topic, offered[0])
-                )
-
-    def _recording(self, sink: RawSink, topic: str, type_name: str) -> Callable[[bytes, Any], None]:
-        def record_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
-            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
-            time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
-            sink.offer(topic, type_name, raw, time_us * 1000)
-
-        return record_message
-
-    def _match(self, listening: _Listening) -> None:
-        offers = [
-            QosProfile(
-                info.qos_profile.reliability != ReliabilityPolicy.BEST_EFFORT,
-                info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
-            )
-            for info in self._node.get_publishers_info_by_topic(listening.topic)
-        ]
-        # Before anybody publishes there is nothing to match, and a wrong guess would have to be
-        # changed just when the first messages come.
-        if not offers or (listening.quality is not None and fits(listening.quality, offers)):
-            return
-        self._drop(listening)
-        listening.quality = quality_for(offers)
-        profile = QoSProfile(
-            history=HistoryPolicy.KEEP_LAST,
-            depth=listening.depth,
-            reliability=ReliabilityPolicy.RELIABLE
-            if listening.quality.reliable
-            else ReliabilityPolicy.BEST_EFFORT,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL
-            if listening.quality.latched
-            else DurabilityPolicy.VOLATILE,
-        )
-        listening.subscription = self._node.create_subscription(
-            listening.kind, listening.topic, _never, profile, raw=True
-        )
-        if self._thread is not None:
-            self._thread.add_subscription(
-                listening.subscription.handle, listening.kind, listening.taken
-            )
-
-    def _drop(self, listening: _Listening) -> None:
-        if listening.subscription is not None and self._thread is not None:
-            self._thread.remove_subscription(listening.subscription.handle)
-            self._node.destroy_subscription(listening.subscription)
-        listening.subscription, listening.quality = None, None
-
-
-def _frames_of(scope: ConnectionScope, device: str) -> RosSource | None:
-    described = scope.devices.get(device)
-    frames = None if described is None else described.frames
-    return frames if isinstance(frames, RosSource) else None
-
-
-def _stream_of(scope: ConnectionScope, device: str, stream: str) -> Stream | None:
-    described = scope.devices.get(device)
-    return None if described is None else described.streams.get(stream)
+        if self._listening is not None:
+            self._listening.update(self._watched, everything=everything)
 
 
 def _moved(before: ConnectionScope, after: ConnectionScope, address: str) -> bool:
@@ -570,19 +349,31 @@ def _moved(before: ConnectionScope, after: ConnectionScope, address: str) -> boo
     return was is None or (was.source, was.type, was.scale) != (now.source, now.type, now.scale)
 
 
+def _join_as(name: str, context: Any, domain: int | None) -> Any:  # noqa: ANN401 - rclpy ships no types
+    rclpy.init(
+        args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"],
+        context=context,
+        domain_id=domain,
+        # The gateway ends its parts in an order of its own.
+        signal_handler_options=SignalHandlerOptions.NO,
+    )
+    # Nothing spins this node, so it offers no services that nobody would answer.
+    quiet = Parameter("start_type_description_service", value=False)
+    return Node(
+        name,
+        context=context,
+        use_global_arguments=False,
+        enable_rosout=False,
+        start_parameter_services=False,
+        parameter_overrides=[quiet],
+    )
+
+
 def _fast_dds_domain(described: int | None) -> int | None:
     """Give the domain's number where Fast DDS is in use, or None."""
     if not rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
         return None
     return domain_of(os.environ.get("ROS_DOMAIN_ID") if described is None else str(described))
-
-
-def _key(topic: str, type_name: str) -> str:
-    return f"{topic} {type_name}"
-
-
-def _never(_: object) -> None:
-    """Stand where rclpy wants a callback; the wait-set thread takes messages itself."""
 
 
 def _fail(future: asyncio.Future[None], error: BaseException) -> None:

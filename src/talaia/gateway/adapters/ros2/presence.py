@@ -14,7 +14,7 @@ from talaia.gateway.adapters.presence import Deafness, DeviceEndpoints, DevicePr
 from talaia.model.connection import topic_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
@@ -29,12 +29,7 @@ _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 
 
 class Ros2Presence:
-    """All devices of a scope.
-
-    Attributes:
-        heard_ns: by topic: when a message came last, monotonic.
-
-    """
+    """All devices of a scope."""
 
     def __init__(
         self,
@@ -44,16 +39,18 @@ class Ros2Presence:
         thread: WaitThread,
         clock: Clock,
         commands: Ros2Commands,
+        heard_ns: Mapping[str, int],
         tell: Callable[[str, str, bool], None],
         deafness: Deafness,
         rejoin: Callable[[str], None],
     ) -> None:
         """Take who is asked; ``tell`` as in `DevicePresence`.
 
+        ``heard_ns`` tells when a message came last, monotonic, by topic;
         ``rejoin`` is called with a reason when nobody is heard, see ``deafness``.
         """
         self._node, self._thread, self._clock, self._commands = node, thread, clock, commands
-        self.heard_ns: dict[str, int] = {}
+        self._heard_ns = heard_ns
         self._topics = {
             name: {
                 topic for signal in device.signals.values() if (topic := topic_of(signal.source))
@@ -73,7 +70,7 @@ class Ros2Presence:
             self._offers = {name: self._offer(name) for name in self._topics}
         self._turn += 1
         heard = {
-            name: max((self.heard_ns.get(topic, 0) for topic in topics), default=0)
+            name: max((self._heard_ns.get(topic, 0) for topic in topics), default=0)
             for name, topics in self._topics.items()
         }
         for name in self._presence.judge_devices(self._clock.monotonic_ns(), self._offers, heard):
