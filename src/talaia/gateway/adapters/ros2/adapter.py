@@ -2,7 +2,8 @@
 
 It joins the parts: `participant_number` and `waitset` (how ROS is joined, and the thread),
 `subscriptions` and `listening` (what is heard), `services` and `actions` (commands), `motion`
-(driving and STOP), `parameters`, and `presence` (who is there).
+(driving and STOP), `parameters`, and `presence` (who is there). Long, because joining, serving
+and leaving share one node and must be read together.
 """
 
 from __future__ import annotations
