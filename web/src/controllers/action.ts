@@ -52,9 +52,9 @@ export class ActionController implements ReactiveController {
   }
 
   /** Forgets what was said. */
-  clear(): void {
+  readonly clear = (): void => {
     if (this.failure !== null || this.success !== "") this.setState(this.current, null, "");
-  }
+  };
 
   hostConnected(): void {
     this.failure = null;

@@ -35,11 +35,11 @@ export class LoadController<T> implements ReactiveController {
     }
   }
 
-  /** The next `ask` loads, also when the question is the same. */
-  invalidate(): void {
+  /** The next `load` loads, also when the question is the same. */
+  readonly invalidate = (): void => {
     this.question = undefined;
     this.host.requestUpdate();
-  }
+  };
 
   hostDisconnected(): void {
     this.question = undefined;

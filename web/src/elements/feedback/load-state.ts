@@ -1,7 +1,7 @@
 /** What a page shows of a request: its failure with what to do, or that it is still under way. */
 
 import { html, nothing, type TemplateResult } from "lit";
-import type { Loaded } from "../../controllers/load.js";
+import type { LoadController } from "../../controllers/load.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
 import "./loading.js";
 import "./problem.js";
@@ -16,16 +16,13 @@ export function renderAdvice(advice: Advice | null, retry?: () => void): Templat
     : html`<t-problem what=${advice.what} how=${advice.how} retry="Try again" @t-retry=${retry}></t-problem>`;
 }
 
-/** @param asked what was asked for, as the object of a sentence: `the list of sites` */
-export function renderLoadError(
-  result: Loaded<unknown>,
-  asked: string,
-  retry?: () => void,
-): TemplateResult | typeof nothing {
-  return result.state === "failed" ? renderAdvice(adviceFor(result.error, asked), retry) : nothing;
-}
-
-/** Stands where a first answer is awaited; nothing once it has failed. */
-export function renderLoadingNote(result: Loaded<unknown>, what: string): TemplateResult | typeof nothing {
-  return result.state === "failed" ? nothing : html`<t-loading what=${what}></t-loading>`;
+/**
+ * What was loaded, drawn by `view`; its failure with a way to try again; before either, that it is on its way.
+ *
+ * @param what is loaded, as the object of a sentence: `the list of sites`
+ */
+export function renderLoaded<T>(load: LoadController<T>, what: string, view: (value: T) => unknown): unknown {
+  const { result, value } = load;
+  if (result.state === "failed") return renderAdvice(adviceFor(result.error, what), load.invalidate);
+  return value === undefined ? html`<t-loading what=${`Loading ${what}`}></t-loading>` : view(value);
 }

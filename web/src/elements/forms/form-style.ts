@@ -3,6 +3,10 @@
 import { css } from "lit";
 
 export const forms = css`
+  form {
+    display: grid;
+    gap: var(--t-space-3);
+  }
   form:is(.filter, .entry) {
     display: grid;
     gap: var(--t-space-3) var(--t-space-4);
@@ -23,7 +27,7 @@ export const forms = css`
     grid-template-columns: repeat(auto-fill, minmax(min(15rem, 100%), 1fr));
     align-items: start;
   }
-  form.entry > :is(.actions, .wide) {
+  form.entry > :is(.actions, .wide, p, t-problem, t-rules) {
     grid-column: 1 / -1;
   }
   label.tick {

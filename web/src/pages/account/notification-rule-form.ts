@@ -2,18 +2,18 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { focusInside } from "../../elements/base/focus.js";
+import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { submittedForm } from "../../format/form-values.js";
 import type { Advice } from "../../format/error-advice.js";
 import type { NoticeRuleShape, RuleAsk, WayChoice } from "../../wire/alarms-api.js";
 import type { SiteRow } from "../../wire/api-types.js";
 import { ruleFromForm, FIRST, quietHours, SEVERITIES } from "./notification-rule.js";
-import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/problem.js";
 
 /**
  * @fires t-rule detail is the rule that is asked for
@@ -56,7 +56,7 @@ export class NotificationRuleForm extends LitElement {
     return html`<form class="entry" novalidate @submit=${this.onSubmit}>
       <t-field label="By">
         <select name="way" @change=${this.onChoose}>
-          ${map(this.ways, ({ id, name }) => html`<option value=${id} .selected=${id === way?.id}>${name}</option>`)}
+          ${renderOptions(this.ways.map(({ id, name }) => [id, name]), way?.id ?? "")}
         </select>
       </t-field>
       ${way?.kind === "mail"
@@ -64,30 +64,22 @@ export class NotificationRuleForm extends LitElement {
         : nothing}
       <t-field label="Of">
         <select name="site">
-          <option value="*">every site</option>
-          ${map(this.places(rule.site), ({ site, name }) => html`<option value=${site} .selected=${site === rule.site}>${name}</option>`)}
+          ${renderOptions([["*", "every site"], ...this.places(rule.site).map(({ site, name }) => [site, name] as const)], rule.site)}
         </select>
       </t-field>
       <t-field label="At least">
-        <select name="least">
-          ${map(SEVERITIES, (word) => html`<option .selected=${word === rule.least}>${word}</option>`)}
-        </select>
+        <select name="least">${renderOptions(SEVERITIES, rule.least)}</select>
       </t-field>
       <t-field label="Quiet from" hint="Empty: never quiet"><input name="from" type="time" .value=${quiet?.from ?? ""} /></t-field>
       <t-field label="Quiet until" hint="Alarms in that time are notified when it ends"><input name="to" type="time" .value=${quiet?.to ?? ""} /></t-field>
       ${this.renderClock()}
       <t-field label="Notify in quiet hours too">
-        <select name="quiet_least">
-          ${map(SEVERITIES.slice(1), (word) => html`<option .selected=${word === rule.quiet_least}>${word}</option>`)}
-        </select>
+        <select name="quiet_least">${renderOptions(SEVERITIES.slice(1), rule.quiet_least)}</select>
       </t-field>
       <t-field label="Gathered for (s)" hint="A burst comes as one message"><input name="group_s" inputmode="numeric" .value=${String(rule.group_s)} /></t-field>
       <label class="tick"><input name="over" type="checkbox" .checked=${rule.over} /> Also when it is over</label>
-      <div class="actions">
-        <t-button type="submit" kind="primary" ?busy=${this.busy}>${this.rule === null ? "Notify me" : "Save"}</t-button>
-        <t-button @click=${this.onCancel}>Cancel</t-button>
-      </div>
-      ${this.problem === null ? nothing : html`<t-problem class="wide" what=${this.problem.what} how=${this.problem.how}></t-problem>`}
+      ${renderFormActions({ submit: this.rule === null ? "Notify me" : "Save", busy: this.busy, cancel: this.onCancel })}
+      ${renderAdvice(this.problem)}
     </form>`;
   }
 
@@ -97,9 +89,7 @@ export class NotificationRuleForm extends LitElement {
     const zone = this.rule?.zone ?? here;
     if (zone === here) return html`<input type="hidden" name="zone" .value=${here} />`;
     return html`<t-field label="By the clock of">
-      <select name="zone">
-        ${map([zone, here], (address) => html`<option .selected=${address === zone}>${address}</option>`)}
-      </select>
+      <select name="zone">${renderOptions([zone, here], zone)}</select>
     </t-field>`;
   }
 
@@ -118,9 +108,8 @@ export class NotificationRuleForm extends LitElement {
   };
 
   private readonly onSubmit = (event: Event): void => {
-    event.preventDefault();
-    if (this.busy || !(event.currentTarget instanceof HTMLFormElement)) return;
-    this.dispatchEvent(new CustomEvent<RuleAsk>("t-rule", { detail: ruleFromForm(new FormData(event.currentTarget)) }));
+    const data = submittedForm(event);
+    if (data !== undefined && !this.busy) this.dispatchEvent(new CustomEvent<RuleAsk>("t-rule", { detail: ruleFromForm(data) }));
   };
 }
 

@@ -2,25 +2,23 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, state } from "lit/decorators.js";
-import { repeat } from "lit/directives/repeat.js";
+import { customElement } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TestMessageController } from "../../controllers/test-message.js";
 import { base } from "../../elements/base/base-style.js";
-import { focusInside } from "../../elements/base/focus.js";
+import { renderRows } from "../../elements/layout/rows.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { browserName } from "../../format/user-agent.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { NotifyApi, type PushList, type RuleAsk, type NoticeRuleShape, type WayChoice } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { subscribePush, whyNoPush } from "../../wire/web-push.js";
 import { quietHours } from "./notification-rule.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/loading.js";
 import "../../elements/values/time.js";
 import "../../elements/feedback/delivery-result.js";
 import "./notification-rule-form.js";
@@ -45,13 +43,12 @@ export class NotificationRules extends LitElement {
     `,
   ];
 
-  /** Empty: a new one; null: none is being changed. */
-  @state() private editing: string | null = null;
-
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly known = new LoadController<LoadedRules>(this);
   private readonly action = new ActionController(this);
+  /** The id of the rule that is being changed; empty for a new one. */
+  private readonly form = new OpenSubject<string>(this);
   private readonly tester = new TestMessageController(this, this.action, (id) => new NotifyApi(this.api).testRule(id));
 
   override willUpdate(): void {
@@ -63,18 +60,14 @@ export class NotificationRules extends LitElement {
   }
 
   override render(): TemplateResult {
-    const { result, value } = this.known;
-    const advice = result.state === "failed" ? adviceFor(result.error, "your rules") : null;
-    const { problem } = this.action;
     return html`<h2>Messages about alarms</h2>
-      ${renderAdvice(advice)}
-      ${value === undefined ? (advice === null ? html`<t-loading what="Loading your rules"></t-loading>` : nothing) : this.renderContent(value)}
-      ${problem === null || this.isFormOpen(value) ? nothing : renderAdvice(problem)}`;
+      ${renderLoaded(this.known, "your rules", (known) => this.renderContent(known))}
+      ${this.isFormOpen(this.known.value) ? nothing : renderAdvice(this.action.problem)}`;
   }
 
   /** Whether a form is shown: it says by itself what went wrong. */
   private isFormOpen(known: LoadedRules | undefined): boolean {
-    return this.editing === "" || known?.rules.some(({ id }) => id === this.editing) === true;
+    return this.form.subject === "" || known?.rules.some(({ id }) => id === this.form.subject) === true;
   }
 
   private renderContent(known: LoadedRules): TemplateResult {
@@ -83,17 +76,12 @@ export class NotificationRules extends LitElement {
     }
     return html`${known.rules.length === 0
         ? html`<p class="muted">You get no notifications of alarms. They are still shown on every page.</p>`
-        : html`<ul class="rows">
-            ${repeat(
-              known.rules,
-              ({ id }) => id,
-              (rule) => this.renderRule(rule, known),
-            )}
-          </ul>`}
-      ${this.editing === ""
+        : renderRows(known.rules, (rule) => this.renderRule(rule, known))}
+      ${this.form.subject === ""
         ? html`<h3>A new rule</h3>
             ${this.renderForm(null, known)}`
-        : html`<div class="actions"><t-button class="add" @click=${this.editOpener("")}>Notify me of alarms…</t-button></div>`}
+        : nothing}
+      <div class="actions" ?hidden=${this.form.subject === ""}><t-button @click=${this.form.opener("")}>Notify me of alarms…</t-button></div>
       ${known.push.key === "" ? nothing : this.renderBrowsers(known.push)}`;
   }
 
@@ -102,7 +90,7 @@ export class NotificationRules extends LitElement {
     const name = `${way?.name ?? "a way that is gone"}${rule.target === "" ? "" : ` to ${rule.target ?? ""}`}`;
     const site = rule.site === "*" ? "every site" : (this.sites.store?.siteRow(rule.site)?.name ?? rule.site);
     const quiet = quietHours(rule);
-    const changed = rule.id === this.editing;
+    const changed = rule.id === this.form.subject;
     return html`<li data-rule=${rule.id} class=${changed ? "open" : ""}>
       <div>
         <div class="name">${name}</div>
@@ -112,13 +100,12 @@ export class NotificationRules extends LitElement {
         </div>
         <t-went .went=${this.tester.lastResult(rule.id)}></t-went>
       </div>
-      ${changed
-        ? this.renderForm(rule, known)
-        : html`<div class="actions">
-            <t-button label=${`Send a test: ${name}`} ?busy=${this.tester.isRunning(rule.id)} @click=${this.tester.testAction(rule.id)}>Send a test</t-button>
-            <t-button class="change" label=${`Change ${name}`} @click=${this.editOpener(rule.id)}>Change…</t-button>
-            <t-button label=${`Remove ${name}`} @click=${this.ruleRemover(rule.id)}>Remove</t-button>
-          </div>`}
+      ${changed ? this.renderForm(rule, known) : nothing}
+      <div class="actions" ?hidden=${changed}>
+        <t-button label=${`Send a test: ${name}`} ?busy=${this.tester.isRunning(rule.id)} @click=${this.tester.testAction(rule.id)}>Send a test</t-button>
+        <t-button label=${`Change ${name}`} @click=${this.form.opener(rule.id)}>Change…</t-button>
+        <t-button label=${`Remove ${name}`} @click=${this.ruleRemover(rule.id)}>Remove</t-button>
+      </div>
     </li>`;
   }
 
@@ -130,7 +117,7 @@ export class NotificationRules extends LitElement {
       .problem=${this.action.problem}
       ?busy=${this.action.busy}
       @t-rule=${this.saveRule}
-      @t-cancel=${this.close}
+      @t-cancel=${this.closeForm}
     ></t-rule-form>`;
   }
 
@@ -139,60 +126,43 @@ export class NotificationRules extends LitElement {
     return html`<h3>Browsers that take push messages</h3>
       ${push.browsers.length === 0
         ? html`<p class="muted">None yet. A rule that uses push messages notifies all of them.</p>`
-        : html`<ul class="rows">
-            ${repeat(
-              push.browsers,
-              ({ id }) => id,
-              (browser) => html`<li>
-                <div>
-                  <div class="name">${browserName(browser.agent)}</div>
-                  <div class="facts"><span>since <t-time .us=${browser.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
-                </div>
-                <t-button label=${`Remove ${browserName(browser.agent)}`} @click=${this.browserRemover(browser.id)}>Remove</t-button>
-              </li>`,
-            )}
-          </ul>`}
+        : renderRows(
+            push.browsers,
+            (browser) => html`<li>
+              <div>
+                <div class="name">${browserName(browser.agent)}</div>
+                <div class="facts"><span>since <t-time .us=${browser.created_us} .zone=${this.sites.store?.zone ?? "UTC"}></t-time></span></div>
+              </div>
+              <t-button label=${`Remove ${browserName(browser.agent)}`} @click=${this.browserRemover(browser.id)}>Remove</t-button>
+            </li>`,
+          )}
       ${why === ""
         ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "push"} @click=${this.withdrawRule(push.key)}>Take messages in this browser</t-button></div>`
         : html`<p class="muted">${why}</p>`}`;
   }
 
-  private editOpener(id: string): () => void {
-    return () => {
-      this.action.clear();
-      this.editing = id;
-    };
-  }
-
-  /** Back to the button that opened the form. */
-  private readonly close = (): void => {
-    const { editing } = this;
+  private readonly closeForm = (): void => {
     this.action.clear();
-    this.editing = null;
-    void focusInside(this, editing === null || editing === "" ? ".add" : `li[data-rule="${editing}"] .change`);
+    this.form.close();
   };
 
   private readonly saveRule = (event: CustomEvent<RuleAsk>): void => {
-    const id = this.editing ?? "";
+    const id = this.form.subject ?? "";
     void this.action.run("keep the rule", () => new NotifyApi(this.api).saveRule(id, event.detail)).then((done) => {
-      if (done) this.close();
+      if (done) this.closeForm();
       this.known.invalidate();
     });
   };
 
   private ruleRemover(id: string): () => void {
     return () => {
-      void this.action.run("remove the rule", () => new NotifyApi(this.api).removeRule(id)).then(() => {
-        this.known.invalidate();
-      });
+      void this.action.run("remove the rule", () => new NotifyApi(this.api).removeRule(id)).then(this.known.invalidate);
     };
   }
 
   private browserRemover(id: string): () => void {
     return () => {
-      void this.action.run("remove the browser", () => new NotifyApi(this.api).removeBrowser(id)).then(() => {
-        this.known.invalidate();
-      });
+      void this.action.run("remove the browser", () => new NotifyApi(this.api).removeBrowser(id)).then(this.known.invalidate);
     };
   }
 
@@ -200,9 +170,7 @@ export class NotificationRules extends LitElement {
     return () => {
       void this.action
         .run("take messages in this browser", async () => new NotifyApi(this.api).addBrowser(await subscribePush(key)), "", "push")
-        .then(() => {
-          this.known.invalidate();
-        });
+        .then(this.known.invalidate);
     };
   }
 }

@@ -4,6 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { levelAt, placeKey, seesOnlyPublic } from "../../state/rights.js";
 import { sessionContext } from "../../state/contexts.js";
@@ -36,12 +37,7 @@ export class PageAccount extends LitElement {
     const person = this.session.store?.person ?? null;
     if (person === null) return nothing;
     return html`
-      <div class="head">
-        <div>
-          <h1>Account</h1>
-          <p class="muted">${person.name}, with the role ${person.role}: ${rightsText(person)}</p>
-        </div>
-      </div>
+      ${renderPageHead("Account", `${person.name}, with the role ${person.role}: ${rightsText(person)}`)}
       <div class="two">
         <t-account-password class="sheet" .name=${person.name}></t-account-password>
         <t-account-factor class="sheet" .active=${person.factor}></t-account-factor>

@@ -5,6 +5,8 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
 import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
+import { renderFormActions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sessionContext } from "../../state/contexts.js";
 import type { Session } from "../../state/session.js";
@@ -124,11 +126,7 @@ export class SecondFactor extends LitElement {
       void submit();
     };
     return html`<form class="fields" novalidate @submit=${onSubmit}>
-      ${fields}
-      <div class="actions">
-        <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${words}</t-button>
-        <t-button @click=${this.stepOpener("rest")}>Cancel</t-button>
-      </div>
+      ${fields} ${renderFormActions({ submit: words, busy: this.action.busy, cancel: this.stepOpener("rest") })}
     </form>`;
   }
 
@@ -162,11 +160,8 @@ export class SecondFactor extends LitElement {
       this.offer = null;
       this.recovery = [];
     }
-    void this.updateComplete.then(async () => {
-      const control = this.password ?? this.code;
-      await control?.closest("t-field")?.updateComplete;
-      control?.focus();
-    });
+    // At rest the focus goes to the button that begins anew.
+    void focusInside(this, step === "rest" ? ".actions t-button" : "input");
   }
 
   private readonly requestSetup = async (): Promise<void> => {

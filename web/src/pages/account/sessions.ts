@@ -3,21 +3,19 @@
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderRows } from "../../elements/layout/rows.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { browserName } from "../../format/user-agent.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
 import type { SessionRow } from "../../wire/admin-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/loading.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
@@ -35,8 +33,7 @@ export class AccountSessions extends LitElement {
   }
 
   override render(): TemplateResult {
-    const rows = this.rows.value;
-    const others = rows?.filter((row) => !row.this).length ?? 0;
+    const others = this.rows.value?.filter((row) => !row.this).length ?? 0;
     const { problem, doneText: done, runningKey: under } = this.action;
     return html`<div class="head">
         <h2>Sessions</h2>
@@ -46,51 +43,31 @@ export class AccountSessions extends LitElement {
       </div>
       ${renderAdvice(problem)}
       <p class="visually-hidden" role="status">${done}</p>
-      ${this.renderList(rows)}`;
+      ${renderLoaded(this.rows, "the list of your sessions", (rows) => renderRows(rows, (row) => this.renderRow(row)))}`;
   }
 
-  private renderList(rows: readonly SessionRow[] | undefined): unknown {
-    const { result } = this.rows;
-    if (result.state === "failed") {
-      return renderAdvice(adviceFor(result.error, "the list of your sessions"), this.retry);
-    }
-    if (rows === undefined) return html`<t-loading what="Loading your sessions"></t-loading>`;
+  private renderRow(row: SessionRow): TemplateResult {
     const zone = this.sites.store?.zone ?? "UTC";
-    return html`<ul class="rows">
-      ${repeat(
-        rows,
-        (row) => row.id,
-        (row) => html`<li>
-          <div>
-            <span class="name" title=${row.agent}>${browserName(row.agent)}</span>
-            ${row.this ? html`<t-status kind="ok" word="this one"></t-status>` : nothing}
-            <div class="facts">
-              <span>from ${row.address === "" ? "an unknown address" : row.address}</span>
-              <span>since <t-time .us=${row.created_us} .zone=${zone}></t-time></span>
-              <span>last used <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
-            </div>
-          </div>
-          ${row.this
-            ? nothing
-            : html`<t-button
-                label=${`End the session of ${browserName(row.agent)} from ${row.address}`}
-                ?busy=${this.action.runningKey === row.id}
-                @click=${this.sessionEnder(row)}
-                >End this</t-button
-              >`}
-        </li>`,
-      )}
-    </ul>`;
+    return html`<li>
+      <div>
+        <span class="name" title=${row.agent}>${browserName(row.agent)}</span>
+        ${row.this ? html`<t-status kind="ok" word="this one"></t-status>` : nothing}
+        <div class="facts">
+          <span>from ${row.address === "" ? "an unknown address" : row.address}</span>
+          <span>since <t-time .us=${row.created_us} .zone=${zone}></t-time></span>
+          <span>last used <t-time .us=${row.used_us} .zone=${zone}></t-time></span>
+        </div>
+      </div>
+      ${row.this
+        ? nothing
+        : html`<t-button
+            label=${`End the session of ${browserName(row.agent)} from ${row.address}`}
+            ?busy=${this.action.runningKey === row.id}
+            @click=${this.sessionEnder(row)}
+            >End this</t-button
+          >`}
+    </li>`;
   }
-
-  /** Asks for the list again: something else on the page has ended sessions. */
-  reload(): void {
-    this.rows.invalidate();
-  }
-
-  private readonly retry = (): void => {
-    this.reload();
-  };
 
   private sessionEnder(row: SessionRow): () => void {
     return () => {
@@ -101,12 +78,12 @@ export class AccountSessions extends LitElement {
   private async endSession(row: SessionRow): Promise<void> {
     const api = new AccountApi(this.api);
     await this.action.run("end this session", () => api.endSession(row.id), "The session is ended.", row.id);
-    this.reload();
+    this.rows.invalidate();
   }
 
   private readonly endOthers = (): void => {
     const api = new AccountApi(this.api);
-    void this.action.run("end them", () => api.endOtherSessions(), "All other sessions are ended.").then(this.retry);
+    void this.action.run("end them", () => api.endOtherSessions(), "All other sessions are ended.").then(this.rows.invalidate);
   };
 }
 

@@ -3,12 +3,13 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
+import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
+import { control } from "../../elements/forms/input-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { knownZone } from "../../format/time.js";
 import { DAY_US, ZoneClock } from "../../series/zone-clock.js";
 import { apiContext } from "../../state/contexts.js";
@@ -16,10 +17,8 @@ import { inheritedLevel, LEVELS, ownLevel, levelRank, withLevel, type AccessLeve
 import type { DeviceRow, Permission, Person } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { scopesOf, type TokenScope } from "./token-scopes.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
-import "../../elements/forms/button.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/loading.js";
 
 export interface TokenWish {
   readonly name: string;
@@ -40,6 +39,7 @@ export class TokenForm extends LitElement {
   static override styles = [
     base,
     sheets,
+    control,
     css`
       form {
         display: grid;
@@ -75,14 +75,7 @@ export class TokenForm extends LitElement {
         padding-inline-start: var(--t-space-6);
       }
       select {
-        min-block-size: 2.25rem;
         min-inline-size: 7rem;
-        padding-inline: var(--t-space-2);
-        border: 1px solid var(--t-edge);
-        border-radius: var(--t-radius-s);
-        background: var(--t-surface);
-        color: var(--t-text);
-        font: inherit;
       }
       .error {
         color: var(--t-bad);
@@ -108,9 +101,7 @@ export class TokenForm extends LitElement {
   }
 
   override firstUpdated(): void {
-    void this.name.closest("t-field")?.updateComplete.then(() => {
-      this.name.focus();
-    });
+    void focusInside(this, "input");
   }
 
   override render(): TemplateResult {
@@ -126,21 +117,13 @@ export class TokenForm extends LitElement {
           <input id="ends" type="date" min=${day(0)} max=${day(MOST_DAYS)} .defaultValue=${day(FIRST_DAYS)} />
         </t-field>
       </div>
-      ${this.renderRights()}
-      <div class="actions">
-        <t-button type="submit" kind="primary" ?busy=${this.busy}>Make the token</t-button>
-        <t-button @click=${this.onCancel}>Cancel</t-button>
-      </div>
+      ${renderLoaded(this.devices, "the list of your devices", (devices) => this.renderRights(devices))}
+      ${renderFormActions({ submit: "Make the token", busy: this.busy, cancel: this.onCancel })}
     </form>`;
   }
 
-  private renderRights(): unknown {
-    const { result, value } = this.devices;
-    if (result.state === "failed") {
-      return renderAdvice(adviceFor(result.error, "the list of your devices"), this.retry);
-    }
-    if (value === undefined) return html`<t-loading what="Loading your devices"></t-loading>`;
-    const scopes = scopesOf(this.person?.permissions ?? [], value);
+  private renderRights(devices: readonly DeviceRow[]): TemplateResult {
+    const scopes = scopesOf(this.person?.permissions ?? [], devices);
     if (scopes.length === 0) {
       return html`<p class="muted">You have no rights to give; the token can read public data only.</p>`;
     }
@@ -167,9 +150,7 @@ export class TokenForm extends LitElement {
     };
     return html`<label class=${`d${String(scope.depth)}`}
       ><span>${scope.name}</span
-      ><select @change=${onLevelChange}>
-        ${map(choices, (level) => html`<option value=${level} .selected=${level === shown}>${level}</option>`)}
-      </select></label
+      ><select @change=${onLevelChange}>${renderOptions(choices, shown)}</select></label
     >`;
   }
 
@@ -187,10 +168,6 @@ export class TokenForm extends LitElement {
   private clock(): ZoneClock {
     return new ZoneClock(knownZone(this.zone));
   }
-
-  private readonly retry = (): void => {
-    this.devices.invalidate();
-  };
 
   private readonly onCancel = (): void => {
     this.dispatchEvent(new CustomEvent("t-cancel"));

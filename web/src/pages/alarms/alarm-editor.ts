@@ -6,8 +6,11 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { QuestionController } from "../../controllers/question.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
+import { renderOptions, type SelectOption } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
@@ -19,7 +22,6 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, type AlarmField, type AlarmFields, type AlarmKind } from "./alarm-definition.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/confirm.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/values/time.js";
@@ -66,13 +68,17 @@ export class AlarmEditor extends LitElement {
   @state() private signal: string | null = null;
   @state() private wrong = "";
   @state() private preview: PreviewShape | null = null;
-  @state() private removing = false;
   @query("form") private readonly form!: HTMLFormElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly action = new ActionController(this);
+  private readonly removing = new QuestionController<string>(this, async (alarm, action) => {
+    const done = await action.run("remove the alarm", () => new AlarmsApi(this.api).removeAlarm(this.site, alarm));
+    if (done) this.fireClose();
+    return done;
+  });
 
   override willUpdate(): void {
     const sites = this.sites.store;
@@ -88,17 +94,10 @@ export class AlarmEditor extends LitElement {
       <form class="entry" novalidate @submit=${this.previewAlarm} @input=${this.onInput}>
         <t-field label="Name"><input name="name" maxlength="100" autocomplete="off" .value=${fields["name"] ?? ""} /></t-field>
         <t-field label="Kind">
-          <select name="kind" @change=${this.onChoose}>
-            ${map(KINDS, (option) => html`<option value=${option.kind} ?selected=${option.kind === kind}>${option.name}</option>`)}
-          </select>
+          <select name="kind" @change=${this.onChoose}>${renderOptions(KINDS.map((option) => [option.kind, option.name]), kind)}</select>
         </t-field>
         <t-field label="Severity">
-          <select name="severity">
-            ${map(
-              ["info", "warning", "critical"],
-              (word) => html`<option ?selected=${word === (fields["severity"] ?? "warning")}>${word}</option>`,
-            )}
-          </select>
+          <select name="severity">${renderOptions(["info", "warning", "critical"], fields["severity"] ?? "warning")}</select>
         </t-field>
         ${map(
           FIELDS.filter(({ kinds }) => kinds.includes(kind)),
@@ -120,19 +119,13 @@ export class AlarmEditor extends LitElement {
         <t-button kind="primary" ?busy=${this.action.runningKey === "keep"} @click=${this.saveAlarm}>Keep</t-button>
         <t-button ?busy=${this.action.runningKey === "try"} @click=${this.previewAlarm}>Try it on the last day</t-button>
         <t-button @click=${this.fireClose}>Cancel</t-button>
-        ${this.alarm === "" ? nothing : html`<t-button @click=${this.openQuestion}>Remove</t-button>`}
+        ${this.alarm === "" ? nothing : html`<t-button @click=${this.removing.opener(this.alarm)}>Remove</t-button>`}
       </div>
-      <t-confirm
-        ?open=${this.removing}
-        heading="Remove this alarm?"
-        action="Remove"
-        ?busy=${this.action.busy}
-        .problem=${this.action.problem}
-        @t-confirm=${this.removeAlarm}
-        @t-close=${this.closeQuestion}
-      >
-        <p>It sends no more notifications. Its history stays in the logbook.</p>
-      </t-confirm>`;
+      ${renderQuestion(this.removing, () => ({
+        heading: "Remove this alarm?",
+        action: "Remove",
+        text: "It sends no more notifications. Its history stays in the logbook.",
+      }))}`;
   }
 
   private errorOf(name: string): string {
@@ -157,23 +150,22 @@ export class AlarmEditor extends LitElement {
   private renderInserter(): TemplateResult {
     return html`<t-field class="wide" label="Put a signal in">
       <select @change=${this.insertAddress}>
-        <option value="">Choose…</option>
-        ${this.renderChannels(null, "")}
+        ${renderOptions([["", "Choose…"], ...this.channelOptions(null)], "")}
       </select>
     </t-field>`;
   }
 
   /** Every channel as a choice; of one kind of alarm, those that fit. */
-  private renderChannels(kind: AlarmKind | null, chosen: string): unknown {
-    return map(this.detail.value?.devices ?? [], (device) =>
-      map(
-        device.signals.filter(({ type }) => kind === null || kindFitsType(kind, type)),
-        (signal) =>
-          map(
-            signal.channels,
-            (channel) => html`<option value=${channel} ?selected=${channel === chosen}>${device.name}: ${signal.name}${signal.channels.length > 1 ? ` ${channel.split(".").at(-1) ?? ""}` : ""}${signal.unit === "" ? "" : ` (${signal.unit})`}</option>`,
-          ),
-      ),
+  private channelOptions(kind: AlarmKind | null): readonly SelectOption[] {
+    return (this.detail.value?.devices ?? []).flatMap(({ name, signals }) =>
+      signals
+        .filter(({ type }) => kind === null || kindFitsType(kind, type))
+        .flatMap((signal) =>
+          signal.channels.map((channel) => {
+            const part = signal.channels.length > 1 ? ` ${channel.split(".").at(-1) ?? ""}` : "";
+            return [channel, `${name}: ${signal.name}${part}${signal.unit === "" ? "" : ` (${signal.unit})`}`] as const;
+          }),
+        ),
     );
   }
 
@@ -181,16 +173,11 @@ export class AlarmEditor extends LitElement {
     const value = fields[name] ?? "";
     const devices = this.detail.value?.devices ?? [];
     if (sort === "signal") {
-      return html`<select name=${name} @change=${this.onSignalChange}>
-        ${this.renderChannels(kind, value)}
-      </select>`;
+      return html`<select name=${name} @change=${this.onSignalChange}>${renderOptions(this.channelOptions(kind), value)}</select>`;
     }
     if (sort === "stream") {
-      return html`<select name=${name}>
-        ${map(devices, (device) =>
-          map(device.streams, (stream) => html`<option value=${stream.address} ?selected=${stream.address === value}>${stream.name}</option>`),
-        )}
-      </select>`;
+      const streams = devices.flatMap((device) => device.streams.map(({ address, name: label }) => [address, label] as const));
+      return html`<select name=${name}>${renderOptions(streams, value)}</select>`;
     }
     if (name === "expression") return html`<textarea name=${name} rows="3" maxlength="1000" spellcheck="false" .value=${value}></textarea>`;
     const shown = sort === "number" && value === "0" ? "" : value;
@@ -285,20 +272,6 @@ export class AlarmEditor extends LitElement {
       .then((done) => {
         if (done) this.fireClose();
       });
-  };
-
-  private readonly openQuestion = (): void => {
-    this.removing = true;
-  };
-
-  private readonly closeQuestion = (): void => {
-    this.removing = false;
-  };
-
-  private readonly removeAlarm = (): void => {
-    void this.action.run("remove the alarm", () => new AlarmsApi(this.api).removeAlarm(this.site, this.alarm)).then((done) => {
-      if (done) this.fireClose();
-    });
   };
 
   private readonly fireClose = (): void => {

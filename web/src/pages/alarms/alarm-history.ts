@@ -6,12 +6,10 @@ import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
 import { AlarmsApi, type AlarmPastList } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
-import "../../elements/feedback/loading.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/values/time.js";
 
 @customElement("t-alarm-past")
@@ -30,9 +28,6 @@ export class AlarmHistoryView extends LitElement {
       li {
         overflow-wrap: anywhere;
       }
-      .muted {
-        color: var(--t-muted);
-      }
     `,
   ];
 
@@ -49,12 +44,11 @@ export class AlarmHistoryView extends LitElement {
     this.past.load([this.site, this.alarm, this.turn].join("\n"), () => new AlarmsApi(this.api).alarmHistory(this.site, this.alarm));
   }
 
-  override render(): TemplateResult {
-    const { result, value } = this.past;
-    if (result.state === "failed") {
-      return renderAdvice(adviceFor(result.error, "what has been"));
-    }
-    if (value === undefined) return html`<t-loading what="Loading the alarm's history"></t-loading>`;
+  override render(): unknown {
+    return renderLoaded(this.past, "the alarm's history", (value) => this.renderHistory(value));
+  }
+
+  private renderHistory(value: AlarmPastList): TemplateResult {
     if (value.past.length === 0) return html`<p class="muted">It has never been raised, and it has no notes.</p>`;
     return html`<ol>
         ${map(

@@ -7,18 +7,21 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import type { AlarmUpdate } from "../../generated/wire.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { alarmsContext, alarmSoundContext, apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import { AlarmsApi, type AlarmList, type AlarmShape } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { historyAt, alarmStatus } from "./alarm-labels.js";
-import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/dialog.js";
 import "../../elements/feedback/empty.js";
@@ -36,11 +39,14 @@ const QUESTIONS: Readonly<Record<AlarmAction, readonly [heading: string, label: 
   shelve: ["Put it aside for a while", "Why", "Shelve"],
 };
 
+const SHELVE_HOURS = [["0.5", "half an hour"], ["1", "1 hour"], ["8", "8 hours"], ["24", "1 day"], ["168", "7 days"]] as const;
+
 @customElement("t-page-alarms")
 export class PageAlarms extends LitElement {
   static override styles = [
     base,
     sheets,
+    forms,
     css`
       li.alarm {
         border-inline-start: 5px solid var(--t-line);
@@ -73,10 +79,6 @@ export class PageAlarms extends LitElement {
       .facts a {
         font-weight: var(--t-weight-strong);
       }
-      form {
-        display: grid;
-        gap: var(--t-space-3);
-      }
       t-alarm-past,
       t-alarm-editor {
         grid-column: 1 / -1;
@@ -90,10 +92,7 @@ export class PageAlarms extends LitElement {
     `,
   ];
 
-  @state() private doing: { readonly what: AlarmAction; readonly about: AlarmUpdate } | null = null;
   @state() private open = "";
-  /** Site and alarm that is being changed, or a site and nothing for a new one. */
-  @state() private editing: { readonly site: string; readonly alarm: string } | null = null;
   @query("li.named") private readonly row!: HTMLElement | null;
   @query("#text") private readonly text!: HTMLInputElement | null;
   @query("#hours") private readonly hours!: HTMLSelectElement | null;
@@ -108,6 +107,9 @@ export class PageAlarms extends LitElement {
   private shownFor = "";
   private readonly defined = new LoadController<ReadonlyMap<string, AlarmList>>(this);
   private readonly action = new ActionController(this);
+  private readonly doing = new OpenSubject<{ readonly what: AlarmAction; readonly about: AlarmUpdate }>(this);
+  /** Site and alarm that is being changed, or a site and nothing for a new one. */
+  private readonly editor = new OpenSubject<{ readonly site: string; readonly alarm: string }>(this);
 
   constructor() {
     super();
@@ -143,15 +145,13 @@ export class PageAlarms extends LitElement {
   }
 
   override render(): TemplateResult {
-    const { result } = this.defined;
     const list = this.alarms.store?.list ?? [];
     const manageable = [...(this.defined.value ?? [])].filter(([, one]) => one.may_manage).map(([site]) => site);
-    return html`<div class="head">
-        <div>
-          <h1>Alarms</h1>
-          <p class="muted" role="status">${this.countText(list)}</p>
-        </div>
-        <div class="actions">
+    const editing = this.editor.subject;
+    return html`${renderPageHead(
+        "Alarms",
+        html`<span role="status">${this.countText(list)}</span>`,
+        html`<div class="actions">
           <t-button pressed=${this.sound.store?.isOn === true ? "true" : "false"} @click=${this.toggleSound}>Sound</t-button>
           ${map(
             this.sites.store?.list ?? [],
@@ -159,18 +159,18 @@ export class PageAlarms extends LitElement {
           )}
           ${map(
             manageable,
-            (site) => html`<t-button @click=${this.creatorOpener(site)}
+            (site) => html`<t-button @click=${this.editor.opener({ site, alarm: "" })}
               >New alarm${manageable.length > 1 ? ` of ${this.sites.store?.siteRow(site)?.name ?? site}` : ""}</t-button
             >`,
           )}
-        </div>
-      </div>
-      ${result.state === "failed" ? this.renderFailure(result.error) : nothing}
+        </div>`,
+      )}
       ${renderAdvice(this.action.problem)}
-      ${this.editing !== null && this.editing.alarm === ""
-        ? html`<section class="sheet"><t-alarm-editor .site=${this.editing.site} @t-done=${this.onAlarmSaved}></t-alarm-editor></section>`
+      ${editing?.alarm === ""
+        ? html`<section class="sheet"><t-alarm-editor .site=${editing.site} @t-done=${this.onAlarmSaved}></t-alarm-editor></section>`
         : nothing}
-      ${list.length === 0 ? this.renderEmpty() : this.renderSheet(list)} ${this.renderDialog()}`;
+      ${list.length === 0 || this.defined.result.state === "failed" ? renderLoaded(this.defined, "the alarms", () => renderEmpty(list)) : nothing}
+      ${list.length === 0 ? nothing : this.renderSheet(list)} ${this.renderDialog()}`;
   }
 
   private countText(list: readonly AlarmUpdate[]): string {
@@ -179,19 +179,6 @@ export class PageAlarms extends LitElement {
     if (list.length === 0) return "";
     const parts = [on === 1 ? "1 is active" : `${String(on)} are active`, `of ${String(list.length)}`];
     return parts.join(" ") + (unknown === 0 ? "." : `; ${String(unknown)} cannot be judged now.`);
-  }
-
-  private renderFailure(error: unknown): TemplateResult {
-    return renderAdvice(adviceFor(error, "the alarms"), this.retry);
-  }
-
-  private renderEmpty(): unknown {
-    if (this.defined.value === undefined) {
-      return renderLoadingNote(this.defined.result, "Loading the alarms");
-    }
-    return html`<t-empty heading="There are no alarms yet" icon="bell">
-      <p>The site description can have some under <code>alarms:</code>, and whoever manages a site can make more here.</p>
-    </t-empty>`;
   }
 
   private renderSheet(list: readonly AlarmUpdate[]): TemplateResult {
@@ -239,7 +226,7 @@ export class PageAlarms extends LitElement {
       </div>
       ${this.renderButtons(alarm)}
       ${this.open === id ? html`<t-alarm-past .site=${alarm.site} .alarm=${alarm.alarm} .zone=${zone} .turn=${alarm.phase}></t-alarm-past>` : nothing}
-      ${this.editing?.site === alarm.site && this.editing.alarm === alarm.alarm
+      ${this.isEdited(alarm)
         ? html`<t-alarm-editor
             .site=${alarm.site}
             .alarm=${alarm.alarm}
@@ -278,11 +265,12 @@ export class PageAlarms extends LitElement {
   }
 
   private renderDialog(): TemplateResult {
-    const [heading, label, action] = QUESTIONS[this.doing?.what ?? "comment"];
-    const what = this.doing?.what;
-    return html`<t-dialog heading=${heading} ?open=${this.doing !== null} @t-close=${this.close}>
+    const { subject, isOpen, close } = this.doing;
+    const what = subject?.what;
+    const [heading, label, action] = QUESTIONS[what ?? "comment"];
+    return html`<t-dialog heading=${heading} ?open=${isOpen} @t-close=${close}>
       <form novalidate @submit=${this.onSubmit}>
-        <p>${this.doing?.about.name ?? ""}</p>
+        <p>${subject?.about.name ?? ""}</p>
         <t-field label=${label}>
           <input id="text" type="text" maxlength=${what === "assign" ? "200" : "1000"} autocomplete="off" />
         </t-field>
@@ -290,17 +278,13 @@ export class PageAlarms extends LitElement {
         ${what === "shelve"
           ? html`<t-field label="For" hint="It is listed separately and sends no notifications meanwhile.">
               <select id="hours">
-                <option value="0.5">half an hour</option>
-                <option value="1" selected>1 hour</option>
-                <option value="8">8 hours</option>
-                <option value="24">1 day</option>
-                <option value="168">7 days</option>
+                ${renderOptions(SHELVE_HOURS, "1")}
               </select>
             </t-field>`
           : nothing}
         ${renderAdvice(this.action.problem)}
       </form>
-      <t-button slot="actions" @click=${this.close}>Cancel</t-button>
+      <t-button slot="actions" @click=${close}>Cancel</t-button>
       <t-button slot="actions" kind="primary" ?busy=${this.action.busy} @click=${this.onSubmit}>${action}</t-button>
     </t-dialog>`;
   }
@@ -326,7 +310,7 @@ export class PageAlarms extends LitElement {
     return () => {
       this.action.clear();
       if (this.text) this.text.value = what === "assign" ? about.assigned : "";
-      this.doing = { what, about };
+      this.doing.open({ what, about });
     };
   }
 
@@ -336,16 +320,12 @@ export class PageAlarms extends LitElement {
     };
   }
 
-  private editorOpener(alarm: AlarmUpdate): () => void {
-    return () => {
-      this.editing = this.editing?.alarm === alarm.alarm && this.editing.site === alarm.site ? null : { site: alarm.site, alarm: alarm.alarm };
-    };
+  private isEdited({ site, alarm }: AlarmUpdate): boolean {
+    return this.editor.subject?.site === site && this.editor.subject.alarm === alarm;
   }
 
-  private creatorOpener(site: string): () => void {
-    return () => {
-      this.editing = { site, alarm: "" };
-    };
+  private editorOpener(alarm: AlarmUpdate): (event: Event) => void {
+    return this.isEdited(alarm) ? this.editor.close : this.editor.opener({ site: alarm.site, alarm: alarm.alarm });
   }
 
   private readonly toggleSound = (): void => {
@@ -353,7 +333,7 @@ export class PageAlarms extends LitElement {
   };
 
   private readonly onAlarmSaved = (): void => {
-    this.editing = null;
+    this.editor.close();
     this.defined.invalidate();
   };
 
@@ -361,26 +341,25 @@ export class PageAlarms extends LitElement {
     if (this.text) this.text.value = this.session.store?.person?.name ?? "";
   };
 
-  private readonly close = (): void => {
-    this.doing = null;
-  };
-
   private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
-    const { doing } = this;
+    const doing = this.doing.subject;
     if (doing === null) return;
     const text = this.text?.value.trim() ?? "";
     const { site, alarm } = doing.about;
     const until = Math.round((Date.now() + Number(this.hours?.value ?? 1) * 3_600_000) * 1000);
     const asked = { act: doing.what, ...(doing.what === "assign" ? { to: text } : { text }), ...(doing.what === "shelve" ? { until_us: until } : {}) };
     void this.action.run(`${doing.what} it`, () => new AlarmsApi(this.api).applyAction(site, alarm, asked)).then((done) => {
-      if (done) this.doing = null;
+      if (done) this.doing.close();
     });
   };
+}
 
-  private readonly retry = (): void => {
-    this.defined.invalidate();
-  };
+function renderEmpty(list: readonly AlarmUpdate[]): TemplateResult | typeof nothing {
+  if (list.length > 0) return nothing;
+  return html`<t-empty heading="There are no alarms yet" icon="bell">
+    <p>The site description can have some under <code>alarms:</code>, and whoever manages a site can make more here.</p>
+  </t-empty>`;
 }
 
 function capitalized(text: string): string {

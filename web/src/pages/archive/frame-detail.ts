@@ -1,19 +1,18 @@
 /** One picture of the archive: drawn, with its histogram, its facts and its header. */
 
 import { consume } from "@lit/context";
-import { css, html, LitElement, type TemplateResult } from "lit";
+import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
 import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../../tiles/archive/frame-preview.js";
 import { formatFileSize, skyPlace } from "./archive-query.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/status.js";
@@ -95,16 +94,19 @@ export class FrameDetailSheet extends LitElement {
   }
 
   override render(): TemplateResult {
-    const { result } = this.detail;
+    const { result, value } = this.detail;
     if (result.state === "failed") {
-      const advice = adviceFor(result.error, "this picture");
       return html`<div class="sheet">
-        ${renderAdvice(advice, this.retry)}
+        ${renderLoaded(this.detail, "this picture", () => nothing)}
         <div class="actions"><t-button @click=${this.close}>Back to the list</t-button></div>
       </div>`;
     }
-    const found = this.detail.value;
-    if (found === undefined || found.frame.id !== this.frame) return html`<t-loading what="Loading the picture"></t-loading>`;
+    // The picture before this one is of no use here.
+    if (value?.frame.id !== this.frame) return html`<t-loading what="Loading this picture"></t-loading>`;
+    return this.renderPicture(value);
+  }
+
+  private renderPicture(found: FrameDetail): TemplateResult {
     return html`<section class="sheet" aria-labelledby="name">
       <div class="head">
         <div>
@@ -168,10 +170,6 @@ export class FrameDetailSheet extends LitElement {
       </ul>
     </div>`;
   }
-
-  private readonly retry = (): void => {
-    this.detail.invalidate();
-  };
 
   private readonly close = (): void => {
     this.dispatchEvent(new CustomEvent("t-close"));

@@ -3,13 +3,14 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText } from "../../format/form-values.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
@@ -26,7 +27,7 @@ import {
   writeArchiveFilter,
   type ArchiveFilter,
 } from "./archive-query.js";
-import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
@@ -126,20 +127,16 @@ export class PageArchive extends LitElement {
     const nights = this.nights.value?.nights ?? [];
     const total = nights.reduce((sum, night) => sum + night.frames, 0);
     const bytes = nights.reduce((sum, night) => sum + night.bytes, 0);
-    return html`<div class="head">
-        <div>
-          <h1>Archive</h1>
-          <p class="muted">
-            ${this.nights.value === undefined
-              ? "Pictures that the cameras took, by night."
-              : `${String(total)} ${total === 1 ? "picture" : "pictures"} of ${String(nights.length)} ${nights.length === 1 ? "night" : "nights"}, ${formatFileSize(bytes)}. A night lasts from noon to noon.`}
-          </p>
-        </div>
-      </div>
+    return html`${renderPageHead(
+        "Archive",
+        this.nights.value === undefined
+          ? "Pictures that the cameras took, by night."
+          : `${String(total)} ${total === 1 ? "picture" : "pictures"} of ${String(nights.length)} ${nights.length === 1 ? "night" : "nights"}, ${formatFileSize(bytes)}. A night lasts from noon to noon.`,
+      )}
       ${frame === ""
         ? nothing
         : html`<t-frame-detail .site=${this.site} .frame=${frame} .zone=${this.zone()} @t-close=${this.closeFrame}></t-frame-detail>`}
-      ${this.renderSearch()} ${renderLoadError(this.found.result, "the archive", this.retry)} ${this.renderPictures()}`;
+      ${this.renderSearch()} ${renderLoaded(this.found, "the archive", (found) => this.renderPictures(found))}`;
   }
 
   private renderSearch(): TemplateResult {
@@ -149,12 +146,7 @@ export class PageArchive extends LitElement {
     return html`<form class="sheet filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
       <t-field label="Night">
         <select name="night">
-          <option value="">all</option>
-          ${map(
-            nights,
-            (night) =>
-              html`<option value=${night.night} .selected=${night.night === filter.night}>${night.night} (${night.frames})</option>`,
-          )}
+          ${renderOptions([["", "all"], ...nights.map(({ night, frames }) => [night, `${night} (${String(frames)})`] as const)], filter.night)}
         </select>
       </t-field>
       <t-field label="Target"><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
@@ -176,11 +168,7 @@ export class PageArchive extends LitElement {
     </form>`;
   }
 
-  private renderPictures(): unknown {
-    const found = this.found.value;
-    if (found === undefined) {
-      return renderLoadingNote(this.found.result, "Loading the archive");
-    }
+  private renderPictures(found: FrameList): TemplateResult {
     if (found.frames.length === 0) {
       const all = writeArchiveFilter(this.filter()) === "";
       return html`<t-empty heading=${all ? "No pictures yet" : "No matches"} icon="camera">
@@ -241,10 +229,6 @@ export class PageArchive extends LitElement {
 
   private readonly showMore = (): void => {
     this.limit = Math.min(MOST, this.limit * 2);
-  };
-
-  private readonly retry = (): void => {
-    this.found.invalidate();
   };
 }
 

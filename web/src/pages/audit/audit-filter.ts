@@ -2,9 +2,9 @@
 
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
@@ -41,20 +41,14 @@ export class AuditFilterForm extends LitElement {
       <t-field label="Person"><input name="who" autocomplete="off" maxlength="200" .value=${filter.who} /></t-field>
       <t-field label="Site">
         <select name="site">
-          <option value="">all</option>
-          ${map(
-            this.sites,
-            ({ site, name }) => html`<option value=${site} .selected=${site === filter.site}>${name}</option>`,
-          )}
+          ${renderOptions([["", "all"], ...this.sites.map(({ site, name }) => [site, name] as const)], filter.site)}
         </select>
       </t-field>
       <t-field label="Device"><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
       <t-field label="Kind" hint=""><input name="kind" autocomplete="off" maxlength="200" .value=${filter.kind} /></t-field>
       <t-field label="Outcome">
         <select name="good">
-          <option value="">both</option>
-          <option value="true" .selected=${filter.good === "true"}>done</option>
-          <option value="false" .selected=${filter.good === "false"}>refused</option>
+          ${renderOptions([["", "both"], ["true", "done"], ["false", "refused"]], filter.good)}
         </select>
       </t-field>
       <t-field class="time" label=${`From (${clock.zone})`}>

@@ -9,30 +9,10 @@ export const auditStyle = css`
     font-weight: var(--t-weight-strong);
   }
   .table {
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
-    overflow: hidden;
+    --t-columns: 15rem minmax(7rem, 1fr) minmax(0, 3fr) minmax(6rem, 1fr) 6.5rem;
   }
   .row {
-    display: grid;
-    grid-template-columns: 15rem minmax(7rem, 1fr) minmax(0, 3fr) minmax(6rem, 1fr) 6.5rem;
-    gap: var(--t-space-1) var(--t-space-4);
     align-items: baseline;
-    padding: var(--t-space-2) var(--t-space-4);
-  }
-  .row + .row {
-    border-block-start: 1px solid var(--t-line);
-  }
-  .titles {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
-    font-weight: var(--t-weight-strong);
-    background: var(--t-raised);
-  }
-  .row > span {
-    min-inline-size: 0;
-    overflow-wrap: anywhere;
   }
   .small {
     font-size: var(--t-size-s);
@@ -41,14 +21,6 @@ export const auditStyle = css`
     justify-content: center;
   }
   @media (max-width: 60rem) {
-    .titles {
-      position: absolute;
-      clip-path: inset(50%);
-    }
-    .row {
-      grid-template-columns: minmax(0, 1fr) auto;
-      padding-block: var(--t-space-3);
-    }
     .when,
     .what {
       grid-column: 1 / -1;

@@ -3,12 +3,11 @@
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
-import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderTable, tables, type TableColumn } from "../../elements/layout/data-table.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { withQuery } from "../../state/router.js";
@@ -17,7 +16,7 @@ import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { auditStyle } from "./audit-style.js";
 import { NO_FILTER, auditPageQuery, readAuditFilter, writeAuditFilter, type AuditFilter } from "./audit-query.js";
-import { renderAdvice, renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/problem.js";
@@ -27,11 +26,10 @@ import "../admin-tabs.js";
 import "./audit-filter.js";
 
 const ROWS = 50;
-const TITLES = ["Time", "Who", "What", "Where", "Outcome"] as const;
 
 @customElement("t-page-audit")
 export class PageAudit extends LitElement {
-  static override styles = [base, sheets, auditStyle];
+  static override styles = [base, sheets, tables, auditStyle];
 
   /** The last row of each page before this one. */
   @state() private trail: readonly string[] = [];
@@ -77,7 +75,7 @@ export class PageAudit extends LitElement {
         zone=${zone}
         @t-filter=${this.onChoose}
       ></t-audit-filter>
-      ${renderLoadError(this.page.result, "the audit log", this.retry)} ${this.renderRows(filter)}`;
+      ${renderLoaded(this.page, "the audit log", (page) => this.renderRows(page, filter))}`;
   }
 
   private renderChain(): unknown {
@@ -94,27 +92,20 @@ export class PageAudit extends LitElement {
         ></t-problem>`;
   }
 
-  private renderRows(filter: AuditFilter): unknown {
-    const page = this.page.value;
-    if (page === undefined) {
-      return renderLoadingNote(this.page.result, "Loading the audit log");
-    }
+  private renderRows(page: AuditPage, filter: AuditFilter): TemplateResult {
     if (page.rows.length === 0) {
       return html`<t-empty heading="No matches" icon="info">
         <p>${writeAuditFilter(filter) === "" ? "The log is empty." : "No row matches the filter."}</p>
         ${writeAuditFilter(filter) === "" ? nothing : html`<t-button @click=${this.clearFilter}>Show everything</t-button>`}
       </t-empty>`;
     }
-    return html`<div class="table" role="table" aria-label="Audit log" aria-busy=${this.page.result.state === "loading"}>
-        <div class="row titles" role="row">
-          ${map(TITLES, (word) => html`<span role="columnheader">${word}</span>`)}
-        </div>
-        ${repeat(
-          page.rows,
-          (row) => row.id,
-          (row) => this.renderRow(row),
-        )}
-      </div>
+    return html`${renderTable({
+        label: "Audit log",
+        columns: this.columns,
+        rows: page.rows,
+        key: ({ id }) => id,
+        busy: this.page.result.state === "loading",
+      })}
       <div class="actions paging">
         ${this.trail.length === 0
           ? nothing
@@ -123,20 +114,13 @@ export class PageAudit extends LitElement {
       </div>`;
   }
 
-  private renderRow(row: AuditRow): TemplateResult {
-    return html`<div class="row" role="row">
-      <span role="cell" class="when"><t-time .us=${row.time_us} .zone=${this.sites.store?.zoneOf(row.site) ?? "UTC"}></t-time></span>
-      <span role="cell" class="who"
-        >${row.who === "" ? html`<span class="muted">nobody</span>` : row.who}
-        ${row.address === "" ? nothing : html`<span class="muted small">${row.address}</span>`}</span
-      >
-      <span role="cell" class="what"
-        ><strong>${row.kind}</strong> ${row.message === "" ? nothing : html`<span>${row.message}</span>`}</span
-      >
-      <span role="cell" class="where">${[row.site, row.device].filter(Boolean).join(" · ") || html`<span class="muted">hub</span>`}</span>
-      <span role="cell"><t-status kind=${row.good ? "ok" : "bad"} word=${row.good ? "done" : "refused"}></t-status></span>
-    </div>`;
-  }
+  private readonly columns: readonly TableColumn<AuditRow>[] = [
+    { title: "Time", name: "when", cell: ({ time_us, site }) => html`<t-time .us=${time_us} .zone=${this.sites.store?.zoneOf(site) ?? "UTC"}></t-time>` },
+    { title: "Who", name: "who", cell: renderPerson },
+    { title: "What", name: "what", cell: ({ kind, message }) => html`<strong>${kind}</strong> ${message === "" ? nothing : html`<span>${message}</span>`}` },
+    { title: "Where", name: "where", cell: ({ site, device }) => [site, device].filter(Boolean).join(" · ") || html`<span class="muted">hub</span>` },
+    { title: "Outcome", cell: ({ good }) => html`<t-status kind=${good ? "ok" : "bad"} word=${good ? "done" : "refused"}></t-status>` },
+  ];
 
   private filter(): AuditFilter {
     return readAuditFilter(this.router.store?.search ?? "");
@@ -148,10 +132,6 @@ export class PageAudit extends LitElement {
 
   private readonly clearFilter = (): void => {
     this.router.store?.replace(withQuery("/admin/audit", writeAuditFilter(NO_FILTER)));
-  };
-
-  private readonly retry = (): void => {
-    this.page.invalidate();
   };
 
   private readonly showOlder = (): void => {
@@ -175,6 +155,11 @@ export class PageAudit extends LitElement {
       this.check = await new AdminApi(this.api).checkAudit();
     });
   };
+}
+
+function renderPerson({ who, address }: AuditRow): TemplateResult {
+  return html`${who === "" ? html`<span class="muted">nobody</span>` : who}
+  ${address === "" ? nothing : html`<span class="muted small">${address}</span>`}`;
 }
 
 declare global {

@@ -8,13 +8,11 @@ import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
 import { devicePath, sitePath } from "../../state/router.js";
 import type { SiteDetail } from "../../wire/api-types.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/loading.js";
 import "../../tiles/camera/camera-tile.js";
 
 @customElement("t-page-cameras")
@@ -57,7 +55,7 @@ export class PageCameras extends LitElement {
         <h1>Cameras</h1>
         ${this.hasDetection() ? html`<div class="actions"><a href=${sitePath(this.site, "sightings")}>What they have seen</a></div>` : nothing}
       </div>
-      ${this.renderContent()}`;
+      ${renderLoaded(this.detail, "the cameras", (detail) => this.renderContent(detail))}`;
   }
 
   /** Something is looked for on the pictures of one of them. */
@@ -65,13 +63,7 @@ export class PageCameras extends LitElement {
     return this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
   }
 
-  private renderContent(): TemplateResult {
-    const { result } = this.detail;
-    const detail = this.detail.value;
-    if (result.state === "failed") {
-      return renderAdvice(adviceFor(result.error, "the cameras"), this.retry);
-    }
-    if (detail === undefined) return html`<t-loading what="Loading the cameras"></t-loading>`;
+  private renderContent(detail: SiteDetail): TemplateResult {
     const cameras = detail.devices.flatMap((device) => device.streams.map((stream) => ({ device, stream })));
     if (cameras.length === 0) {
       return html`<t-empty heading="No cameras" icon="camera">
@@ -97,10 +89,6 @@ export class PageCameras extends LitElement {
       )}
     </div>`;
   }
-
-  private readonly retry = (): void => {
-    this.detail.invalidate();
-  };
 }
 
 declare global {

@@ -3,8 +3,10 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { ActionController } from "../../controllers/action.js";
+import type { ActionController } from "../../controllers/action.js";
+import { QuestionController } from "../../controllers/question.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
@@ -12,11 +14,11 @@ import { EditHistory } from "../../state/edit-history.js";
 import { DescriptionsApi, type ChangeAnswer, type CheckAnswer, type DescriptionList, type Finding, type Schema } from "../../wire/descriptions-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { changedAt, isObject, movedAt, pathOf, renamedAt, type JsonObject } from "./json-schema.js";
+import { refusalAdvice } from "./refusal-advice.js";
 import type { FormEdit } from "./schema-form.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
-import "../../elements/feedback/confirm.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
@@ -85,12 +87,12 @@ export class DescriptionEditor extends LitElement {
   @state() private described: JsonObject | null = null;
   @state() private schema: Schema | null = null;
   @state() private failed: Advice | null = null;
-  @state() private asking = false;
   @state() private answer: ChangeAnswer | null = null;
 
   @query("textarea") private readonly area!: HTMLTextAreaElement | null;
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly action = new ActionController(this);
+  /** Whether to apply the text as it stands. */
+  private readonly review = new QuestionController<EditHistory>(this, (edits, action) => this.applyText(edits, action));
   private from = { site: "", number: 0, digest: "", text: "" };
   private timer = 0;
   private abort: AbortController | null = null;
@@ -175,26 +177,17 @@ export class DescriptionEditor extends LitElement {
 
   private renderConfirm(): TemplateResult {
     const { answer, checked } = this;
-    const refused =
-      answer === null || answer.phase === "applied"
-        ? null
-        : { what: answer.phase === "refused" ? "The gateway refused it." : "It is not known whether it was done.", how: answer.message };
-    return html`<t-confirm
-      ?open=${this.asking}
-      heading="Apply this change?"
-      action=${this.action.busy ? "The gateway changes over…" : "Apply"}
-      kind="primary"
-      ?busy=${this.action.busy}
-      .problem=${this.action.problem ?? refused}
-      @t-confirm=${this.apply}
-      @t-close=${this.closeReview}
-    >
-      <t-difference .parts=${checked?.parts ?? []} .lines=${checked?.lines ?? []}></t-difference>
-      <h3>Preview</h3>
-      <t-description-preview .described=${this.described ?? {}} .devices=${this.devices()}></t-description-preview>
-      <p>The gateway applies it at once. A device that changes is stopped first, and its driver loses control.</p>
-      ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}
-    </t-confirm>`;
+    return renderQuestion(this.review, () => ({
+      heading: "Apply this change?",
+      action: this.review.action.busy ? "The gateway changes over…" : "Apply",
+      kind: "primary",
+      problem: refusalAdvice(answer),
+      text: html`<t-difference .parts=${checked?.parts ?? []} .lines=${checked?.lines ?? []}></t-difference>
+        <h3>Preview</h3>
+        <t-description-preview .described=${this.described ?? {}} .devices=${this.devices()}></t-description-preview>
+        <p>The gateway applies it at once. A device that changes is stopped first, and its driver loses control.</p>
+        ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}`,
+    }));
   }
 
   private canApply(): boolean {
@@ -328,14 +321,9 @@ export class DescriptionEditor extends LitElement {
     });
   };
 
-  private readonly openReview = (): void => {
-    this.action.clear();
+  private readonly openReview = (event: Event): void => {
     this.answer = null;
-    this.asking = true;
-  };
-
-  private readonly closeReview = (): void => {
-    this.asking = false;
+    if (this.edits !== null) this.review.opener(this.edits)(event);
   };
 
   private readonly reload = (): void => {
@@ -345,21 +333,18 @@ export class DescriptionEditor extends LitElement {
     void this.load(this.known?.versions[0]?.number ?? this.from.number);
   };
 
-  private readonly apply = (): void => {
-    const { edits } = this;
-    if (edits === null) return;
+  /** Gives whether the gateway changed over. */
+  private async applyText(edits: EditHistory, action: ActionController): Promise<boolean> {
     this.answer = null;
-    void this.action
-      .run("apply the change", async () => {
-        this.answer = await new DescriptionsApi(this.api).sendDescription(this.site, edits.text, this.from.digest);
-      })
-      .then((done) => {
-        if (!done || this.answer?.phase !== "applied") return;
-        this.asking = false;
-        this.from = { ...this.from, text: edits.text };
-        this.dispatchEvent(new CustomEvent("t-applied"));
-      });
-  };
+    const { text } = edits;
+    const answered = await action.run("apply the change", async () => {
+      this.answer = await new DescriptionsApi(this.api).sendDescription(this.site, text, this.from.digest);
+    });
+    if (!answered || (this.answer as ChangeAnswer | null)?.phase !== "applied") return false;
+    this.from = { ...this.from, text };
+    this.dispatchEvent(new CustomEvent("t-applied"));
+    return true;
+  }
 }
 
 declare global {

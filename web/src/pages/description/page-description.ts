@@ -3,27 +3,30 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { QuestionController } from "../../controllers/question.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
+import { control } from "../../elements/forms/input-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { DescriptionsApi, type ChangeAnswer, type DescriptionList, type DifferenceAnswer, type Version } from "../../wire/descriptions-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { renderAdvice, renderLoadError } from "../../elements/feedback/load-state.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
-import "../../elements/feedback/confirm.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "../admin-tabs.js";
+import { refusalAdvice } from "./refusal-advice.js";
 import "./description-diff.js";
 import "./description-editor.js";
 import "./description-problems.js";
@@ -43,6 +46,7 @@ export class PageDescription extends LitElement {
   static override styles = [
     base,
     sheets,
+    control,
     css`
       .now {
         display: flex;
@@ -62,14 +66,7 @@ export class PageDescription extends LitElement {
         grid-column: 1 / -1;
       }
       select {
-        min-block-size: var(--t-touch);
         max-inline-size: 100%;
-        padding-inline: var(--t-space-3);
-        border: 1px solid var(--t-edge);
-        border-radius: var(--t-radius-s);
-        background: var(--t-surface);
-        color: var(--t-text);
-        font: inherit;
       }
       code {
         font-family: var(--t-mono);
@@ -84,7 +81,6 @@ export class PageDescription extends LitElement {
   @state() private chosen = "";
   @state() private page = "versions";
   @state() private shown: Version | null = null;
-  @state() private backTo: Version | null = null;
   @state() private answer: ChangeAnswer | null = null;
   @state() private older: readonly Version[] = [];
 
@@ -93,6 +89,7 @@ export class PageDescription extends LitElement {
   private readonly known = new LoadController<DescriptionList>(this);
   private readonly difference = new LoadController<DifferenceAnswer>(this);
   private readonly action = new ActionController(this);
+  private readonly restoring = new QuestionController<Version>(this, (row, action) => this.restoreVersion(row, action));
   private edition = "";
 
   /** The site that is shown: the one that was chosen, or the first. */
@@ -118,28 +115,18 @@ export class PageDescription extends LitElement {
 
   override render(): TemplateResult {
     const sites = this.sites.store?.list ?? [];
-    const known = this.known.value;
     return html`<t-admin-tabs page="description"></t-admin-tabs>
-      <div class="head">
-        <div>
-          <h1>Description</h1>
-          <p class="muted">Everything that defines a site. The gateway's own copy is the one in use.</p>
-        </div>
-        ${sites.length < 2
+      ${renderPageHead(
+        "Description",
+        "Everything that defines a site. The gateway's own copy is the one in use.",
+        sites.length < 2
           ? nothing
-          : html`<select aria-label="Site" @change=${this.onChoose}>
-              ${map(sites, (row) => html`<option value=${row.site} ?selected=${row.site === this.siteId}>${row.name}</option>`)}
-            </select>`}
-      </div>
+          : html`<select aria-label="Site" @change=${this.onChoose}>${renderOptions(sites.map(({ site, name }) => [site, name]), this.siteId)}</select>`,
+      )}
       ${this.siteId === "" && this.sites.store !== undefined
         ? html`<t-empty heading="No site is known yet" icon="info"><p>A site appears here once its gateway has connected.</p></t-empty>`
         : nothing}
-      ${renderLoadError(this.known.result, "the site's description", this.retry)} ${known === undefined ? this.renderLoading() : this.renderContent(known)}`;
-  }
-
-  private renderLoading(): unknown {
-    if (this.known.result.state === "failed" || this.siteId === "") return nothing;
-    return html`<t-loading what="Loading the description"></t-loading>`;
+      ${this.siteId === "" ? nothing : renderLoaded(this.known, "the site's description", (known) => this.renderContent(known))}`;
   }
 
   private renderContent(known: DescriptionList): TemplateResult {
@@ -157,7 +144,7 @@ export class PageDescription extends LitElement {
       </section>
       <t-choice label="What to do" .options=${PAGES} chosen=${this.page} @t-choose=${this.onTabChange}></t-choice>
       ${this.page === "edit"
-        ? html`<t-description-editor .site=${this.siteId} .known=${known} @t-applied=${this.retry}></t-description-editor>`
+        ? html`<t-description-editor .site=${this.siteId} .known=${known} @t-applied=${this.known.invalidate}></t-description-editor>`
         : this.renderVersions(known)}`;
   }
 
@@ -166,15 +153,11 @@ export class PageDescription extends LitElement {
     const more = this.older.length === 0 ? known.more : (rows.at(-1)?.number ?? 1) > 1;
     return html`<section class="sheet" aria-label="Versions">
         <ul class="rows">
-          ${repeat(
-            rows,
-            (row) => row.number,
-            (row) => this.renderRow(row, known),
-          )}
+          ${repeat(rows, ({ number }) => number, (row) => this.renderRow(row, known))}
         </ul>
         ${more ? html`<div class="actions"><t-button ?busy=${this.action.runningKey === "older"} @click=${this.showOlder}>Older versions</t-button></div>` : nothing}
       </section>
-      ${this.renderConfirm(known)}`;
+      ${this.renderConfirm()}`;
   }
 
   private renderRow(row: Version, known: DescriptionList): TemplateResult {
@@ -206,30 +189,27 @@ export class PageDescription extends LitElement {
   }
 
   private renderDifferences(): unknown {
-    const { result, value } = this.difference;
-    if (result.state === "failed") {
-      return renderAdvice(adviceFor(result.error, "what changed"));
-    }
-    if (result.state !== "ready" || value === undefined) return html`<t-loading what="Comparing"></t-loading>`;
-    return html`<t-difference .parts=${value.parts} .lines=${value.lines}></t-difference>
-      ${value.long ? html`<p class="muted">There are more lines than are shown.</p>` : nothing}`;
+    // Those of the version before are of no use here.
+    if (this.difference.result.state === "loading") return html`<t-loading what="Comparing"></t-loading>`;
+    return renderLoaded(
+      this.difference,
+      "what changed",
+      ({ parts, lines, long }) =>
+        html`<t-difference .parts=${parts} .lines=${lines}></t-difference>
+          ${long ? html`<p class="muted">There are more lines than are shown.</p>` : nothing}`,
+    );
   }
 
-  private renderConfirm(known: DescriptionList): TemplateResult {
-    const { answer, backTo } = this;
-    return html`<t-confirm
-      ?open=${backTo !== null}
-      heading=${`Go back to version ${String(backTo?.number ?? 0)}?`}
-      action=${this.action.busy ? "The gateway changes over…" : "Go back to this one"}
-      ?busy=${this.action.busy}
-      .problem=${this.action.problem ?? refusalAdvice(answer)}
-      @t-confirm=${this.versionRestorer(known)}
-      @t-close=${this.closeQuestion}
-    >
-      <p>The gateway applies it at once, without a restart. What is the same in both continues without a break.</p>
-      <p>A device that differs is stopped first, and its driver loses control.</p>
-      ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}
-    </t-confirm>`;
+  private renderConfirm(): TemplateResult {
+    const { answer } = this;
+    return renderQuestion(this.restoring, ({ number }) => ({
+      heading: `Go back to version ${String(number)}?`,
+      action: this.restoring.action.busy ? "The gateway changes over…" : "Go back to this one",
+      problem: refusalAdvice(answer),
+      text: html`<p>The gateway applies it at once, without a restart. What is the same in both continues without a break.</p>
+        <p>A device that differs is stopped first, and its driver loses control.</p>
+        ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}`,
+    }));
   }
 
   /** The version before one, 0 if it is the first. */
@@ -244,10 +224,6 @@ export class PageDescription extends LitElement {
 
   private readonly onTabChange = (event: CustomEvent<string>): void => {
     this.page = event.detail;
-  };
-
-  private readonly retry = (): void => {
-    this.known.invalidate();
   };
 
   private readonly showOlder = (): void => {
@@ -270,41 +246,23 @@ export class PageDescription extends LitElement {
     };
   }
 
-  private restoreAsker(row: Version): () => void {
-    return () => {
-      this.action.clear();
+  private restoreAsker(row: Version): (event: Event) => void {
+    return (event) => {
       this.answer = null;
-      this.backTo = row;
+      this.restoring.opener(row)(event);
     };
   }
 
-  private readonly closeQuestion = (): void => {
-    this.backTo = null;
-  };
-
-  private versionRestorer(known: DescriptionList): () => void {
-    return () => {
-      const row = this.backTo;
-      if (row === null) return;
-      this.answer = null;
-      const api = new DescriptionsApi(this.api);
-      void this.action
-        .run(`go back to version ${String(row.number)}`, async () => {
-          this.answer = await api.restoreVersion(this.siteId, row.number, known.digest);
-        })
-        .then((done) => {
-          if (done && this.answer?.phase === "applied") this.backTo = null;
-          this.known.invalidate();
-        });
-    };
+  /** Gives whether the gateway changed over. */
+  private async restoreVersion(row: Version, action: ActionController): Promise<boolean> {
+    const digest = this.known.value?.digest ?? "";
+    this.answer = null;
+    const asked = await action.run(`go back to version ${String(row.number)}`, async () => {
+      this.answer = await new DescriptionsApi(this.api).restoreVersion(this.siteId, row.number, digest);
+    });
+    this.known.invalidate();
+    return asked && (this.answer as ChangeAnswer | null)?.phase === "applied";
   }
-}
-
-/** What a gateway's answer means; null when there is nothing to say. */
-export function refusalAdvice(answer: ChangeAnswer | null): Advice | null {
-  if (answer === null || answer.phase === "applied") return null;
-  const what = answer.phase === "refused" ? "The gateway refused it." : "It is not known whether it was done.";
-  return { what, how: answer.message };
 }
 
 declare global {

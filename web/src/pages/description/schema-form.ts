@@ -3,6 +3,7 @@ import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
 import { UNITS } from "../../generated/units.js";
 import type { Finding, Schema } from "../../wire/descriptions-api.js";
 import { emptyOf, schemaFields, freeName, isObject, pathOf, type SchemaField, type Json, type JsonObject, type JsonPath } from "./json-schema.js";
@@ -139,9 +140,7 @@ export class SchemaForm extends LitElement {
 
   private renderControl(field: SchemaField, value: Json): TemplateResult {
     if (field.kind === "choice") {
-      return html`<select @change=${this.valueSetter(field, (input) => input.value)}>
-        ${map(field.choices, (word) => html`<option value=${word} ?selected=${word === value}>${word}</option>`)}
-      </select>`;
+      return html`<select @change=${this.valueSetter(field, (input) => input.value)}>${renderOptions(field.choices, typeof value === "string" ? value : "")}</select>`;
     }
     if (field.kind === "words") {
       const words = Array.isArray(value) ? value.map(String).join(", ") : "";

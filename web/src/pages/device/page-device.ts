@@ -200,7 +200,7 @@ export class PageDevice extends LitElement {
       if (error instanceof Error && "status" in error && (error.status === 403 || error.status === 404)) {
         return this.renderForbidden(this.site);
       }
-      return renderAdvice(adviceFor(error, "this device"), this.retry);
+      return renderAdvice(adviceFor(error, "this device"), this.detail.invalidate);
     }
     return this.detail.value === undefined ? html`<t-loading what="Loading the device"></t-loading>` : nothing;
   }
@@ -344,10 +344,6 @@ export class PageDevice extends LitElement {
 
   private readonly onSiteLoaded = (): void => {
     this.painter.wakeUp();
-  };
-
-  private readonly retry = (): void => {
-    this.detail.invalidate();
   };
 }
 

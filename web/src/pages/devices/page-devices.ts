@@ -9,13 +9,15 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
+import { control } from "../../elements/forms/input-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { DeviceRow, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
-import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
 import "../../elements/feedback/empty.js";
@@ -39,6 +41,7 @@ export class PageDevices extends LitElement {
   static override styles = [
     base,
     sheets,
+    control,
     css`
       .unguarded {
         display: flex;
@@ -57,18 +60,6 @@ export class PageDevices extends LitElement {
       }
       input {
         flex: 1 1 10rem;
-        min-inline-size: 0;
-        min-block-size: var(--t-touch);
-        padding: var(--t-space-2) var(--t-space-3);
-        border: 1px solid var(--t-edge);
-        border-radius: var(--t-radius-s);
-        background: var(--t-surface);
-        color: var(--t-text);
-        font: inherit;
-      }
-      ::placeholder {
-        color: var(--t-muted);
-        opacity: 1;
       }
       section {
         display: grid;
@@ -145,17 +136,15 @@ export class PageDevices extends LitElement {
 
   override render(): TemplateResult {
     const rows = this.rows.value;
-    return html`<div class="head">
-        <div>
-          <h1>Devices</h1>
-          ${rows === undefined ? nothing : html`<p class="muted">${devicesSummary(rows)}</p>`}
-        </div>
-        <div class="tools" role="search">
+    return html`${renderPageHead(
+        "Devices",
+        rows === undefined ? nothing : devicesSummary(rows),
+        html`<div class="tools" role="search">
           <t-choice label="Status" .options=${STANDINGS} .chosen=${this.chosen} @t-choose=${this.onChoose}></t-choice>
           <input type="search" aria-label="Filter devices" placeholder="Filter" .value=${this.words} @input=${this.onInput} />
-        </div>
-      </div>
-      ${renderLoadError(this.rows.result, "the list of devices", this.retry)} ${rows === undefined ? renderLoadingNote(this.rows.result, "Loading the devices") : this.renderContent(rows)}`;
+        </div>`,
+      )}
+      ${renderLoaded(this.rows, "the list of devices", (loaded) => this.renderContent(loaded))}`;
   }
 
   private renderContent(rows: readonly DeviceRow[]): unknown {
@@ -245,10 +234,6 @@ export class PageDevices extends LitElement {
   private readonly clearSearch = (): void => {
     this.words = "";
     this.chosen = "";
-  };
-
-  private readonly retry = (): void => {
-    this.rows.invalidate();
   };
 }
 

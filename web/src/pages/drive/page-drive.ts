@@ -13,8 +13,7 @@ import { base } from "../../elements/base/base-style.js";
 import "../../elements/layout/card.js";
 import "../../elements/forms/choice.js";
 import "../../elements/feedback/empty.js";
-import "../../elements/feedback/loading.js";
-import "../../elements/feedback/problem.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import { robotNewsContext, sitesContext } from "../../state/contexts.js";
 import "../../tiles/camera/camera-tile.js";
 import "../../tiles/command/command-list.js";
@@ -67,9 +66,11 @@ export class PageActuate extends LitElement {
     this.buildController();
   }
 
-  override render(): TemplateResult {
-    const detail = this.detail.value;
-    if (!detail) return this.renderLoading();
+  override render(): unknown {
+    return renderLoaded(this.detail, "the site", (detail) => this.renderPage(detail));
+  }
+
+  private renderPage(detail: SiteDetail): TemplateResult {
     const drivable = detail.devices.filter((device) => device.drive !== null);
     const device = this.chosenDevice(detail);
     const online = this.isOnline(detail);
@@ -90,17 +91,6 @@ export class PageActuate extends LitElement {
         ${device ? this.renderDriveView(detail, device, online) : this.renderNothingToDrive(detail, online)}
       </div>
     `;
-  }
-
-  private renderLoading(): TemplateResult {
-    if (this.detail.result.state !== "failed") return html`<t-loading what="Loading the site"></t-loading>`;
-    const { error } = this.detail.result;
-    return html`<t-problem
-      what="This site cannot be shown."
-      how=${error instanceof Error ? error.message : "The hub gave no reason."}
-      retry="Try again"
-      @t-retry=${this.retry}
-    ></t-problem>`;
   }
 
   private renderNothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
@@ -225,10 +215,6 @@ export class PageActuate extends LitElement {
     });
     this.head.observe(head);
   }
-
-  private readonly retry = (): void => {
-    this.detail.invalidate();
-  };
 
   private readonly onChoose = (event: CustomEvent<string>): void => {
     this.chosen = event.detail;

@@ -7,6 +7,8 @@ import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
+import { renderFormActions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext } from "../../state/contexts.js";
@@ -71,9 +73,7 @@ export class EnrolForm extends LitElement {
   }
 
   override firstUpdated(): void {
-    void this.site.closest("t-field")?.updateComplete.then(() => {
-      this.site.focus();
-    });
+    void focusInside(this, "input");
   }
 
   override render(): TemplateResult {
@@ -91,11 +91,7 @@ export class EnrolForm extends LitElement {
         <t-field label="Name" hint="What people call this gateway; may stay empty">
           <input id="name" autocomplete="off" maxlength="100" />
         </t-field>
-        ${renderAdvice(problem)}
-        <div class="actions">
-          <t-button type="submit" kind="primary" ?busy=${busy}>Make a code</t-button>
-          <t-button @click=${this.closeForm}>Cancel</t-button>
-        </div>
+        ${renderAdvice(problem)} ${renderFormActions({ submit: "Make a code", busy, cancel: this.closeForm })}
       </form>`;
   }
 

@@ -2,10 +2,12 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, state } from "lit/decorators.js";
+import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
+import { QuestionController } from "../../controllers/question.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
@@ -15,7 +17,6 @@ import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/confirm.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
@@ -53,10 +54,12 @@ export class GatewaySection extends LitElement {
   @property({ attribute: false }) devices: readonly DeviceRow[] = [];
   @property({ attribute: "site-name" }) siteName = "";
   @property() zone = "UTC";
-  @state() private asking = false;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly action = new ActionController(this);
+  private readonly revoking = new QuestionController<GatewayRow>(this, (row, action) =>
+    this.runAction(action, "revoke the key", () => new AdminApi(this.api).revokeGateway(row.id)),
+  );
 
   override render(): TemplateResult | typeof nothing {
     const { row } = this;
@@ -83,18 +86,21 @@ export class GatewaySection extends LitElement {
         </div>
         <div><dt>Enrolled</dt><dd><t-time .us=${row.created_us} .zone=${this.zone}></t-time></dd></div>
       </dl>
-      ${problem === null || this.asking
-        ? nothing
-        : renderAdvice(problem)}
-      ${revoked ? nothing : this.renderActions(row, done)} ${this.renderQuestion(row)}`;
+      ${renderAdvice(problem)} ${revoked ? nothing : this.renderActions(row, done)}
+      ${renderQuestion(this.revoking, ({ name }) => ({
+        heading: `Revoke the key of ${name === "" ? this.siteName : name}?`,
+        action: "Revoke it",
+        keep: "Keep it",
+        text: `Its link is closed at once: nothing more is seen of ${this.siteName}, and nothing there can be driven or stopped from here. A vehicle that is being driven comes to rest by itself. To come back, it has to be enrolled anew.`,
+      }))}`;
   }
 
   private renderActions(row: GatewayRow, done: string): TemplateResult {
     return html`<div class="actions">
-        <t-button ?disabled=${!row.online} ?busy=${this.action.runningKey === "link"} @click=${this.reconnectGateway}
+        <t-button ?disabled=${!row.online} ?busy=${this.action.runningKey === "close the link"} @click=${this.reconnectGateway}
           >Reconnect it</t-button
         >
-        <t-button @click=${this.openQuestion}>Revoke…</t-button>
+        <t-button @click=${this.revoking.opener(row)}>Revoke…</t-button>
         <span class="said" role="status">${done}</span>
       </div>
       ${this.devices.length === 0
@@ -102,11 +108,7 @@ export class GatewaySection extends LitElement {
         : html`<details>
             <summary>Its devices (${this.devices.length})</summary>
             <ul class="rows">
-              ${repeat(
-                this.devices,
-                ({ device }) => device,
-                (device) => this.renderDevice(row, device),
-              )}
+              ${repeat(this.devices, ({ device }) => device, (device) => this.renderDevice(row, device))}
             </ul>
           </details>`}`;
   }
@@ -133,48 +135,15 @@ export class GatewaySection extends LitElement {
     </li>`;
   }
 
-  private renderQuestion(row: GatewayRow): TemplateResult {
-    const name = row.name === "" ? this.siteName : row.name;
-    return html`<t-confirm
-      heading=${`Revoke the key of ${name}?`}
-      action="Revoke it"
-      keep="Keep it"
-      ?open=${this.asking}
-      ?busy=${this.action.busy}
-      .problem=${this.asking ? this.action.problem : null}
-      @t-confirm=${this.revoke}
-      @t-close=${this.closeQuestion}
-      ><p>
-        Its link is closed at once: nothing more is seen of ${this.siteName}, and nothing there can be driven or stopped
-        from here. A vehicle that is being driven comes to rest by itself. To come back, it has to be enrolled anew.
-      </p></t-confirm
-    >`;
-  }
-
-  private readonly openQuestion = (): void => {
-    this.action.clear();
-    this.asking = true;
-  };
-
-  private readonly closeQuestion = (): void => {
-    this.asking = false;
-    this.action.clear();
-  };
-
   private readonly reconnectGateway = (): void => {
     const id = this.row?.id ?? "";
-    void this.runAction("close the link", () => new AdminApi(this.api).reconnect(id), "The link is closed; the gateway dials again.", "link");
+    void this.runAction(this.action, "close the link", () => new AdminApi(this.api).reconnect(id), "The link is closed; the gateway dials again.");
   };
 
-  private readonly revoke = (): void => {
-    const id = this.row?.id ?? "";
-    void this.runAction("revoke the key", () => new AdminApi(this.api).revokeGateway(id), "");
-  };
-
-  private async runAction(asked: string, action: () => Promise<void>, done: string, key = asked): Promise<void> {
-    if (!(await this.action.run(asked, action, done, key))) return;
-    this.asking = false;
-    this.dispatchEvent(new CustomEvent("t-changed"));
+  private async runAction(action: ActionController, asked: string, perform: () => Promise<void>, done = ""): Promise<boolean> {
+    const succeeded = await action.run(asked, perform, done);
+    if (succeeded) this.dispatchEvent(new CustomEvent("t-changed"));
+    return succeeded;
   }
 }
 

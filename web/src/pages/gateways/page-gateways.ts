@@ -2,22 +2,24 @@
 
 import { consume } from "@lit/context";
 import { html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, state } from "lit/decorators.js";
+import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
+import { renderRows } from "../../elements/layout/rows.js";
 import { formatDuration } from "../../format/duration.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import type { CodeRow, GatewayList, GatewayRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../admin-tabs.js";
@@ -35,12 +37,11 @@ interface LoadedGateways extends GatewayList {
 export class PageGateways extends LitElement {
   static override styles = [base, sheets];
 
-  @state() private enrolling = false;
-
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly known = new LoadController<LoadedGateways>(this);
   private readonly action = new ActionController(this);
+  private readonly form = new OpenSubject<"new">(this);
 
   constructor() {
     super();
@@ -58,33 +59,22 @@ export class PageGateways extends LitElement {
   override render(): TemplateResult {
     const known = this.known.value;
     return html`<t-admin-tabs page="gateways"></t-admin-tabs>
-      <div class="head">
-        <div>
-          <h1>Gateways</h1>
-          <p class="muted">Each runs beside its robots, connects to this hub, and has its own key.</p>
-        </div>
-        ${this.enrolling ? nothing : html`<t-button kind="primary" @click=${this.openForm}>Enrol a gateway</t-button>`}
-      </div>
-      ${this.enrolling
+      ${renderPageHead(
+        "Gateways",
+        "Each runs beside its robots, connects to this hub, and has its own key.",
+        html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.form.opener("new")}>Enrol a gateway</t-button>`,
+      )}
+      ${this.form.isOpen
         ? html`<t-enrol
             class="sheet"
             .sites=${known === undefined ? [] : [...new Set(known.gateways.map(({ site }) => site))]}
             .gateways=${known?.gateways ?? []}
             .zone=${this.sites.store?.zone ?? "UTC"}
-            @t-close=${this.closeForm}
-            @t-changed=${this.retry}
+            @t-close=${this.form.close}
+            @t-changed=${this.known.invalidate}
           ></t-enrol>`
         : nothing}
-      ${this.renderProblem()} ${known === undefined ? renderLoadingNote(this.known.result, "Loading the gateways") : this.renderContent(known)}`;
-  }
-
-  private renderProblem(): unknown {
-    const { result } = this.known;
-    const { problem } = this.action;
-    if (result.state === "failed") {
-      return renderAdvice(adviceFor(result.error, "the list of gateways"));
-    }
-    return renderAdvice(problem);
+      ${renderAdvice(this.action.problem)} ${renderLoaded(this.known, "the list of gateways", (value) => this.renderContent(value))}`;
   }
 
   private renderContent(known: LoadedGateways): TemplateResult {
@@ -115,7 +105,7 @@ export class PageGateways extends LitElement {
         .devices=${devices.filter(({ site }) => site === row.site)}
         .siteName=${this.sites.store?.siteRow(row.site)?.name ?? row.site}
         .zone=${this.sites.store?.zoneOf(row.site) ?? "UTC"}
-        @t-changed=${this.retry}
+        @t-changed=${this.known.invalidate}
       ></t-gateway-sheet>`,
     );
   }
@@ -126,45 +116,25 @@ export class PageGateways extends LitElement {
     if (good.length === 0) return nothing;
     return html`<section class="sheet" aria-label="Codes that are not used yet">
       <h2>Codes that are not used yet</h2>
-      <ul class="rows">
-        ${repeat(
-          good,
-          (row) => row.id,
-          (row) => html`<li>
-            <div>
-              <span class="name">${row.site}</span>
-              <div class="facts"><span>good for ${formatDuration((row.expires_us - now) / 1e6)} more</span></div>
-            </div>
-            <t-button
-              label=${`Withdraw the code for ${row.site}`}
-              ?busy=${this.action.runningKey === row.id}
-              @click=${this.codeWithdrawer(row)}
-              >Withdraw</t-button
-            >
-          </li>`,
-        )}
-      </ul>
+      ${renderRows(
+        good,
+        (row) => html`<li>
+          <div>
+            <span class="name">${row.site}</span>
+            <div class="facts"><span>good for ${formatDuration((row.expires_us - now) / 1e6)} more</span></div>
+          </div>
+          <t-button label=${`Withdraw the code for ${row.site}`} ?busy=${this.action.runningKey === row.id} @click=${this.codeWithdrawer(row)}>Withdraw</t-button>
+        </li>`,
+      )}
     </section>`;
   }
 
   private codeWithdrawer(row: CodeRow): () => void {
     return () => {
       const api = new AdminApi(this.api);
-      void this.action.run("withdraw the code", () => api.withdrawCode(row.id), "", row.id).then(this.retry);
+      void this.action.run("withdraw the code", () => api.withdrawCode(row.id), "", row.id).then(this.known.invalidate);
     };
   }
-
-  private readonly openForm = (): void => {
-    this.enrolling = true;
-  };
-
-  private readonly closeForm = (): void => {
-    this.enrolling = false;
-  };
-
-  private readonly retry = (): void => {
-    this.known.invalidate();
-  };
 }
 
 declare global {

@@ -34,7 +34,7 @@ import { historyStyle } from "./history-style.js";
 import { WindowController } from "./window-controller.js";
 import { WindowData } from "./data/window-data.js";
 import { isBusy, isTaken, pageKeyAction } from "./window-keys.js";
-import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
 import "./chart/anomaly-scores.js";
@@ -177,8 +177,7 @@ export class PageHistory extends LitElement {
         ${detail === undefined ? nothing : this.renderMenus()}
       </div>
       <p class="visually-hidden" aria-live="polite">${this.said}</p>
-      ${this.renderProblem(this.detail.result, "this site", this.retrySite)}
-      ${detail !== undefined ? this.renderContent(detail) : renderLoadingNote(this.detail.result, "Loading the site")}
+      ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))}
     `;
   }
 
@@ -206,7 +205,7 @@ export class PageHistory extends LitElement {
         </details>
         <div class="charts" aria-busy=${this.data?.now.state === "loading" ? "true" : "false"}>
           <t-view-options .view=${view} .span=${span} zone=${detail.zone} @t-view=${this.onViewChange}></t-view-options>
-          ${this.renderProblem(this.data?.now, "the history of these signals", this.retry)}
+          ${this.renderProblem()}
           ${this.renderAbsent(chosen.length === 0)}
           ${this.data === null || chosen.length === 0 ? nothing : this.renderChartList(detail, this.data)}
         </div>
@@ -308,9 +307,9 @@ export class PageHistory extends LitElement {
     ></t-film-panel>`;
   }
 
-  private renderProblem(load: { readonly state: string; readonly error?: unknown } | undefined, about: string, again: () => void): unknown {
-    if (load?.state !== "failed") return nothing;
-    return renderAdvice(adviceFor(load.error, about), again);
+  private renderProblem(): unknown {
+    const load = this.data?.now;
+    return load?.state === "failed" ? renderAdvice(adviceFor(load.renderError, "the history of these signals"), this.retry) : nothing;
   }
 
   // ── what is shown ───────────────────────────────────────────────────────────────────────
@@ -461,10 +460,6 @@ export class PageHistory extends LitElement {
   private readonly retry = (): void => {
     this.data?.invalidate();
     this.requestUpdate();
-  };
-
-  private readonly retrySite = (): void => {
-    this.detail.invalidate();
   };
 }
 

@@ -13,7 +13,6 @@ import { base } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
 import { PaintScheduler } from "../../elements/chart/paint-scheduler.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
-import { adviceFor } from "../../format/error-advice.js";
 import { AlarmMarks } from "../../series/alarm-marks.js";
 import { SECOND_US } from "../../series/zone-clock.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
@@ -23,7 +22,7 @@ import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api-types.js
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { liveStyle } from "./live-style.js";
-import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/banner.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -131,7 +130,8 @@ export class PageLive extends LitElement {
         </div>
         ${detail === undefined ? nothing : this.renderTools(detail)}
       </div>
-      ${this.renderProblem()} ${this.renderMessage()} ${detail === undefined ? renderLoadingNote(this.detail.result, "Loading the site") : this.renderContent(detail)}
+      ${this.feed?.backfill === "failed" ? html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>` : nothing}
+      ${this.renderMessage()} ${renderLoaded(this.detail, "the site", (loaded) => this.renderContent(loaded))}
     `;
   }
 
@@ -165,17 +165,6 @@ export class PageLive extends LitElement {
   }
 
   /** What stands between the person and fresh values, said once, above all. */
-  private renderProblem(): unknown {
-    const detail = this.detail.result;
-    if (detail.state === "failed") {
-      return renderAdvice(adviceFor(detail.error, "this site"), this.retry);
-    }
-    if (this.feed?.backfill === "failed") {
-      return html`<t-banner>Earlier samples could not be loaded; the charts fill as new ones come.</t-banner>`;
-    }
-    return nothing;
-  }
-
   /** What became of "not an anomaly", and whether there are scores at all. */
   private renderMessage(): TemplateResult {
     const { problem, doneText: done } = this.action;
@@ -288,10 +277,6 @@ export class PageLive extends LitElement {
     this.marks.add(found.events);
     this.requestUpdate();
   }
-
-  private readonly retry = (): void => {
-    this.detail.invalidate();
-  };
 
   private readonly resumeFollowing = (): void => {
     this.watching.retry();

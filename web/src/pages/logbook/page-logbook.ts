@@ -3,15 +3,16 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { InfiniteList } from "../../controllers/infinite-list.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { settled } from "../../elements/base/stable-field.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText } from "../../format/form-values.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
@@ -112,33 +113,25 @@ export class PageLogbook extends LitElement {
 
   override render(): TemplateResult {
     const filter = this.filter();
-    return html`<div class="head">
-        <div>
-          <h1>Logbook</h1>
-          <p class="muted">What happened at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, who did it and why; newest first.</p>
-        </div>
-        <div class="actions">
+    return html`${renderPageHead(
+        "Logbook",
+        `What happened at ${this.sites.store?.siteRow(this.site)?.name ?? this.site}, who did it and why; newest first.`,
+        html`<div class="actions">
           <a href="/alarms">Alarms</a>
           <a href=${sitePath(this.site, "sightings")}>Sightings</a>
           <a href=${sitePath(this.site, "history")}>History</a>
-        </div>
-      </div>
+        </div>`,
+      )}
       <section class="sheet" aria-label="Filter">
         <form class="filter" novalidate @submit=${this.form.onSubmit} @input=${this.form.onInput}>
           <t-field label="Search"><input name="text" type="search" maxlength="200" autocomplete="off" .value=${settled(filter.text)} /></t-field>
           <t-field label="What">
-            <select name="kind">
-              ${map(KINDS, ({ kind, name }) => html`<option value=${kind} .selected=${kind === filter.kind}>${name}</option>`)}
-            </select>
+            <select name="kind">${renderOptions(KINDS.map(({ kind, name }) => [kind, name]), filter.kind)}</select>
           </t-field>
           <t-field label="Who"><input name="who" maxlength="200" autocomplete="off" .value=${settled(filter.who)} /></t-field>
           <t-field label="Device">
             <select name="device">
-              <option value="">All</option>
-              ${map(
-                this.detail.value?.devices ?? [],
-                ({ id, name }) => html`<option value=${id} .selected=${id === filter.device}>${name}</option>`,
-              )}
+              ${renderOptions([["", "All"], ...(this.detail.value?.devices ?? []).map(({ id, name }) => [id, name] as const)], filter.device)}
             </select>
           </t-field>
           <label class="tick"><input name="bad" type="checkbox" .checked=${filter.bad} /> Only what went wrong</label>

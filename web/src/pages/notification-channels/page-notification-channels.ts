@@ -5,25 +5,27 @@ import { html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { keyed } from "lit/directives/keyed.js";
 import { map } from "lit/directives/map.js";
-import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
+import { QuestionController } from "../../controllers/question.js";
 import { TestMessageController } from "../../controllers/test-message.js";
 import { base } from "../../elements/base/base-style.js";
 import { focusInside } from "../../elements/base/focus.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
+import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
+import { renderRowSheet } from "../../elements/layout/rows.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { adviceFor } from "../../format/error-advice.js";
-import { formText } from "../../format/form-values.js";
+import { formText, submittedForm } from "../../format/form-values.js";
 import { apiContext } from "../../state/contexts.js";
 import { NotifyApi, type ExtensionKeyShape, type ExtensionList, type ExtensionShape, type WayAsk, type WayShape } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/confirm.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
-import "../../elements/feedback/loading.js";
 import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/feedback/delivery-result.js";
@@ -43,16 +45,18 @@ const KINDS: readonly { readonly kind: ChannelKind; readonly name: string }[] = 
 export class PageNotificationChannels extends LitElement {
   static override styles = [base, sheets, forms];
 
-  /** Empty: a new one; null: none is being changed. */
-  @state() private editing: string | null = null;
   @state() private kind: ChannelKind = "mail";
   @state() private notifier = "";
-  @state() private removing: WayShape | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly known = new LoadController<readonly WayShape[]>(this);
   private readonly installed = new LoadController<ExtensionList>(this);
   private readonly action = new ActionController(this);
+  /** The id of the channel that is being changed; empty for a new one. */
+  private readonly form = new OpenSubject<string>(this);
+  private readonly removing = new QuestionController<WayShape>(this, (way, action) =>
+    action.run("remove the way", () => new NotifyApi(this.api).removeChannel(way.id)).finally(this.known.invalidate),
+  );
   private readonly tester = new TestMessageController(this, this.action, (id) => new NotifyApi(this.api).testChannel(id));
 
   override willUpdate(): void {
@@ -61,57 +65,31 @@ export class PageNotificationChannels extends LitElement {
   }
 
   override render(): TemplateResult {
-    const { result, value } = this.known;
-    const advice = result.state === "failed" ? adviceFor(result.error, "the ways") : null;
+    const editing = this.form.subject;
     return html`<t-admin-tabs page="ways"></t-admin-tabs>
-      <div class="head">
-        <div>
-          <h1>Notification</h1>
-          <p class="muted">The servers that send notifications of alarms. Each person then chooses among them on the account page.</p>
-        </div>
-        ${this.editing === null ? html`<t-button class="add" kind="primary" @click=${this.addChannel}>Add a channel</t-button>` : nothing}
-      </div>
-      ${renderAdvice(advice)}
-      ${this.editing === null ? this.renderProblem() : nothing}
-      ${this.editing === null
-        ? nothing
+      ${renderPageHead(
+        "Notification",
+        "The servers that send notifications of alarms. Each person then chooses among them on the account page.",
+        html`<t-button kind="primary" ?hidden=${this.form.isOpen} @click=${this.addChannel}>Add a channel</t-button>`,
+      )}
+      ${editing === null
+        ? renderAdvice(this.action.problem)
         : // Another form for each: what is typed for one way, a password too, is for no other.
-          keyed(this.editing, this.renderForm(value?.find(({ id }) => id === this.editing)))}
-      ${value === undefined ? (advice === null ? html`<t-loading what="Loading the notification channels"></t-loading>` : nothing) : this.renderList(value)}
+          keyed(editing, this.renderForm(this.known.value?.find(({ id }) => id === editing)))}
+      ${renderLoaded(this.known, "the notification channels", (ways) => this.renderList(ways))}
       ${map(this.installed.value?.broken ?? [], ({ group, name, problem }) => html`<t-problem what=${`The extension ${name} (${group}) is broken`} how=${problem}></t-problem>`)}
-      <t-confirm
-        ?open=${this.removing !== null}
-        heading="Remove ${this.removing?.name ?? "this way"}?"
-        action="Remove"
-        ?busy=${this.action.busy}
-        .problem=${this.action.problem}
-        @t-confirm=${this.removeChannel}
-        @t-close=${this.closeQuestion}
-      >
-        <p>It sends no more notifications; the rules that use it are removed, too.</p>
-      </t-confirm>`;
-  }
-
-  private renderProblem(): TemplateResult | typeof nothing {
-    const { problem } = this.action;
-    // What is to be removed says it where it is asked.
-    if (problem === null || this.removing !== null) return nothing;
-    return html`<t-problem class="wide" what=${problem.what} how=${problem.how}></t-problem>`;
+      ${renderQuestion(this.removing, ({ name }) => ({
+        heading: `Remove ${name}?`,
+        action: "Remove",
+        text: "It sends no more notifications; the rules that use it are removed, too.",
+      }))}`;
   }
 
   private renderList(ways: readonly WayShape[]): TemplateResult {
     if (ways.length === 0) {
       return html`<t-empty heading="No notification channels yet" icon="bell"><p>They are on every page all the same.</p></t-empty>`;
     }
-    return html`<section class="sheet" aria-label="Notification channels">
-      <ul class="rows">
-        ${repeat(
-          ways,
-          ({ id }) => id,
-          (way) => this.renderChannel(way),
-        )}
-      </ul>
-    </section>`;
+    return renderRowSheet("Notification channels", ways, (way) => this.renderChannel(way));
   }
 
   private renderChannel(way: WayShape): TemplateResult {
@@ -128,8 +106,8 @@ export class PageNotificationChannels extends LitElement {
       </div>
       <div class="actions">
         <t-button label=${`Send a test: ${way.name}`} ?busy=${this.tester.isRunning(way.id)} @click=${this.tester.testAction(way.id)}>Send a test</t-button>
-        <t-button class="change" label=${`Change ${way.name}`} @click=${this.editOpener(way)}>Change…</t-button>
-        <t-button label=${`Remove ${way.name}`} @click=${this.removeAsker(way)}>Remove…</t-button>
+        <t-button label=${`Change ${way.name}`} @click=${this.editOpener(way)}>Change…</t-button>
+        <t-button label=${`Remove ${way.name}`} @click=${this.removing.opener(way)}>Remove…</t-button>
       </div>
     </li>`;
   }
@@ -142,16 +120,13 @@ export class PageNotificationChannels extends LitElement {
         ${way === undefined
           ? html`<t-field label="Kind">
               <select name="kind" @change=${this.onKindChange}>
-                ${map(KINDS, ({ kind, name }) => html`<option value=${kind} .selected=${kind === this.kind}>${name}</option>`)}
+                ${renderOptions(KINDS.map(({ kind, name }) => [kind, name]), this.kind)}
               </select>
             </t-field>`
           : nothing}
         ${this.renderFields(way)}
-        <div class="actions">
-          <t-button type="submit" kind="primary" ?busy=${this.action.busy}>${way === undefined ? "Add it" : "Save"}</t-button>
-          <t-button @click=${this.closeForm}>Cancel</t-button>
-        </div>
-        ${this.renderProblem()}
+        ${renderFormActions({ submit: way === undefined ? "Add it" : "Save", busy: this.action.busy, cancel: this.closeForm })}
+        ${renderAdvice(this.action.problem)}
       </form>
     </section>`;
   }
@@ -165,9 +140,7 @@ export class PageNotificationChannels extends LitElement {
         return html`<t-field label="Server"><input name="host" maxlength="200" .value=${way?.host ?? ""} /></t-field>
           <t-field label="Port"><input name="port" inputmode="numeric" .value=${String(way?.port ?? 587)} /></t-field>
           <t-field label="Security" hint="A password goes only over TLS">
-            <select name="security">
-              ${map(["starttls", "tls", "none"], (word) => html`<option .selected=${word === (way?.security ?? "starttls")}>${word}</option>`)}
-            </select>
+            <select name="security">${renderOptions(["starttls", "tls", "none"], way?.security ?? "starttls")}</select>
           </t-field>
           <t-field label="Sender"><input name="sender" type="email" maxlength="200" .value=${way?.sender ?? ""} /></t-field>
           <t-field label="User"><input name="user" maxlength="200" .value=${way?.user ?? ""} /></t-field>
@@ -199,7 +172,7 @@ export class PageNotificationChannels extends LitElement {
     return html`${way === undefined
         ? html`<t-field label="Extension">
             <select name="extension" @change=${this.onNotifierChange}>
-              ${map(notifiers, (notifier) => html`<option value=${notifier.name} .selected=${notifier.name === name}>${notifier.name}: ${notifier.summary}</option>`)}
+              ${renderOptions(notifiers.map((notifier) => [notifier.name, `${notifier.name}: ${notifier.summary}`]), name ?? "")}
             </select>
           </t-field>`
         : html`<input type="hidden" name="extension" .value=${way.extension} />
@@ -216,29 +189,26 @@ export class PageNotificationChannels extends LitElement {
     if (event.target instanceof HTMLSelectElement) this.notifier = event.target.value;
   };
 
-  private readonly addChannel = (): void => {
-    this.openForm("", "mail");
+  private readonly addChannel = (event: Event): void => {
+    this.openForm("", "mail", event);
   };
 
-  private editOpener(way: WayShape): () => void {
-    return () => {
-      this.openForm(way.id, way.kind);
+  private editOpener(way: WayShape): (event: Event) => void {
+    return (event) => {
+      this.openForm(way.id, way.kind, event);
     };
   }
 
-  private openForm(id: string, kind: ChannelKind): void {
+  private openForm(id: string, kind: ChannelKind, event: Event): void {
     this.action.clear();
     this.kind = kind;
-    this.editing = id;
+    this.form.opener(id)(event);
     void focusInside(this, "form input");
   }
 
-  /** Back to the button that opened the form. */
   private readonly closeForm = (): void => {
-    const { editing } = this;
     this.action.clear();
-    this.editing = null;
-    void focusInside(this, editing === null || editing === "" ? ".add" : `li[data-way="${editing}"] .change`);
+    this.form.close();
   };
 
   private readonly onKindChange = (event: Event): void => {
@@ -246,9 +216,9 @@ export class PageNotificationChannels extends LitElement {
   };
 
   private readonly onSubmit = (event: Event): void => {
-    event.preventDefault();
-    if (this.editing === null || !(event.currentTarget instanceof HTMLFormElement)) return;
-    const data = new FormData(event.currentTarget);
+    const data = submittedForm(event);
+    const id = this.form.subject;
+    if (id === null || data === undefined) return;
     const text = (name: string): string => formText(data, name);
     const secrets: Record<string, string> = {};
     for (const key of ["password", "url", "token"]) if (text(key) !== "") secrets[key] = text(key);
@@ -261,29 +231,8 @@ export class PageNotificationChannels extends LitElement {
       ...(this.kind === "extension" ? { extension: text("extension") } : {}),
       secrets: entries.length === 0 ? secrets : { ...secrets, keys },
     };
-    const id = this.editing;
     void this.action.run("keep the way", () => new NotifyApi(this.api).saveChannel(id, way)).then((done) => {
       if (done) this.closeForm();
-      this.known.invalidate();
-    });
-  };
-
-  private removeAsker(way: WayShape): () => void {
-    return () => {
-      this.action.clear();
-      this.removing = way;
-    };
-  }
-
-  private readonly closeQuestion = (): void => {
-    this.removing = null;
-  };
-
-  private readonly removeChannel = (): void => {
-    const way = this.removing;
-    if (way === null) return;
-    void this.action.run("remove the way", () => new NotifyApi(this.api).removeChannel(way.id)).then((done) => {
-      if (done) this.removing = null;
       this.known.invalidate();
     });
   };

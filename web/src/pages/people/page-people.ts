@@ -6,15 +6,17 @@ import { customElement, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import type { PersonRow, RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { NewPerson } from "./person-form.js";
-import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../admin-tabs.js";
 import "./person-form.js";
@@ -46,7 +48,6 @@ export class PagePeople extends LitElement {
     `,
   ];
 
-  @state() private adding = false;
   @state() private open = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
@@ -54,6 +55,7 @@ export class PagePeople extends LitElement {
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly everyone = new LoadController<LoadedPeople>(this);
   private readonly action = new ActionController(this);
+  private readonly form = new OpenSubject<"new">(this);
 
   override willUpdate(): void {
     this.everyone.load("everyone", async () => {
@@ -66,17 +68,13 @@ export class PagePeople extends LitElement {
   override render(): TemplateResult {
     const everyone = this.everyone.value;
     return html`<t-admin-tabs page="people"></t-admin-tabs>
-      <div class="head">
-        <div>
-          <h1>People</h1>
-          ${everyone === undefined ? nothing : html`<p class="muted">${peopleSummary(everyone.people)}</p>`}
-        </div>
-        ${this.adding || everyone === undefined
-          ? nothing
-          : html`<t-button kind="primary" @click=${this.openForm}>Add a person</t-button>`}
-      </div>
+      ${renderPageHead(
+        "People",
+        everyone === undefined ? nothing : peopleSummary(everyone.people),
+        html`<t-button kind="primary" ?hidden=${this.form.isOpen || everyone === undefined} @click=${this.form.opener("new")}>Add a person</t-button>`,
+      )}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>
-      ${this.adding && everyone !== undefined
+      ${this.form.isOpen && everyone !== undefined
         ? html`<t-person-form
             class="sheet"
             .roles=${everyone.roles}
@@ -86,7 +84,7 @@ export class PagePeople extends LitElement {
             @t-cancel=${this.closeForm}
           ></t-person-form>`
         : nothing}
-      ${renderLoadError(this.everyone.result, "the list of people", this.retry)} ${everyone === undefined ? renderLoadingNote(this.everyone.result, "Loading the people") : this.renderList(everyone)}`;
+      ${renderLoaded(this.everyone, "the list of people", (known) => this.renderList(known))}`;
   }
 
   private renderList({ people, roles }: LoadedPeople): TemplateResult {
@@ -103,7 +101,7 @@ export class PagePeople extends LitElement {
             ?self=${row.name === me}
             ?open=${row.id === this.open}
             @t-toggle=${this.detailsToggler(row)}
-            @t-changed=${this.retry}
+            @t-changed=${this.everyone.invalidate}
           ></t-person-row>
         </li>`,
       )}
@@ -116,27 +114,17 @@ export class PagePeople extends LitElement {
     };
   }
 
-  private readonly openForm = (): void => {
-    this.adding = true;
-    this.action.clear();
-  };
-
   private readonly closeForm = (): void => {
-    this.adding = false;
+    this.form.close();
     this.action.clear();
-  };
-
-  private readonly retry = (): void => {
-    this.everyone.invalidate();
   };
 
   private readonly addPerson = (event: CustomEvent<NewPerson>): void => {
     const { name, password, role } = event.detail;
     const api = new AdminApi(this.api);
     void this.action.run(`add ${name}`, () => api.addPerson(name, password, role), `${name} is added.`).then((done) => {
-      if (!done) return;
-      this.adding = false;
-      this.retry();
+      if (done) this.form.close();
+      this.everyone.invalidate();
     });
   };
 }

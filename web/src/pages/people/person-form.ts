@@ -2,16 +2,16 @@
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
+import { renderFormActions, renderOptions } from "../../elements/forms/form-parts.js";
+import { forms } from "../../elements/forms/form-style.js";
+import { NewPassword } from "../../elements/forms/new-password.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import type { Advice } from "../../format/error-advice.js";
 import type { RoleRow } from "../../wire/admin-types.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
-import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
-import "../../elements/forms/rule-list.js";
 
 export interface NewPerson {
   readonly name: string;
@@ -28,16 +28,10 @@ export class PersonForm extends LitElement {
   static override styles = [
     base,
     sheets,
+    forms,
     css`
       form {
-        display: grid;
-        gap: var(--t-space-4);
         padding-block: var(--t-space-3);
-      }
-      .fields {
-        grid-template-columns: repeat(auto-fit, minmax(min(16rem, 100%), 1fr));
-        max-inline-size: none;
-        align-items: start;
       }
     `,
   ];
@@ -45,56 +39,34 @@ export class PersonForm extends LitElement {
   @property({ attribute: false }) roles: readonly RoleRow[] = [];
   @property({ attribute: false }) problem: Advice | null = null;
   @property({ type: Boolean }) busy = false;
-  @state() private typed = { name: "", password: "", again: "" };
-  @state() private errors = { name: "", password: "" };
-  @query("#name") private readonly name!: HTMLInputElement;
+  @state() private name = "";
+  @state() private missing = "";
   @query("#role") private readonly roleBox!: HTMLSelectElement;
+  private readonly password = new NewPassword(this, () => this.name);
 
   override firstUpdated(): void {
-    void this.name.closest("t-field")?.updateComplete.then(() => {
-      this.name.focus();
-    });
+    void focusInside(this, "input");
   }
 
   override render(): TemplateResult {
-    return html`<form novalidate @submit=${this.onSubmit}>
-      <h2>Add a person</h2>
-      <div class="fields">
-        <t-field label="Name" error=${this.errors.name}>
-          <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.onInput} />
+    return html`<h2>Add a person</h2>
+      <form class="entry" novalidate @submit=${this.onSubmit}>
+        <t-field label="Name" error=${this.missing}>
+          <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.onNameInput} />
         </t-field>
         <t-field label="Role" hint="Its permissions are listed on the Roles page.">
           <select id="role">
-            ${map(
-              this.roles,
-              ({ name }) => html`<option value=${name} .selected=${name === "operator"}>${name}</option>`,
-            )}
+            ${renderOptions(this.roles.map(({ name }) => name), "operator")}
           </select>
         </t-field>
-        <t-field label="First password" hint="Give it to the person; they can change it." error=${this.errors.password}>
-          <input id="password" type="password" autocomplete="new-password" @input=${this.onInput} />
-        </t-field>
-        <t-field label="First password, once more">
-          <input id="again" type="password" autocomplete="new-password" @input=${this.onInput} />
-        </t-field>
-      </div>
-      <t-rules .rules=${this.rules()}></t-rules>
-      ${renderAdvice(this.problem)}
-      <div class="actions">
-        <t-button type="submit" kind="primary" ?busy=${this.busy}>Add this person</t-button>
-        <t-button @click=${this.onCancel}>Cancel</t-button>
-      </div>
-    </form>`;
+        ${this.password.render("First password", "Give it to the person; they can change it.")} ${renderAdvice(this.problem)}
+        ${renderFormActions({ submit: "Add this person", busy: this.busy, cancel: this.onCancel })}
+      </form>`;
   }
 
-  private rules(): ReturnType<typeof passwordRules> {
-    return passwordRules(this.typed.password, this.typed.name, this.typed.again);
-  }
-
-  private readonly onInput = (event: Event): void => {
-    if (!(event.target instanceof HTMLInputElement)) return;
-    this.typed = { ...this.typed, [event.target.id]: event.target.value };
-    this.errors = { name: "", password: "" };
+  private readonly onNameInput = (event: Event): void => {
+    if (event.target instanceof HTMLInputElement) this.name = event.target.value;
+    this.missing = "";
   };
 
   private readonly onCancel = (): void => {
@@ -104,10 +76,10 @@ export class PersonForm extends LitElement {
   private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     if (this.busy) return;
-    const name = this.typed.name.trim();
-    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordProblem(this.rules()) };
-    if (this.errors.name !== "" || this.errors.password !== "") return;
-    const detail: NewPerson = { name, password: this.typed.password, role: this.roleBox.value };
+    const name = this.name.trim();
+    this.missing = name === "" ? "Enter a name." : "";
+    if (!this.password.validate() || name === "") return;
+    const detail: NewPerson = { name, password: this.password.value, role: this.roleBox.value };
     this.dispatchEvent(new CustomEvent("t-add", { detail }));
   };
 }

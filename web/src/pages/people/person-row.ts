@@ -3,9 +3,11 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
+import { QuestionController } from "../../controllers/question.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import { apiContext } from "../../state/contexts.js";
@@ -14,13 +16,12 @@ import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/confirm.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 
 /** What is asked about before it is done. */
-type PersonQuestion = "" | "remove" | "factor" | "disable";
+type PersonQuestion = "remove" | "factor" | "disable";
 
 /**
  * @fires t-toggle it is to be unfolded or folded
@@ -87,13 +88,13 @@ export class PersonSection extends LitElement {
   /** It is the admin who looks at it. */
   @property({ type: Boolean }) self = false;
   @property({ type: Boolean }) open = false;
-  @state() private question: PersonQuestion = "";
   @state() private trouble = "";
   @query("#role") private readonly roleBox!: HTMLSelectElement;
   @query("#password") private readonly password!: HTMLInputElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly action = new ActionController(this);
+  private readonly question = new QuestionController<PersonQuestion>(this, (asked) => this.performAsked(asked), this.action);
 
   override render(): TemplateResult | typeof nothing {
     const { row } = this;
@@ -118,19 +119,20 @@ export class PersonSection extends LitElement {
           >${this.open ? "Close" : "Edit"}</t-button
         >
       </div>
-      ${this.open ? this.renderDetails(row) : nothing} ${this.renderQuestion(row)}`;
+      ${this.open ? this.renderDetails(row) : nothing} ${renderQuestion(this.question, (asked) => {
+        const { heading, action, text } = WORDS[asked];
+        return { heading: heading.replace("{}", row.name), action, text };
+      })}`;
   }
 
   private renderDetails(row: PersonRow): TemplateResult {
     const { problem, doneText: done } = this.action;
     return html`<div class="more">
-      ${problem === null || this.question !== ""
-        ? nothing
-        : renderAdvice(problem)}
+      ${this.question.isOpen ? nothing : renderAdvice(problem)}
       <form novalidate @submit=${this.changeRole}>
         <t-field label="Role" hint="They are signed out, and have it when they sign in again.">
           <select id="role">
-            ${map(this.roles, ({ name }) => html`<option value=${name} .selected=${name === row.role}>${name}</option>`)}
+            ${renderOptions(this.roles.map(({ name }) => name), row.role)}
           </select>
         </t-field>
         <t-button type="submit" ?busy=${this.action.runningKey === "role"}>Give this role</t-button>
@@ -145,41 +147,15 @@ export class PersonSection extends LitElement {
         <t-button ?disabled=${row.sessions === 0} ?busy=${this.action.runningKey === "sessions"} @click=${this.endSessions}
           >End all sessions</t-button
         >
-        ${row.factor ? html`<t-button @click=${this.questionOpener("factor")}>Remove the second factor…</t-button>` : nothing}
+        ${row.factor ? html`<t-button @click=${this.question.opener("factor")}>Remove the second factor…</t-button>` : nothing}
         ${row.disabled
           ? html`<t-button ?busy=${this.action.runningKey === "enable"} @click=${this.enable}>Enable</t-button>`
-          : html`<t-button @click=${this.questionOpener("disable")}>Disable…</t-button>`}
-        <t-button @click=${this.questionOpener("remove")}>Remove…</t-button>
+          : html`<t-button @click=${this.question.opener("disable")}>Disable…</t-button>`}
+        <t-button @click=${this.question.opener("remove")}>Remove…</t-button>
         <span class="said" role="status">${done}</span>
       </div>
     </div>`;
   }
-
-  private renderQuestion(row: PersonRow): TemplateResult {
-    const words = WORDS[this.question];
-    return html`<t-confirm
-      heading=${words.heading.replace("{}", row.name)}
-      action=${words.action}
-      ?open=${this.question !== ""}
-      ?busy=${this.action.busy}
-      .problem=${this.question === "" ? null : this.action.problem}
-      @t-confirm=${this.confirmQuestion}
-      @t-close=${this.closeQuestion}
-      ><p>${words.what}</p></t-confirm
-    >`;
-  }
-
-  private questionOpener(question: PersonQuestion): () => void {
-    return () => {
-      this.action.clear();
-      this.question = question;
-    };
-  }
-
-  private readonly closeQuestion = (): void => {
-    this.question = "";
-    this.action.clear();
-  };
 
   private readonly toggle = (): void => {
     this.trouble = "";
@@ -187,23 +163,18 @@ export class PersonSection extends LitElement {
     this.dispatchEvent(new CustomEvent("t-toggle"));
   };
 
-  private readonly confirmQuestion = (): void => {
-    const { row, question } = this;
-    if (row === null) return;
+  private performAsked(asked: PersonQuestion): Promise<boolean> {
+    const { id, name } = this.row ?? { id: "", name: "" };
     const api = new AdminApi(this.api);
-    switch (question) {
-      case "":
-        return;
+    switch (asked) {
       case "remove":
-        void this.runAction(`remove ${row.name}`, () => api.removePerson(row.id), "");
-        return;
+        return this.runAction(`remove ${name}`, () => api.removePerson(id), "");
       case "factor":
-        void this.runAction("remove the second factor", () => api.removeFactor(row.id), "The second factor is removed.");
-        return;
+        return this.runAction("remove the second factor", () => api.removeFactor(id), "The second factor is removed.");
       case "disable":
-        void this.runAction(`disable ${row.name}`, () => api.changePerson(row.id, { disabled: true }), "Disabled.");
+        return this.runAction(`disable ${name}`, () => api.changePerson(id, { disabled: true }), "Disabled.");
     }
-  };
+  }
 
   private readonly enable = (): void => {
     const id = this.row?.id ?? "";
@@ -238,27 +209,25 @@ export class PersonSection extends LitElement {
 
   private async runAction(asked: string, action: () => Promise<unknown>, done: string, key = asked): Promise<boolean> {
     if (!(await this.action.run(asked, action, done, key))) return false;
-    this.question = "";
     this.dispatchEvent(new CustomEvent("t-changed"));
     return true;
   }
 }
 
-const WORDS: Readonly<Record<PersonQuestion, { heading: string; what: string; action: string }>> = {
-  "": { heading: "", what: "", action: "" },
+const WORDS: Readonly<Record<PersonQuestion, { heading: string; text: string; action: string }>> = {
   remove: {
     heading: "Remove {}?",
-    what: "Their sessions and tokens end at once. What they did stays in the audit log. It cannot be taken back.",
+    text: "Their sessions and tokens end at once. What they did stays in the audit log. It cannot be taken back.",
     action: "Remove",
   },
   factor: {
     heading: "Remove the second factor of {}?",
-    what: "From then on the password alone lets them in. Do this only when you are sure who asked for it.",
+    text: "From then on the password alone lets them in. Do this only when you are sure who asked for it.",
     action: "Remove it",
   },
   disable: {
     heading: "Disable {}?",
-    what: "Their sessions end at once, and they cannot sign in until somebody enables them again.",
+    text: "Their sessions end at once, and they cannot sign in until somebody enables them again.",
     action: "Disable",
   },
 };

@@ -5,26 +5,28 @@
 
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
-import { customElement, property, query, state } from "lit/decorators.js";
-import { repeat } from "lit/directives/repeat.js";
+import { customElement, property, query } from "lit/decorators.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { QuestionController } from "../../controllers/question.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderQuestion } from "../../elements/feedback/question.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
+import { renderRows } from "../../elements/layout/rows.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
-import { adviceFor, isForbidden } from "../../format/error-advice.js";
+import { isForbidden } from "../../format/error-advice.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { recordingPath, RecordingsApi, type RecorderRow, type RecordingList, type RecordingRow } from "../../wire/recordings-api.js";
-import { renderAdvice, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/confirm.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/problem.js";
@@ -85,7 +87,6 @@ export class PageRecordings extends LitElement {
   @property() site = "";
 
   @query("li.named") private readonly atMoment!: HTMLElement | null;
-  @state() private removing: RecordingRow | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
@@ -94,6 +95,9 @@ export class PageRecordings extends LitElement {
   private shownFor = "";
   private readonly known = new LoadController<RecordingList>(this);
   private readonly action = new ActionController(this);
+  private readonly removing = new QuestionController<RecordingRow>(this, (row, action) =>
+    action.run("delete the recording", () => new RecordingsApi(this.api).removeRecording(this.site, row.id)).finally(this.known.invalidate),
+  );
   private why = "";
 
   constructor() {
@@ -119,30 +123,17 @@ export class PageRecordings extends LitElement {
   }
 
   override render(): TemplateResult {
-    const known = this.known.value;
-    return html`<div class="head">
-        <div>
-          <h1>Recordings</h1>
-          <p class="muted">
-            Raw topics of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick
-            and <code>ros2 bag</code>, and films of its cameras, which play beside the history.
-          </p>
-        </div>
-        <a href=${sitePath(this.site, "history")}>History</a>
-      </div>
-      ${this.renderProblem()} ${known === undefined ? renderLoadingNote(this.known.result, "Loading the recordings") : this.renderContent(known)}`;
-  }
-
-  private renderProblem(): unknown {
     const { result } = this.known;
-    const { problem } = this.action;
-    if (result.state === "failed") {
-      const advice = isForbidden(result.error)
-        ? { what: "You may not see this site's recordings.", how: "They hold all of its topics: ask an admin for the right to view the whole site." }
-        : adviceFor(result.error, "the recordings");
-      return renderAdvice(advice);
-    }
-    return renderAdvice(problem);
+    return html`${renderPageHead(
+        "Recordings",
+        html`Raw topics of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} as MCAP files, for Foxglove, Lichtblick and <code>ros2 bag</code>, and films of its
+          cameras, which play beside the history.`,
+        html`<a href=${sitePath(this.site, "history")}>History</a>`,
+      )}
+      ${renderAdvice(this.action.problem)}
+      ${result.state === "failed" && isForbidden(result.error)
+        ? renderAdvice({ what: "You may not see this site's recordings.", how: "They hold all of its topics: ask an admin for the right to view the whole site." })
+        : renderLoaded(this.known, "the recordings", (known) => this.renderContent(known))}`;
   }
 
   private renderContent(known: RecordingList): TemplateResult {
@@ -155,26 +146,14 @@ export class PageRecordings extends LitElement {
           </t-empty>`
         : html`<section class="sheet" aria-label="Recordings">
             <div class="facts"><span>${rows.length === 1 ? "1 recording" : `${String(rows.length)} recordings`}</span><span>${formatBytes(total)}</span></div>
-            <ul class="rows">
-              ${repeat(
-                rows,
-                (row) => row.id,
-                (row) => this.renderRow(row, known),
-              )}
-            </ul>
+            ${renderRows(rows, (row) => this.renderRow(row, known))}
           </section>`}
-      <t-confirm
-        ?open=${this.removing !== null}
-        heading="Delete this recording?"
-        action="Delete"
-        ?busy=${this.action.busy}
-        .problem=${this.action.problem}
-        @t-confirm=${this.removeRecording}
-        @t-close=${this.closeQuestion}
-      >
-        <p>${this.removing?.why ?? ""}</p>
-        <p>Its file is gone for good then; the history stays.</p>
-      </t-confirm>`;
+      ${renderQuestion(this.removing, ({ why }) => ({
+        heading: "Delete this recording?",
+        action: "Delete",
+        text: html`<p>${why}</p>
+          <p>Its file is gone for good then; the history stays.</p>`,
+      }))}`;
   }
 
   private renderRecorder(now: RecorderRow, zone: string): TemplateResult {
@@ -260,7 +239,7 @@ export class PageRecordings extends LitElement {
           >${row.stream === "" ? "History" : "Watch"}</a
         >
         ${recorder.may_delete
-          ? html`<t-button label=${`Delete ${row.id}`} @click=${this.removeAsker(row)}>Delete</t-button>`
+          ? html`<t-button label=${`Delete ${row.id}`} @click=${this.removing.opener(row)}>Delete</t-button>`
           : nothing}
       </div>
     </li>`;
@@ -291,30 +270,7 @@ export class PageRecordings extends LitElement {
 
   private readonly stopRecording = (): void => {
     const api = new RecordingsApi(this.api);
-    void this.action.run("end the recording", () => api.setRecording(this.site, false, ""), "", "end").then(() => {
-      this.known.invalidate();
-    });
-  };
-
-  private removeAsker(row: RecordingRow): () => void {
-    return () => {
-      this.action.clear();
-      this.removing = row;
-    };
-  }
-
-  private readonly removeRecording = (): void => {
-    const row = this.removing;
-    if (row === null) return;
-    const api = new RecordingsApi(this.api);
-    void this.action.run("delete the recording", () => api.removeRecording(this.site, row.id)).then((done) => {
-      if (done) this.removing = null;
-      this.known.invalidate();
-    });
-  };
-
-  private readonly closeQuestion = (): void => {
-    this.removing = null;
+    void this.action.run("end the recording", () => api.setRecording(this.site, false, ""), "", "end").then(this.known.invalidate);
   };
 }
 

@@ -6,7 +6,9 @@ import { customElement, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
 import type { RoleRow } from "../../wire/admin-types.js";
@@ -15,7 +17,7 @@ import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { changesOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import type { CellEdit } from "./role-matrix.js";
-import { renderAdvice, renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../admin-tabs.js";
 import "./role-dialog.js";
@@ -65,7 +67,7 @@ export class PageRoles extends LitElement {
 
   @state() private drafts: readonly RoleDraft[] = [];
   /** The role in the dialog; null for none, a new one without id. */
-  @state() private dialog: RoleRow | "new" | null = null;
+  private readonly dialog = new OpenSubject<RoleRow | "new">(this);
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly given = new LoadController<LoadedRoles>(this);
@@ -88,22 +90,20 @@ export class PageRoles extends LitElement {
   override render(): TemplateResult {
     const changes = changesOf(this.drafts, this.lines);
     return html`<t-admin-tabs page="roles"></t-admin-tabs>
-      <div class="head">
-        <div>
-          <h1>Roles</h1>
-          <p class="muted">What each role may do, for the whole hub, a site, or one device.</p>
-        </div>
-        <t-button ?disabled=${this.drawn === undefined} @click=${this.openNewRole}>Make a role</t-button>
-      </div>
-      ${renderLoadError(this.given.result, "the list of roles", this.retry)} ${this.drawn === undefined ? renderLoadingNote(this.given.result, "Loading the roles") : this.renderMatrix()}
+      ${renderPageHead(
+        "Roles",
+        "What each role may do, for the whole hub, a site, or one device.",
+        html`<t-button ?disabled=${this.drawn === undefined} @click=${this.dialog.opener("new")}>Make a role</t-button>`,
+      )}
+      ${renderLoaded(this.given, "the list of roles", () => this.renderMatrix())}
       <p class="visually-hidden" role="status">${this.action.doneText}</p>
       ${changes.length === 0 ? nothing : this.renderBar(changes)}
       <t-role-dialog
-        .edited=${this.dialog === "new" ? null : this.dialog}
+        .edited=${this.dialog.subject === "new" ? null : this.dialog.subject}
         .roles=${this.drawn?.roles ?? []}
-        ?open=${this.dialog !== null}
-        @t-close=${this.close}
-        @t-changed=${this.retry}
+        ?open=${this.dialog.isOpen}
+        @t-close=${this.dialog.close}
+        @t-changed=${this.onRoleChanged}
       ></t-role-dialog>`;
   }
 
@@ -177,20 +177,13 @@ export class PageRoles extends LitElement {
       });
   };
 
-  private readonly openNewRole = (): void => {
-    this.dialog = "new";
-  };
-
   private readonly openRole = (event: CustomEvent<string>): void => {
-    this.dialog = this.drawn?.roles.find(({ id }) => id === event.detail) ?? null;
+    const role = this.drawn?.roles.find(({ id }) => id === event.detail);
+    if (role !== undefined) this.dialog.open(role);
   };
 
-  private readonly close = (): void => {
-    this.dialog = null;
-  };
-
-  private readonly retry = (): void => {
-    this.dialog = null;
+  private readonly onRoleChanged = (): void => {
+    this.dialog.close();
     this.given.invalidate();
   };
 }

@@ -1,11 +1,13 @@
 /** Make a role, or rename or remove one. */
 
 import { consume } from "@lit/context";
-import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
+import { html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { base } from "../../elements/base/base-style.js";
+import { focusInside } from "../../elements/base/focus.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
+import { forms } from "../../elements/forms/form-style.js";
 import { apiContext } from "../../state/contexts.js";
 import type { RoleRow } from "../../wire/admin-types.js";
 import { AdminApi } from "../../wire/admin-api.js";
@@ -21,15 +23,7 @@ import "../../elements/forms/field.js";
  */
 @customElement("t-role-dialog")
 export class RoleDialog extends LitElement {
-  static override styles = [
-    base,
-    css`
-      form {
-        display: grid;
-        gap: var(--t-space-4);
-      }
-    `,
-  ];
+  static override styles = [base, forms];
 
   @property({ type: Boolean }) open = false;
   /** The role to change; null for a new one. */
@@ -47,9 +41,7 @@ export class RoleDialog extends LitElement {
     this.name.value = this.edited?.name ?? "";
     this.missing = "";
     this.action.clear();
-    void this.name.closest("t-field")?.updateComplete.then(() => {
-      this.name.focus();
-    });
+    void focusInside(this, "input");
   }
 
   override render(): TemplateResult {
@@ -66,8 +58,7 @@ export class RoleDialog extends LitElement {
         ${role === null
           ? html`<t-field label="Begin with the rights of">
               <select id="like">
-                <option value="">no other role</option>
-                ${map(this.roles, ({ id, name }) => html`<option value=${id}>${name}</option>`)}
+                ${renderOptions([["", "no other role"], ...this.roles.map(({ id, name }) => [id, name] as const)], "")}
               </select>
             </t-field>`
           : html`<p class="muted">

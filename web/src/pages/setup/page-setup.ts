@@ -4,8 +4,8 @@ import { consume } from "@lit/context";
 import { html, LitElement, type TemplateResult } from "lit";
 import { customElement, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
+import { NewPassword } from "../../elements/forms/new-password.js";
 import { doorway } from "../../elements/layout/sign-in-layout.js";
-import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext, routerContext, sessionContext } from "../../state/contexts.js";
 import type { Router } from "../../state/router.js";
@@ -15,9 +15,6 @@ import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 import "../../elements/feedback/problem.js";
-import "../../elements/forms/rule-list.js";
-
-const NO_ERRORS = { name: "", password: "" } as const;
 
 @customElement("t-page-setup")
 export class PageSetup extends LitElement {
@@ -26,14 +23,13 @@ export class PageSetup extends LitElement {
   @state() private busy = false;
   @state() private done = false;
   @state() private advice: Advice | null = null;
-  @state() private errors: Readonly<Record<"name" | "password", string>> = NO_ERRORS;
+  @state() private missing = "";
   @state() private name = "";
-  @state() private password = "";
-  @state() private again = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   @consume({ context: sessionContext }) private readonly session!: Session;
   @consume({ context: routerContext }) private readonly router!: Router;
+  private readonly password = new NewPassword(this, () => this.name);
 
   override render(): TemplateResult {
     if (this.done) return this.renderFinished();
@@ -45,16 +41,10 @@ export class PageSetup extends LitElement {
           <p class="muted">Choose who the first admin is. This link works once.</p>
         </div>
         ${renderAdvice(this.advice)}
-        <t-field label="Name" error=${this.errors.name}>
+        <t-field label="Name" error=${this.missing}>
           <input id="name" autocomplete="username" autocapitalize="none" spellcheck="false" required @input=${this.onInput} />
         </t-field>
-        <t-field label="Password" error=${this.errors.password}>
-          <input id="password" type="password" autocomplete="new-password" required @input=${this.onInput} />
-        </t-field>
-        <t-field label="Password, once more">
-          <input id="again" type="password" autocomplete="new-password" required @input=${this.onInput} />
-        </t-field>
-        <t-rules .rules=${this.rules()}></t-rules>
+        ${this.password.render("Password")}
         <t-button type="submit" kind="primary" ?busy=${this.busy}>Make this admin</t-button>
       </form>
     `;
@@ -86,25 +76,17 @@ export class PageSetup extends LitElement {
     this.router.replace("/login");
   };
 
-  private rules(): ReturnType<typeof passwordRules> {
-    return passwordRules(this.password, this.name, this.again);
-  }
-
   private readonly onInput = (event: Event): void => {
-    if (!(event.target instanceof HTMLInputElement)) return;
-    const { id, value } = event.target;
-    if (id === "name") this.name = value;
-    else if (id === "password") this.password = value;
-    else this.again = value;
-    this.errors = NO_ERRORS;
+    if (event.target instanceof HTMLInputElement) this.name = event.target.value;
+    this.missing = "";
   };
 
   private readonly onSubmit = (event: SubmitEvent): void => {
     event.preventDefault();
     if (this.busy) return;
     const name = this.name.trim();
-    this.errors = { name: name === "" ? "Enter a name." : "", password: passwordProblem(this.rules()) };
-    if (Object.values(this.errors).every((error) => error === "")) void this.createAdmin(name, this.password);
+    this.missing = name === "" ? "Enter a name." : "";
+    if (this.password.validate() && name !== "") void this.createAdmin(name, this.password.value);
   };
 
   private async createAdmin(name: string, password: string): Promise<void> {

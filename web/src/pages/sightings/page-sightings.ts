@@ -10,8 +10,10 @@ import { ConnectionStateController } from "../../controllers/connection-state.js
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { settled } from "../../elements/base/stable-field.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
 import { formText } from "../../format/form-values.js";
@@ -107,16 +109,14 @@ export class PageSightings extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<div class="head">
-        <div>
-          <h1>Sightings</h1>
-          <p class="muted">What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.</p>
-        </div>
-        <div class="actions">
+    return html`${renderPageHead(
+        "Sightings",
+        `What the cameras of ${this.sites.store?.siteRow(this.site)?.name ?? this.site} have seen, newest first.`,
+        html`<div class="actions">
           <a href=${sitePath(this.site, "cameras")}>Cameras</a>
           <a href=${sitePath(this.site, "logbook")}>Logbook</a>
-        </div>
-      </div>
+        </div>`,
+      )}
       ${this.renderSearch(this.filter())}
       ${renderInfiniteList(this.list, {
         label: "Sightings",
@@ -137,8 +137,7 @@ export class PageSightings extends LitElement {
         <datalist id="labels">${map(this.knownLabels(), (label) => html`<option value=${label}></option>`)}</datalist>
         <t-field label="Camera">
           <select name="camera">
-            <option value="">all</option>
-            ${map(this.cameras(), ([address, name]) => html`<option value=${address} .selected=${address === filter.camera}>${name}</option>`)}
+            ${renderOptions([["", "all"], ...this.cameras()], filter.camera)}
           </select>
         </t-field>
         <t-field class="time" label=${`From (${clock.zone})`}><input name="from" type="datetime-local" step="1" .value=${settled(shown(filter.fromUs))} /></t-field>

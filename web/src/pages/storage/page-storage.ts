@@ -6,6 +6,7 @@ import { customElement } from "lit/decorators.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
 import { formatBytes } from "../../format/bytes.js";
@@ -16,7 +17,7 @@ import type { HubApi } from "../../wire/hub-api.js";
 import { signalUsage } from "./signal-usage.js";
 import { storageStyle } from "./storage-style.js";
 import { forecastText, warningOf } from "./storage-text.js";
-import { renderLoadError, renderLoadingNote } from "../../elements/feedback/load-state.js";
+import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/status.js";
@@ -38,14 +39,12 @@ export class PageStorage extends LitElement {
   override render(): TemplateResult {
     const use = this.use.value;
     return html`<t-admin-tabs page="storage"></t-admin-tabs>
-      <div class="head">
-        <h1>Storage</h1>
-        ${use === undefined ? nothing : html`<t-button ?busy=${this.use.result.state === "loading"} @click=${this.retry}>Look again</t-button>`}
-      </div>
-      ${renderLoadError(this.use.result, "what is stored", this.retry)}
-      ${use !== undefined
-        ? this.renderContent(use)
-        : renderLoadingNote(this.use.result, "Calculating storage use")}`;
+      ${renderPageHead(
+        "Storage",
+        nothing,
+        html`<t-button ?hidden=${use === undefined} ?busy=${this.use.result.state === "loading"} @click=${this.use.invalidate}>Look again</t-button>`,
+      )}
+      ${renderLoaded(this.use, "what is stored", (value) => this.renderContent(value))}`;
   }
 
   private renderContent(use: StorageUse): TemplateResult {
@@ -83,10 +82,6 @@ export class PageStorage extends LitElement {
   }
 
   private readonly zoneOf = (site: string): string => this.sites.store?.zoneOf(site) ?? "UTC";
-
-  private readonly retry = (): void => {
-    this.use.invalidate();
-  };
 }
 
 function renderFacts(use: StorageUse): TemplateResult {

@@ -1,5 +1,6 @@
 /** What each signal takes: its channels together, filtered and sorted. */
 
+import type { Sorting } from "../../elements/layout/data-table.js";
 import type { ChannelStorage } from "../../wire/admin-types.js";
 
 export interface SignalUse {
@@ -20,13 +21,8 @@ export interface SignalUse {
 
 export type SortKey = "name" | "bytes" | "day" | "samples" | "first" | "keep";
 
-export interface Sorting {
-  readonly by: SortKey;
-  readonly down: boolean;
-}
-
 /** The largest first. */
-export const FIRST_SORTING: Sorting = { by: "bytes", down: true };
+export const FIRST_SORTING: Sorting<SortKey> = { by: "bytes", down: true };
 
 export function signalUsage(channels: readonly ChannelStorage[]): SignalUse[] {
   const found = new Map<string, ChannelStorage[]>();
@@ -68,7 +64,7 @@ export function filterSignals(signals: readonly SignalUse[], filter: string): re
   });
 }
 
-export function sortSignals(signals: readonly SignalUse[], { by, down }: Sorting): SignalUse[] {
+export function sortSignals(signals: readonly SignalUse[], { by, down }: Sorting<SortKey>): SignalUse[] {
   const sign = down ? -1 : 1;
   const ordered = [...signals];
   ordered.sort((a, b) => sign * compareSignals(a, b, by) || a.site.localeCompare(b.site) || a.address.localeCompare(b.address));
@@ -76,7 +72,7 @@ export function sortSignals(signals: readonly SignalUse[], { by, down }: Sorting
 }
 
 /** The same column turns round; another begins with what one looks for there. */
-export function toggleSorting(now: Sorting, by: SortKey): Sorting {
+export function toggleSorting(now: Sorting<SortKey>, by: SortKey): Sorting<SortKey> {
   return now.by === by ? { by, down: !now.down } : { by, down: by !== "name" && by !== "first" };
 }
 

@@ -80,66 +80,19 @@ export const storageTableStyle = css`
     font-weight: var(--t-weight-strong);
   }
   .table {
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
-    overflow: hidden;
-  }
-  .row {
-    display: grid;
-    grid-template-columns: minmax(0, 2.4fr) minmax(7rem, 1.2fr) 6rem 7rem minmax(11rem, 1.4fr) 6rem;
-    gap: var(--t-space-1) var(--t-space-4);
-    align-items: center;
-    padding: var(--t-space-2) var(--t-space-4);
-  }
-  .row + .row {
-    border-block-start: 1px solid var(--t-line);
-  }
-  .titles {
-    padding-block: 0;
-    background: var(--t-raised);
-  }
-  .titles button {
-    display: inline-flex;
-    align-items: center;
-    gap: var(--t-space-1);
-    min-block-size: var(--t-touch);
-    padding: 0;
-    border: 0;
-    background: none;
-    color: var(--t-muted);
-    font: inherit;
-    font-size: var(--t-size-s);
-    font-weight: var(--t-weight-strong);
-    cursor: pointer;
-  }
-  .titles button:hover,
-  .titles [aria-sort] button {
-    color: var(--t-text);
-  }
-  .row > span {
-    min-inline-size: 0;
-    overflow-wrap: anywhere;
-    font-variant-numeric: tabular-nums;
-  }
-  .number {
-    text-align: end;
-  }
-  .titles .number {
-    display: flex;
-    justify-content: end;
+    --t-columns: minmax(0, 2.4fr) minmax(7rem, 1.2fr) 6rem 7rem minmax(11rem, 1.4fr) 6rem;
   }
   .small {
     color: var(--t-muted);
     font-size: var(--t-size-s);
   }
-  .size {
+  .row:not(.titles) > .size {
     display: grid;
     grid-template-columns: minmax(2rem, 1fr) 4.75rem;
     align-items: center;
     gap: var(--t-space-2);
   }
-  .size > :last-child {
+  .row:not(.titles) > .size > :last-child {
     text-align: end;
   }
   .share {
@@ -158,26 +111,10 @@ export const storageTableStyle = css`
     .sort {
       display: inline-flex;
     }
-    .titles {
-      position: absolute;
-      clip-path: inset(50%);
-    }
-    .row {
-      grid-template-columns: minmax(0, 1fr) auto;
-      padding-block: var(--t-space-3);
-    }
     .who,
     .size,
     .when {
       grid-column: 1 / -1;
-    }
-    .number {
-      text-align: start;
-    }
-    .row > span[data-title]::before {
-      content: attr(data-title) " ";
-      color: var(--t-muted);
-      font-size: var(--t-size-s);
     }
   }
 `;

@@ -1,0 +1,16 @@
+/** A list of rows, as every page shows one; drawn with `sheets`. */
+
+import { html, type TemplateResult } from "lit";
+import { repeat } from "lit/directives/repeat.js";
+
+/** @param renderRow draws a row as an `<li>` */
+export function renderRows<R extends { readonly id: string }>(rows: readonly R[], renderRow: (row: R) => TemplateResult): TemplateResult {
+  return html`<ul class="rows">
+    ${repeat(rows, ({ id }) => id, renderRow)}
+  </ul>`;
+}
+
+/** The same on a sheet of its own; `label` is its name for who hears the page. */
+export function renderRowSheet<R extends { readonly id: string }>(label: string, rows: readonly R[], renderRow: (row: R) => TemplateResult): TemplateResult {
+  return html`<section class="sheet" aria-label=${label}>${renderRows(rows, renderRow)}</section>`;
+}

@@ -1,0 +1,11 @@
+/** What a gateway that did not change over said. */
+
+import type { Advice } from "../../format/error-advice.js";
+import type { ChangeAnswer } from "../../wire/descriptions-api.js";
+
+/** What a gateway's answer means; null when there is nothing to say. */
+export function refusalAdvice(answer: ChangeAnswer | null): Advice | null {
+  if (answer === null || answer.phase === "applied") return null;
+  const what = answer.phase === "refused" ? "The gateway refused it." : "It is not known whether it was done.";
+  return { what, how: answer.message };
+}
