@@ -36,6 +36,8 @@ CLEAN = {
     for key, value in os.environ.items()
     if key not in ("PYTHONPATH", "LD_LIBRARY_PATH", "VIRTUAL_ENV", "PYTHONHOME")
 }
+# What is installed is run twice and thrown away: nothing is compiled that is never imported.
+CLEAN["PIP_COMPILE"] = "0"
 
 
 def run(*words: str | Path) -> str:

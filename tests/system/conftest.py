@@ -19,7 +19,7 @@ from patience import PATIENCE_MS, PATIENCE_S
 from playwright.sync_api import Browser, expect, sync_playwright
 from ports import free_port
 
-from .stack import Stack
+from .stack import Stack, empty_database
 
 # What must come may take its time on a busy machine; see `patience`.
 expect.set_options(timeout=PATIENCE_MS)
@@ -147,7 +147,10 @@ def demo_words() -> tuple[str, ...]:
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory, demo_words: tuple[str, ...]) -> Iterator[Demo]:
-    running = start_demo(tmp_path_factory.mktemp("demo"), *demo_words)
+    folder = tmp_path_factory.mktemp("demo")
+    # `test_demo` is about a demo that begins with nothing.
+    shutil.copy(empty_database(), folder)
+    running = start_demo(folder, *demo_words)
     try:
         yield running
     finally:

@@ -167,12 +167,13 @@ def test_groups_that_wait_run_side_by_side_beyond_the_number_of_cores() -> None:
     assert plan.choose_next([*heavy, *light], heavy[:2]) is light[0]
 
 
-def test_what_runs_beside_a_calm_group_leaves_half_of_the_cores_free() -> None:
+def test_a_calm_group_and_what_runs_beside_it_leave_some_of_a_core_free() -> None:
     plan = load_plan()
     calm = [plan.Group([f"c{at}"], wall=60.0, cpu=40.0, calm=True) for at in range(2)]
     light = plan.Group(["light"], wall=60.0, cpu=40.0)
     heavy = plan.Group(["heavy"], wall=60.0, cpu=70.0)
     assert plan.choose_next([calm[1], heavy, light], [calm[0]]) is light
+    assert calm[0].load + light.load <= 0.9 * plan.CORES < calm[0].load + heavy.load
     assert plan.choose_next(calm, [heavy]) is None
     assert plan.choose_next(calm, [light]) is calm[0]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import sys
 from typing import TYPE_CHECKING, NamedTuple, cast
@@ -90,7 +91,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"{_help_text()}\n\ntalaia: unknown command {first!r}", file=sys.stderr)
         return 2
     try:
-        return _load_main(first, command)(arguments[1:])
+        run = _load_main(first, command)
+        if argv is None:
+            # This process is the command's own: what was imported stays until it ends, and no
+            # garbage collection goes through it, the one at the end included.
+            gc.freeze()
+        return run(arguments[1:])
     except TalaiaError as error:
         print(f"talaia {first}: {error}", file=sys.stderr)
         return 2
@@ -107,10 +113,17 @@ def _help_text() -> str:
 
 
 def _load_main(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]:
+    # Imports make no garbage to speak of. To look for it was a fifth of the time that a hub takes
+    # to import (0.22 of 1.13 s).
+    collecting = gc.isenabled()
+    gc.disable()
     try:
         module = importlib.import_module(command.module)
     except ModuleNotFoundError as error:
         if error.name is None or error.name.startswith("talaia"):
             raise
         raise PartMissing(f"talaia {name}", error.name, command.extra) from error
+    finally:
+        if collecting:
+            gc.enable()
     return cast("Callable[[Sequence[str]], int]", module.main)

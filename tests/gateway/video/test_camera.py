@@ -302,18 +302,23 @@ def photograph(width: int, height: int, turn: int) -> np.ndarray:
 def test_on_a_narrow_line_pictures_are_fewer_but_none_is_a_grey_area(
     form: PictureForm, share: float
 ) -> None:
-    """A key picture of 277 bytes was decoded to even grey, and was called live."""
+    """Key pictures of 277 and 709 bytes were decoded to even grey, and were called live.
+
+    So were those between them, when what a picture may cost was reckoned by the camera's own pace.
+    """
     hall, (taker, _) = Hall(form), stream()
     hall.share = share
-    sent = {}
-    for at in range(90):
-        sent[at + 1] = photograph(320, 240, at)
-        taker.process_picture(packed(sent[at + 1], "rgb8"), at, at * STEP_US, hall)
+    photographs = [photograph(320, 240, turn) for turn in range(40)]
+    # Longer than the longest time between two key pictures.
+    for at in range(330):
+        taker.process_picture(packed(photographs[at % 40], "rgb8"), at, at * STEP_US, hall)
     seen = played(hall.got)
-    assert len(seen) == len(hall.got) >= 5
+    assert len(seen) == len(hall.got) >= 20
     for picture, shown in zip(hall.got, seen, strict=True):
-        assert shown.std() > 0.3 * sent[picture.seq].std()
-    assert all(len(each.data) > 2000 for each in hall.got if each.key)
+        assert shown.std() > 0.4 * photographs[(picture.seq - 1) % 40].std()
+    keys = [len(picture.data) for picture in hall.got if picture.key]
+    assert len(keys) >= 2
+    assert min(keys) > 2000
 
 
 def test_an_encoder_goes_on_while_the_share_of_the_line_wavers() -> None:

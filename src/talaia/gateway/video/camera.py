@@ -132,7 +132,14 @@ class CapturedFrame:
 
 
 class _Rung:
-    """One form of one camera: keeps its own pace, and its encoder where it has one."""
+    """One form of one camera: keeps its own pace, and its encoder where it has one.
+
+    Attributes:
+        encoder: of a film; none for single pictures.
+        slower: how many times slower than the form's own the pace is that the encoder was made for.
+            Each picture gets what the line bears in that time, so they come no faster.
+
+    """
 
     def __init__(self, rate: float) -> None:
         self.period_us = round(1e6 / rate)
@@ -140,10 +147,11 @@ class _Rung:
         self._key_us = -_KEY_EVERY_US
         self._wants_key = True
         self.encoder: h264.Encoder | None = None
+        self.slower = 1
 
     def is_due(self, mono_us: int, slower: int) -> bool:
         """Tell whether the pace allows a picture now; if so, count it as taken."""
-        period = self.period_us * slower
+        period = self.period_us * max(slower, self.slower)
         # A tenth early will do: pictures come with jitter.
         if mono_us < self._due_us - period // 10:
             return False
@@ -158,6 +166,10 @@ class _Rung:
             return False
         self._wants_key, self._key_us = False, mono_us
         return True
+
+    def is_key_old(self, mono_us: int, longest_s: float) -> bool:
+        """Tell whether the last key picture is older than it may be."""
+        return mono_us - self._key_us >= longest_s * 1e6
 
 
 class PictureStream:
@@ -336,18 +348,29 @@ class PictureStream:
         pixels = taken.pixels()
         rate = 1e6 / rung.period_us
         width, height, bits = self._film_size(pixels, form, rate)
-        encoder = rung.encoder
-        if encoder is None or not _serves(
-            encoder=encoder, width=width, height=height, bits=bits, share=share
+        encoder, slower, every_s = rung.encoder, _slower(share), KEY_EVERY_S[form]
+        asked = asked or (share < 1 and rung.is_key_old(stamp.mono_us, every_s))
+        key = rung.key_now(stamp.mono_us, asked=asked)
+        # On a narrow line an encoder that has spent its bits on a busy scene has none for a key
+        # picture: one of 709 bytes in 320x240 was a grey area. A new encoder has them again, and is
+        # the only one to begin: its own period would bring key pictures without bits.
+        fresh = key and share < 1
+        if (
+            encoder is None
+            or fresh
+            or not _serves(encoder=encoder, width=width, height=height, bits=bits, share=share)
         ):
+            # Made for the pace that the line allows: x264 gives each picture its part of a second,
+            # and with the camera's own pace a fifth of the line's bits was used at the least.
             encoder = rung.encoder = h264.Encoder(
                 width=width,
                 height=height,
-                rate=rate,
+                rate=rate / slower,
                 bits=round(bits * share),
-                key_every_s=KEY_EVERY_S[form],
+                key_every_s=every_s if share >= 1 else 2 * every_s,
             )
-        made = encoder.encode(pixels, stamp.mono_us, key=rung.key_now(stamp.mono_us, asked=asked))
+            rung.slower = slower
+        made = encoder.encode(pixels, stamp.mono_us, key=key)
         if made is None:
             return None
         return PictureFrame(
