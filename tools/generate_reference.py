@@ -23,7 +23,7 @@ from talaia.clock import SystemClock
 from talaia.hub.api.openapi import describe_api, needs_in_words
 from talaia.hub.app import build
 from talaia.hub.settings import Settings
-from talaia.model import ai_services, connection, site
+from talaia.model import ai_services, connection, roles, site
 from talaia.model.base import FOREIGN_KEYS, SourceShape
 from talaia.model.schema import site_schema
 from talaia.model.units.unit import UNITS
@@ -48,6 +48,11 @@ are said: so version N talks with N-1 and N+1. A frame over its limit, or with a
 own, closes the connection. [asyncapi.yaml](asyncapi.yaml) says the same to programs."""
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "docs" / "reference"
+# Lists that are too long for a cell: their section on the same page.
+ROLE_TABLES: dict[type, str] = {
+    roles.SignalRole: "roles of signals",
+    roles.CommandRole: "roles of commands",
+}
 NOTE = "<!-- Made from the code by tools/generate_reference.py; do not edit. -->\n\n"
 
 
@@ -89,6 +94,7 @@ def site_page() -> str:
         "One YAML file says all there is to know of a site. `talaia check FILE` says whether it is"
         " right; [site.schema.json](site.schema.json) lets an editor complete it.\n",
         *(struct_section(shape) for shape in shapes),
+        *roles_sections(),
         "## Units\n",
         table(
             ("symbol", "name"),
@@ -96,6 +102,38 @@ def site_page() -> str:
         ),
     ]
     return "\n".join(parts)
+
+
+def roles_sections() -> list[str]:
+    """Describe every role: what it stands on, and what the states of such a signal may mean."""
+    signals = [
+        (
+            f"`{role.value}`",
+            " or ".join(fit.types) + (f" in {' or '.join(fit.units)}" if fit.units else ""),
+            ", ".join(f"`{meaning.value}`" for meaning in fit.meanings),
+            "any number" if fit.many else "one",
+        )
+        for role, fit in roles.SIGNAL_FITS.items()
+    ]
+    commands = [
+        (
+            f"`{role.value}`",
+            ", or ".join(fit.forms) + (f" in {fit.unit}" if fit.unit else ""),
+            "any number" if fit.many else "one",
+        )
+        for role, fit in roles.COMMAND_FITS.items()
+    ]
+    return [
+        "## Roles of signals\n",
+        "Beside these, `auto` takes what Talaia proposes and `none` has no role; what they are for:"
+        " [Describe a robot](../how-to/configure.md#roles).\n",
+        table(("role", "stands on", "`meanings` of its states", "of a device"), signals),
+        "## Roles of commands\n",
+        "An outlet is switched by the command of its own id, or by two whose ids end in `_on` and"
+        " `_off`. Of a command with `telescope.goto` the site's `pointing` says which arguments"
+        " are right ascension and declination.\n",
+        table(("role", "asks for", "of a device"), commands),
+    ]
 
 
 def wire_page() -> str:
@@ -206,6 +244,10 @@ def is_new(text: str, at: int) -> bool:
 def type_words(kind: msgspec.inspect.Type) -> str:
     """Say a type in words that people of the field read."""
     match kind:
+        case msgspec.inspect.EnumType() if kind.cls in ROLE_TABLES:
+            return (
+                f"one of the [{ROLE_TABLES[kind.cls]}](#{ROLE_TABLES[kind.cls].replace(' ', '-')})"
+            )
         case msgspec.inspect.EnumType():
             return " or ".join(f"`{each.value}`" for each in kind.cls if isinstance(each, StrEnum))
         case msgspec.inspect.StructType():

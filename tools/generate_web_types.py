@@ -11,6 +11,7 @@ import json
 import sys
 import types
 from collections import Counter
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -34,6 +35,7 @@ from talaia.hub.api.schemas import (
     tile_schemas,
 )
 from talaia.hub.auth.permissions import Right
+from talaia.model.roles import CommandRole, SignalRole, StateMeaning
 from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
 from talaia.model.units.unit import UNITS
 from talaia.wire import browser, message
@@ -241,7 +243,7 @@ def api_type(hint: object, words: list[str] | None) -> str:
         return " | ".join(json.dumps(word) for word in get_args(hint))
     if isinstance(hint, type) and hint in SIMPLE:
         return SIMPLE[hint]
-    if isinstance(hint, type) and issubclass(hint, BaseModel):
+    if isinstance(hint, type) and issubclass(hint, (BaseModel, StrEnum)):
         return hint.__name__
     if hint == dict[str, Any]:
         return "Readonly<Record<string, unknown>>"
@@ -273,6 +275,12 @@ def api_text() -> str:
             kind = api_type(info.annotation, CLOSED.get((name, key)))
             lines.append(f"  readonly {key}{mark}: {kind};")
         parts.append("\n".join([*lines, "}"]))
+    parts += [
+        f"/** {first_sentence(words)} */\nexport type {words.__name__} =\n  | "
+        + "\n  | ".join(json.dumps(word.value) for word in words)
+        + ";"
+        for words in (SignalRole, CommandRole, StateMeaning)
+    ]
     return (
         FIRST_LINE.format(source="hub.api.shapes and people_shapes")
         + "\n"

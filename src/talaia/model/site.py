@@ -42,6 +42,7 @@ from talaia.model.interlocks.enclosure import Enclosure, Place, Pointing  # noqa
 from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa: TC001 - msgspec reads them
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
+from talaia.model.roles import CommandRole, SignalRole, StateMeaning
 
 __all__ = [
     "Argument",
@@ -49,6 +50,7 @@ __all__ = [
     "Channel",
     "Command",
     "CommandKind",
+    "CommandRole",
     "Device",
     "DeviceKind",
     "Drive",
@@ -59,9 +61,11 @@ __all__ = [
     "PositionFrame",
     "Ros2Settings",
     "Signal",
+    "SignalRole",
     "SignalType",
     "Site",
     "Source",
+    "StateMeaning",
     "Stop",
     "Stream",
     "Visibility",
@@ -84,7 +88,11 @@ class Signal(Shape, frozen=True, kw_only=True):
         frozen_after: a number that is the same to the last bit for so long (s) is unknown to
             interlocks, for a sensor that lives is never that still; 0 for one that may be.
         keep: history older than this is dropped (days); 0 keeps it for good.
+        role: what it is, by which pages and tiles find it: ``dome.shutter``, ``weather.wind``;
+            ``auto`` takes what Talaia proposes, ``none`` has no role.
         states: for a state: what each whole number means, in order.
+        meanings: what each of the states means to pages, in order, for a role that knows meanings
+            (``dome.shutter``: ``closed``, ``open``, …); left out, English words are understood.
         frame: for a position: metres or degrees.
         yaw_from: for a local position: ``quaternion`` path of the orientation, or empty.
         primary: shown on the first page.
@@ -97,6 +105,7 @@ class Signal(Shape, frozen=True, kw_only=True):
     name: str
     source: Source
     type: SignalType = SignalType.NUMBER
+    role: SignalRole = SignalRole.AUTO
     unit: str = ""
     minimum: float | None = None
     maximum: float | None = None
@@ -108,6 +117,7 @@ class Signal(Shape, frozen=True, kw_only=True):
     frozen_after: float = 0.0
     keep: float = 0.0
     states: tuple[str, ...] = ()
+    meanings: tuple[StateMeaning, ...] = ()
     frame: PositionFrame = PositionFrame.LOCAL
     yaw_from: str = ""
     primary: bool = True
@@ -241,6 +251,8 @@ class Command(Shape, frozen=True, kw_only=True):
             property; the arguments of a command as one line, without a shell, where ``{field}``
             stands for an argument; or what an extension is to do, in its own words.
         type: ROS: ``package/srv/Name``, ``package/msg/Name`` or ``package/action/Name``.
+        role: what it does, by which pages find it: ``dome.open``, ``telescope.goto``; ``auto``
+            takes what Talaia proposes, ``none`` has no role.
         progress: for an action: the path of a number in its feedback, or empty.
         progress_end: the value of ``progress`` that means done.
         fixed: request fields with values that the asker does not choose, by path.
@@ -256,6 +268,7 @@ class Command(Shape, frozen=True, kw_only=True):
     target: str
     type: str = ""
     kind: CommandKind = CommandKind.SERVICE
+    role: CommandRole = CommandRole.AUTO
     description: str = ""
     progress: str = ""
     progress_end: float = 1.0

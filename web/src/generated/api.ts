@@ -83,6 +83,7 @@ export interface CodeShape {
 export interface CommandShape {
   readonly id: string;
   readonly name: string;
+  readonly role: CommandRole;
   readonly description: string;
   readonly confirm: boolean;
   readonly timeout: number;
@@ -108,6 +109,7 @@ export interface DeviceShape {
   readonly public: boolean;
   readonly link_loss: string;
   readonly pointing: PointingShape | null;
+  readonly slew: SlewShape | null;
   readonly rights: readonly ("view" | "use" | "admin")[];
   readonly unguarded: boolean;
 }
@@ -260,11 +262,13 @@ export interface SignalShape {
   readonly address: string;
   readonly name: string;
   readonly type: "number" | "state" | "text" | "position";
+  readonly role: SignalRole;
   readonly unit: string;
   readonly decimals: number;
   readonly minimum: number | null;
   readonly maximum: number | null;
   readonly states: readonly string[];
+  readonly meanings: readonly StateMeaning[];
   readonly frame: "local" | "wgs84";
   readonly max_age: number;
   readonly primary: boolean;
@@ -1277,3 +1281,91 @@ export interface TileSignalShape {
   readonly unit: string;
   readonly id: string;
 }
+
+/** What a signal is. ``auto``: what Talaia proposes; ``none``: nothing that a page knows. */
+export type SignalRole =
+  | "auto"
+  | "none"
+  | "dome.shutter"
+  | "dome.opening"
+  | "dome.azimuth"
+  | "dome.turning"
+  | "dome.parked"
+  | "dome.local"
+  | "telescope.state"
+  | "telescope.parked"
+  | "telescope.tracking"
+  | "telescope.ra"
+  | "telescope.dec"
+  | "telescope.altitude"
+  | "telescope.azimuth"
+  | "camera.state"
+  | "camera.remaining"
+  | "camera.temperature"
+  | "camera.cooler"
+  | "camera.cooler_power"
+  | "camera.filter"
+  | "weather.safety"
+  | "weather.raining"
+  | "weather.rain"
+  | "weather.wind"
+  | "weather.gust"
+  | "weather.wind_direction"
+  | "weather.humidity"
+  | "weather.temperature"
+  | "weather.dew_point"
+  | "weather.pressure"
+  | "weather.clouds"
+  | "power.outlet"
+  | "power.total"
+  | "power.voltage"
+  | "power.current"
+  | "power.load"
+  | "battery.level"
+  | "battery.voltage"
+  | "battery.current"
+  | "vehicle.speed"
+  | "vehicle.turn_rate"
+  | "vehicle.position";
+
+/** What a command does. ``auto``: what Talaia proposes; ``none``: nothing that a page knows. */
+export type CommandRole =
+  | "auto"
+  | "none"
+  | "dome.open"
+  | "dome.close"
+  | "dome.stop"
+  | "dome.park"
+  | "dome.unpark"
+  | "dome.goto"
+  | "telescope.goto"
+  | "telescope.track"
+  | "telescope.untrack"
+  | "telescope.park"
+  | "telescope.unpark"
+  | "telescope.stop"
+  | "camera.expose"
+  | "camera.abort"
+  | "camera.cool"
+  | "camera.cooler"
+  | "camera.cooler_on"
+  | "camera.cooler_off"
+  | "power.switch"
+  | "power.on"
+  | "power.off";
+
+/** What one state of a signal means, whatever it is called. */
+export type StateMeaning =
+  | "closed"
+  | "open"
+  | "opening"
+  | "closing"
+  | "partial"
+  | "error"
+  | "unknown"
+  | "idle"
+  | "exposing"
+  | "reading"
+  | "safe"
+  | "warning"
+  | "unsafe";

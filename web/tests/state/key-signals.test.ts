@@ -44,11 +44,11 @@ test("a page is told when what the person may do has changed, and not when only 
 });
 describe("key signals", () => {
   const signal = (address: string, change: Partial<SignalInfo> = {}): SignalInfo => ({
-    id: address, address, name: address, type: "number", unit: "", decimals: -1, minimum: null, maximum: null,
-    states: [], frame: "local", max_age: 5, primary: true, public: false, channels: [address], ...change,
+    id: address, address, name: address, type: "number", role: "none", unit: "", decimals: -1, minimum: null, maximum: null,
+    states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, channels: [address], ...change,
   });
   const device = (signals: SignalInfo[]): DeviceInfo => ({
-    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: ["view"],
+    id: "", name: "", kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: ["view"],
   });
 
   test("come from every device in turn, without positions and minor ones", () => {

@@ -35,6 +35,7 @@ from talaia.model.checks.identifiers import (
     topic_fits,
 )
 from talaia.model.checks.interlock_checks import interlock_findings
+from talaia.model.checks.role_checks import role_findings
 from talaia.model.checks.validity_checks import validity_fits
 from talaia.model.connection import (
     DetectionSource,
@@ -186,6 +187,7 @@ def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
         yield from _command(at, command)
         if rules is not None:
             yield from rules.command_findings(at, command)
+    yield from role_findings(where, device)
     if link is not None:
         yield from frames_findings(f"{where}.frames", device, link)
     if device.drive is not None:

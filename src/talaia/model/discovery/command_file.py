@@ -11,6 +11,7 @@ import json
 from typing import NamedTuple, NoReturn
 
 from talaia.model.connection import ProcessConnection, ProcessSource
+from talaia.model.discovery.role_proposal import with_roles
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import (
     Argument,
@@ -135,16 +136,18 @@ def _device(where: str, name: str, found: object, connection: str) -> Device:
         }
         signals |= _signals(field, _text(f"{where}.commands.info.{field}", line), words)
     kinds = {kind.value: kind for kind in DeviceKind} | {"pdu": DeviceKind.POWER}
-    return Device(
-        name=name.replace("_", " ").capitalize(),
-        kind=kinds.get(name, DeviceKind.OTHER),
-        connection=connection,
-        signals=signals,
-        commands={
-            action: _command(action, _text(f"{where}.commands.{action}", line))
-            for action, line in commands.items()
-            if action != "info"
-        },
+    return with_roles(
+        Device(
+            name=name.replace("_", " ").capitalize(),
+            kind=kinds.get(name, DeviceKind.OTHER),
+            connection=connection,
+            signals=signals,
+            commands={
+                action: _command(action, _text(f"{where}.commands.{action}", line))
+                for action, line in commands.items()
+                if action != "info"
+            },
+        )
     )
 
 

@@ -17,6 +17,7 @@ from talaia.model.checks.site_checks import check
 from talaia.model.connection import IndiConnection, Ros1Connection, RosSource
 from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
 from talaia.model.discovery.proposed_signals import MOTION_FIELDS, ProposedSignals
+from talaia.model.discovery.role_proposal import with_roles
 from talaia.model.discovery.ros_units import human, word_of
 from talaia.model.discovery.topic_words import free_word, last_part
 from talaia.model.site import (
@@ -93,7 +94,13 @@ def propose(found: Found, site: str, name: str, zone: str) -> Proposal:
         zone=zone,
         ros2=Ros2Settings(domain=found.domain) if found.protocol == "ros2" else None,
         connections=_connections_of(found),
-        devices={**proposed_devices.build_devices(), **_devices_described(found)},
+        devices={
+            name: with_roles(device)
+            for name, device in {
+                **proposed_devices.build_devices(),
+                **_devices_described(found),
+            }.items()
+        },
     )
     left_out = [*proposed_devices.left_out, *_drivers_away(found)]
     for _ in range(MAX_ROUNDS):

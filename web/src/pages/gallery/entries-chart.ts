@@ -80,11 +80,13 @@ function signal(change: Partial<SignalInfo> = {}): SignalInfo {
     address: "base/speed",
     name: "Speed",
     type: "number",
+    role: "none",
     unit: "m/s",
     decimals: -1,
     minimum: -0.25,
     maximum: 0.25,
     states: [],
+    meanings: [],
     frame: "local",
     max_age: 5,
     primary: true,
@@ -123,7 +125,7 @@ const WANDER = signal({ name: "Wander mode", type: "state", states: STATES, max_
 const PLACE = signal({ name: "Position", type: "position", channels: ["base/pose.x", "base/pose.y", "base/pose.yaw"], max_age: 86_400 });
 const WORDS = signal({ name: "Last message", type: "text", max_age: 86_400 });
 
-const DEVICE: DeviceInfo = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: [] };
+const DEVICE: DeviceInfo = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: [] };
 const ROWS: readonly ChannelRow[] = [
   { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
   { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },

@@ -11,7 +11,7 @@ import type { KnownValue } from "./weather-verdict.js";
 /** Stands in before the page has handed a device over. */
 export const NO_DEVICE: DeviceInfo = {
   id: "", name: "", kind: "other", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "",
-  pointing: null, unguarded: false, rights: [],
+  pointing: null, slew: null, unguarded: false, rights: [],
 };
 
 export const partStyle = css`

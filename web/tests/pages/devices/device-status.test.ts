@@ -23,11 +23,11 @@ test("a filter finds all of its words, in any of a device's names", () => {
 
 test("of a site only what is public stands on the public page, for an operator too", () => {
   const signal = (id: string, open: boolean): SignalInfo => ({
-    id, address: `base/${id}`, name: id, type: "number", unit: "m", decimals: 1, minimum: null, maximum: null,
-    states: [], frame: "local", max_age: 5, primary: true, public: open, channels: [`base/${id}`],
+    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null,
+    states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: open, channels: [`base/${id}`],
   });
   const device = (id: string, signals: SignalInfo[]): DeviceInfo => ({
-    id, name: id, kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: ["use"],
+    id, name: id, kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: ["use"],
   });
   const detail: SiteDetail = {
     site: "agv", name: "A", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "",

@@ -4,7 +4,7 @@ import type { ArgumentInfo, CommandInfo, DeviceInfo, SignalInfo } from "../../..
 
 export function signal(id: string, more: Partial<SignalInfo> = {}): SignalInfo {
   return {
-    id, address: `it/${id}`, name: id, type: "number", unit: "", decimals: 1, minimum: null, maximum: null, states: [],
+    id, address: `it/${id}`, name: id, type: "number", role: "none", unit: "", decimals: 1, minimum: null, maximum: null, states: [], meanings: [],
     frame: "local", max_age: 5, primary: true, public: false, channels: [`it/${id}`], ...more,
   };
 }
@@ -18,14 +18,14 @@ export function argument(id: string, more: Partial<ArgumentInfo> = {}): Argument
 }
 
 export function command(id: string, args: readonly ArgumentInfo[] = [], more: Partial<CommandInfo> = {}): CommandInfo {
-  return { id, name: id, description: "", confirm: false, timeout: 10, cancellable: false, arguments: args, ...more };
+  return { id, name: id, role: "none", description: "", confirm: false, timeout: 10, cancellable: false, arguments: args, ...more };
 }
 
 export function device(
   kind: DeviceInfo["kind"], signals: readonly SignalInfo[], commands: readonly CommandInfo[] = [], more: Partial<DeviceInfo> = {},
 ): DeviceInfo {
   return {
-    id: "it", name: "Anything", kind, signals, streams: [], commands, drive: null, public: false, link_loss: "", pointing: null, unguarded: false,
+    id: "it", name: "Anything", kind, signals, streams: [], commands, drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false,
     rights: ["view", "use"], ...more,
   };
 }

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from talaia.gateway.adapters.indi.device_commands import commands_of
 from talaia.gateway.adapters.indi.device_signals import signals_of
 from talaia.gateway.adapters.indi.labels import is_describable, shown_name, word_of
+from talaia.gateway.adapters.indi.standard_roles import with_standard_roles
 from talaia.model.site import Device, DeviceKind
 
 if TYPE_CHECKING:
@@ -56,13 +57,15 @@ def devices_of(
         if not is_describable(device.name):
             continue
         device_id = word_of(device.name, {*taken, *made}, "device")
-        made[device_id] = Device(
-            name=shown_name(device.name),
-            kind=_kind_of(device.interface),
-            connection=connection,
-            indi=device.name,
-            signals=signals_of(device),
-            commands=commands_of(device),
+        made[device_id] = with_standard_roles(
+            Device(
+                name=shown_name(device.name),
+                kind=_kind_of(device.interface),
+                connection=connection,
+                indi=device.name,
+                signals=signals_of(device),
+                commands=commands_of(device),
+            )
         )
     return made
 

@@ -15,8 +15,14 @@ from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydant
     PlaceShape,
     PointingShape,
     RuleShape,
+    SlewShape,
 )
 from talaia.hub.api.schemas.sighting_schemas import SeenShape  # noqa: TC001 - pydantic reads it
+from talaia.model.roles import (  # noqa: TC001 - pydantic reads them
+    CommandRole,
+    SignalRole,
+    StateMeaning,
+)
 
 __all__ = [
     "ArgumentShape",
@@ -148,18 +154,21 @@ class SiteSummary(Schema):
 class SignalShape(Schema):
     """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds.
 
-    ``public``: everybody who is signed in may see it.
+    ``role``: what it is, as described or proposed. ``meanings``: what each state
+    means, for roles that know meanings. ``public``: everybody who is signed in may see it.
     """
 
     id: str
     address: str
     name: str
     type: str
+    role: SignalRole
     unit: str
     decimals: int
     minimum: float | None
     maximum: float | None
     states: list[str]
+    meanings: list[StateMeaning]
     frame: str
     max_age: float
     primary: bool
@@ -199,10 +208,14 @@ class ArgumentShape(Schema):
 
 
 class CommandShape(Schema):
-    """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early."""
+    """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early.
+
+    ``role``: what it does, as described or proposed.
+    """
 
     id: str
     name: str
+    role: CommandRole
     description: str
     confirm: bool
     timeout: float
@@ -228,8 +241,8 @@ class DeviceShape(Schema):
     """A device as far as you may see it; ``rights`` are yours: view, use, admin.
 
     ``link_loss`` says what its gateway does with it when the hub is out of reach, ``pointing``
-    where a telescope may not point. ``unguarded``: a dome or telescope that nothing closes or
-    parks by itself.
+    where a telescope may not point, ``slew`` how it is pointed to a place in the sky.
+    ``unguarded``: a dome or telescope that nothing closes or parks by itself.
     """
 
     id: str
@@ -242,6 +255,7 @@ class DeviceShape(Schema):
     public: bool
     link_loss: str
     pointing: PointingShape | None
+    slew: SlewShape | None
     rights: list[str]
     unguarded: bool
 

@@ -18,6 +18,7 @@ from talaia.hub.api.schemas.common import (
     SiteSummary,
     StreamShape,
 )
+from talaia.hub.api.schemas.observatory_schemas import SlewShape
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
     describe_place,
@@ -26,7 +27,9 @@ from talaia.hub.api.sites.rule_views import (
 )
 from talaia.hub.auth.permissions import Grants, Right, sees_device, sees_signal, sees_stream
 from talaia.model.derived_signals import detect_of
+from talaia.model.discovery.role_proposal import meanings_of, place_arguments, roles_of
 from talaia.model.interlocks.unguarded import unguarded_devices
+from talaia.model.roles import CommandRole, SignalRole
 from talaia.model.site import CommandKind, LinkLoss, SignalType, Visibility, parts_of
 from talaia.model.units.unit import unit_of
 
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.live.sites import LiveSite
     from talaia.model.detection import Detect
+    from talaia.model.discovery.role_proposal import DeviceRoles
     from talaia.model.site import Command, Device, Drive, Signal, Site
 
 __all__ = ["describe", "list_devices", "summarise"]
@@ -136,12 +140,13 @@ def _device(
 ) -> DeviceShape:
     uses = grants.may(Right.USE, site.site, device_id)
     views = grants.may(Right.VIEW, site.site, device_id)
+    roles = roles_of(device)
     return DeviceShape(
         id=device_id,
         name=device.name,
         kind=device.kind,
         signals=[
-            _signal(device_id, signal_id, signal)
+            _signal(device_id, signal_id, signal, roles.signals.get(signal_id))
             for signal_id, signal in device.signals.items()
             if sees_signal(grants, site, device_id, signal_id)
         ],
@@ -158,7 +163,7 @@ def _device(
             if sees_stream(grants, site, device_id, stream_id)
         ],
         commands=[
-            _command(command_id, command)
+            _command(command_id, command, roles.commands.get(command_id))
             for command_id, command in device.commands.items()
             # The gateway's business: sent by a person it would hide that nobody supervises.
             if uses and f"{device_id}/{command_id}" not in heartbeats
@@ -167,6 +172,7 @@ def _device(
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",
         pointing=describe_pointing(device.pointing) if device.pointing and views else None,
+        slew=_slew(device, roles) if uses else None,
         unguarded=device_id in unguarded_devices(site),
         rights=[str(right) for right in grants.rights(site.site, device_id)],
     )
@@ -188,7 +194,15 @@ def _link_loss(site: Site, device: Device) -> str:
     return "; ".join(said)
 
 
-def _signal(device_id: str, signal_id: str, signal: Signal) -> SignalShape:
+def _slew(device: Device, roles: DeviceRoles) -> SlewShape | None:
+    """Say how the device is pointed to a place in the sky."""
+    found = place_arguments(device, roles)
+    if found is None:
+        return None
+    return SlewShape(command=found.command, ra=found.ra, dec=found.dec, alt="", az="")
+
+
+def _signal(device_id: str, signal_id: str, signal: Signal, role: SignalRole | None) -> SignalShape:
     address = f"{device_id}/{signal_id}"
     decimals = signal.decimals
     if decimals < 0:
@@ -198,11 +212,13 @@ def _signal(device_id: str, signal_id: str, signal: Signal) -> SignalShape:
         address=address,
         name=signal.name,
         type=signal.type,
+        role=role or SignalRole.NONE,
         unit=signal.unit,
         decimals=decimals,
         minimum=signal.minimum,
         maximum=signal.maximum,
         states=list(signal.states),
+        meanings=list(meanings_of(signal, role)),
         frame=signal.frame if signal.type is SignalType.POSITION else "",
         max_age=signal.max_age,
         primary=signal.primary,
@@ -217,10 +233,11 @@ def _detect(detect: Detect | None) -> DetectShape | None:
     return DetectShape(classes=list(detect.classes), confidence=detect.confidence)
 
 
-def _command(command_id: str, command: Command) -> CommandShape:
+def _command(command_id: str, command: Command, role: CommandRole | None) -> CommandShape:
     return CommandShape(
         id=command_id,
         name=command.name,
+        role=role or CommandRole.NONE,
         description=command.description,
         confirm=command.confirm,
         timeout=command.timeout,

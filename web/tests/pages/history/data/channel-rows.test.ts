@@ -4,15 +4,15 @@ import type { SignalInfo, SiteDetail, StoredInfo } from "../../../../src/wire/ap
 
 function signal(id: string, change: Partial<SignalInfo> = {}): SignalInfo {
   return {
-    id, address: `base/${id}`, name: id, type: "number", unit: "m", decimals: -1, minimum: null, maximum: null,
-    states: [], frame: "local", max_age: 5, primary: true, public: false, channels: [`base/${id}`], ...change,
+    id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null,
+    states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, channels: [`base/${id}`], ...change,
   };
 }
 const DETAIL: SiteDetail = {
   site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], last_seen_us: 0,
   devices: [
     {
-      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, unguarded: false, rights: [],
+      id: "base", name: "Base", kind: "vehicle", streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: [],
       signals: [
         signal("left"),
         signal("volt", { unit: "V", primary: false }),

@@ -1,0 +1,115 @@
+"""Whether each role fits the signal or command that it stands on. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.model.checks.identifiers import Finding
+from talaia.model.roles import (
+    COMMAND_FITS,
+    SIGNAL_FITS,
+    CommandForm,
+    CommandRole,
+    SignalRole,
+)
+from talaia.model.site import ArgumentType, SignalType
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.model.site import Command, Device, Signal
+
+__all__ = ["role_findings"]
+
+_NUMBERS = (ArgumentType.NUMBER, ArgumentType.INTEGER)
+
+
+def role_findings(where: str, device: Device) -> Iterator[Finding]:
+    """Check the roles that a device's description says; what is proposed fits by itself."""
+    holders: dict[SignalRole | CommandRole, str] = {}
+    for signal_id, signal in device.signals.items():
+        at = f"{where}.signals.{signal_id}"
+        yield from _meanings_fit(at, signal)
+        if signal.role in SIGNAL_FITS:
+            yield from _signal_fits(at, signal)
+            if not SIGNAL_FITS[signal.role].many:
+                yield from _is_free(at, signal.role, signal_id, holders)
+    holders = {}
+    for command_id, command in device.commands.items():
+        at = f"{where}.commands.{command_id}"
+        if command.role in COMMAND_FITS:
+            yield from _command_fits(at, command)
+            if not COMMAND_FITS[command.role].many:
+                yield from _is_free(at, command.role, command_id, holders)
+
+
+def _is_free(
+    where: str,
+    role: SignalRole | CommandRole,
+    name: str,
+    holders: dict[SignalRole | CommandRole, str],
+) -> Iterator[Finding]:
+    other = holders.setdefault(role, name)
+    if other != name:
+        problem = f"{other!r} of this device is its {role} already"
+        yield Finding(f"{where}.role", problem, "a device has one of each role: leave one out")
+
+
+def _signal_fits(where: str, signal: Signal) -> Iterator[Finding]:
+    role, fit = signal.role, SIGNAL_FITS[signal.role]
+    if signal.type not in fit.types:
+        expected = " or ".join(fit.types)
+        problem = f"{role} stands on a signal of type {expected}, found {signal.type}"
+        yield Finding(f"{where}.role", problem, f"write: type: {fit.types[0]}")
+    elif signal.type is SignalType.NUMBER and fit.units and signal.unit not in fit.units:
+        expected = " or ".join(fit.units)
+        problem = f"{role} is in {expected}, found {signal.unit or 'no unit'}"
+        yield Finding(f"{where}.role", problem, f"write: unit: {fit.units[0]}")
+    elif fit.states and len(signal.states) != fit.states:
+        problem = f"{role} has {fit.states} states, off and on, found {len(signal.states)}"
+        yield Finding(f"{where}.role", problem, "leave the role out")
+
+
+def _meanings_fit(where: str, signal: Signal) -> Iterator[Finding]:
+    if not signal.meanings:
+        return
+    at = f"{where}.meanings"
+    fit = SIGNAL_FITS.get(signal.role)
+    if fit is None or not fit.meanings:
+        known = ", ".join(role for role, known in SIGNAL_FITS.items() if known.meanings)
+        problem = f"states have meanings with a role that knows them, found {signal.role}"
+        yield Finding(at, problem, f"write one of these roles: {known}")
+        return
+    if len(signal.meanings) != len(signal.states):
+        problem = f"expected one for each of the {len(signal.states)} states"
+        yield Finding(at, f"{problem}, found {len(signal.meanings)}")
+    for index, meaning in enumerate(signal.meanings):
+        if meaning not in fit.meanings:
+            problem = f"no state of {signal.role} means {str(meaning)!r}"
+            yield Finding(f"{at}[{index}]", problem, f"one of: {', '.join(fit.meanings)}")
+
+
+def _command_fits(where: str, command: Command) -> Iterator[Finding]:
+    role, fit = command.role, COMMAND_FITS[command.role]
+    if not any(_has_form(command, form, fit.unit) for form in fit.forms):
+        expected = ", or ".join(fit.forms) + (f" in {fit.unit}" if fit.unit else "")
+        found = ", ".join(command.arguments) or "none"
+        problem = f"{role} asks for {expected}; its arguments: {found}"
+        yield Finding(f"{where}.role", problem, "change the arguments, or write: role: none")
+
+
+def _has_form(command: Command, form: CommandForm, unit: str) -> bool:
+    arguments = list(command.arguments.values())
+    match form:
+        case CommandForm.PLAIN:
+            return all(argument.default is not None for argument in arguments)
+        case CommandForm.SWITCH:
+            return [argument.type for argument in arguments] == [ArgumentType.BOOLEAN]
+        case CommandForm.NUMBER:
+            return len(arguments) == 1 and (
+                arguments[0].type in _NUMBERS and arguments[0].unit == unit
+            )
+        case CommandForm.DURATION:
+            return any(argument.unit == "s" and argument.type in _NUMBERS for argument in arguments)
+        case CommandForm.PLACE:
+            return sum(argument.type in _NUMBERS for argument in arguments) >= 2

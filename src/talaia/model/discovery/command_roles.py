@@ -1,0 +1,184 @@
+"""Which command of a device opens it, parks it, points it, where nobody says it. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.model.discovery.role_words import argument_with, has_word, is_number
+from talaia.model.roles import COMMAND_FITS, CommandRole, SignalRole
+from talaia.model.site import ArgumentType, DeviceKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from talaia.model.site import Command, Device
+
+__all__ = ["CommandRoles"]
+
+_STOPS = ("stop", "abort", "halt")
+
+
+class CommandRoles:
+    """The roles of a device's commands, as they are found: those that are said come first.
+
+    Attributes:
+        roles: by the command's id.
+
+    """
+
+    def __init__(self, device: Device, signals: Mapping[str, SignalRole]) -> None:
+        """Begin with what the description says; outlets are known by their signals' roles."""
+        self._device = device
+        self._signals = signals
+        self.roles: dict[str, CommandRole] = {
+            name: command.role
+            for name, command in device.commands.items()
+            if command.role not in {CommandRole.AUTO, CommandRole.NONE}
+        }
+
+    def propose(self) -> None:
+        """Find the others, by the kind of the device."""
+        match self._device.kind:
+            case DeviceKind.DOME:
+                self._dome()
+            case DeviceKind.TELESCOPE:
+                self._telescope()
+            case DeviceKind.CAMERA:
+                self._camera()
+            case DeviceKind.POWER:
+                self._power()
+            case DeviceKind.WEATHER | DeviceKind.VEHICLE | DeviceKind.OTHER:
+                pass
+
+    # ── what is there to choose from ──
+
+    def _free(self) -> dict[str, Command]:
+        return {
+            name: command
+            for name, command in self._device.commands.items()
+            if command.role is CommandRole.AUTO and name not in self.roles
+        }
+
+    def _plain(self, *words: str) -> str | None:
+        """Name a command without arguments whose id, or else name, has one of these words."""
+        plain = {name: found for name, found in self._free().items() if not found.arguments}
+        by_id = next((name for name in plain if name in words), None)
+        return by_id or next(
+            (
+                name
+                for name, found in plain.items()
+                if has_word(name, found.name, *words)
+                and not has_word(name, found.name, "flap", "cover")
+            ),
+            None,
+        )
+
+    def _switch(self, *words: str) -> str | None:
+        """Name a command with one boolean."""
+        found = {
+            name: command
+            for name, command in self._free().items()
+            if [argument.type for argument in command.arguments.values()] == [ArgumentType.BOOLEAN]
+        }
+        by_id = next((name for name in found if name in words), None)
+        return by_id or next(
+            (name for name, command in found.items() if has_word(name, command.name, *words)), None
+        )
+
+    def _with_one(self, unit: str) -> list[str]:
+        """Name the commands that ask for one number in this unit."""
+        return [
+            name
+            for name, command in self._free().items()
+            if [(argument.unit, is_number(argument)) for argument in command.arguments.values()]
+            == [(unit, True)]
+        ]
+
+    def _assign(self, role: CommandRole, name: str | None) -> None:
+        if name is None or name in self.roles:
+            return
+        if COMMAND_FITS[role].many or role not in self.roles.values():
+            self.roles[name] = role
+
+    def _assign_plain(self, roles: Iterable[tuple[CommandRole, tuple[str, ...]]]) -> None:
+        for role, words in roles:
+            self._assign(role, self._plain(*words))
+
+    # ── kind by kind ──
+
+    def _dome(self) -> None:
+        self._assign_plain(
+            (
+                (CommandRole.DOME_OPEN, ("open",)),
+                (CommandRole.DOME_CLOSE, ("close", "shut")),
+                (CommandRole.DOME_STOP, _STOPS),
+                (CommandRole.DOME_PARK, ("park", "home")),
+                (CommandRole.DOME_UNPARK, ("unpark",)),
+            )
+        )
+        self._assign(CommandRole.DOME_GOTO, next(iter(self._with_one("°")), None))
+
+    def _telescope(self) -> None:
+        self._assign(CommandRole.TELESCOPE_GOTO, self._slew())
+        track = self._switch("track", "tracking")
+        if track is not None:
+            self._assign(CommandRole.TELESCOPE_TRACK, track)
+        else:
+            self._assign_plain(
+                (
+                    (CommandRole.TELESCOPE_TRACK, ("track",)),
+                    (CommandRole.TELESCOPE_UNTRACK, ("untrack",)),
+                )
+            )
+        self._assign_plain(
+            (
+                (CommandRole.TELESCOPE_UNPARK, ("unpark",)),
+                (CommandRole.TELESCOPE_PARK, ("park",)),
+                (CommandRole.TELESCOPE_STOP, _STOPS),
+            )
+        )
+
+    def _slew(self) -> str | None:
+        """Name what points it: what `pointing` says, or else asks for a place, and is no sync."""
+        free, pointing = self._free(), self._device.pointing
+        for name, said in pointing.commands.items() if pointing is not None else ():
+            if name in free and said.ra and said.dec:
+                return name
+        for name, command in free.items():
+            asks = (
+                argument_with(command, "ra", "right"),
+                argument_with(command, "dec", "declination"),
+            )
+            if all(asks) and not has_word(name, command.name, "sync"):
+                return name
+        return None
+
+    def _camera(self) -> None:
+        for name, command in self._free().items():
+            if any(
+                argument.unit == "s" and argument.type is not ArgumentType.TEXT
+                for argument in command.arguments.values()
+            ):
+                self._assign(CommandRole.CAMERA_EXPOSE, name)
+        for name in self._with_one("°C"):
+            self._assign(CommandRole.CAMERA_COOL, name)
+        self._assign(CommandRole.CAMERA_ABORT, self._plain("abort", "stop"))
+        cooler = self._switch("cooler", "cooling")
+        if cooler is not None:
+            self._assign(CommandRole.CAMERA_COOLER, cooler)
+        else:
+            self._assign(CommandRole.CAMERA_COOLER_ON, self._plain("cooler_on"))
+            self._assign(CommandRole.CAMERA_COOLER_OFF, self._plain("cooler_off"))
+
+    def _power(self) -> None:
+        free = self._free()
+        for outlet, role in self._signals.items():
+            if role is not SignalRole.POWER_OUTLET:
+                continue
+            if outlet in free and self._switch(outlet) == outlet:
+                self._assign(CommandRole.POWER_SWITCH, outlet)
+                continue
+            for ending, switches in (("on", CommandRole.POWER_ON), ("off", CommandRole.POWER_OFF)):
+                name = f"{outlet}_{ending}"
+                if name in free and not free[name].arguments:
+                    self._assign(switches, name)

@@ -1,0 +1,138 @@
+"""Which role each signal and command of a device has: what is said, then what is proposed. Pure.
+
+A proposal goes by the device's kind and by type, unit, states, arguments and the words of id and
+name, so that a description of before roles shows the pages that it always did. Who names things in
+another language, or otherwise than the field does, says the role.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.model.discovery.command_roles import CommandRoles
+from talaia.model.discovery.role_words import argument_with, is_number
+from talaia.model.discovery.signal_roles import SignalRoles
+from talaia.model.roles import SIGNAL_FITS, CommandRole, SignalRole, StateMeaning
+
+if TYPE_CHECKING:
+    from talaia.model.site import Device, Signal
+
+__all__ = [
+    "DeviceRoles",
+    "PlaceArguments",
+    "meanings_of",
+    "place_arguments",
+    "roles_of",
+    "with_roles",
+]
+
+# What states are called in English, by the role; the first that matches counts.
+_MEANINGS: dict[SignalRole, tuple[tuple[re.Pattern[str], StateMeaning], ...]] = {
+    SignalRole.DOME_SHUTTER: (
+        (re.compile(r"open(ed)?", re.IGNORECASE), StateMeaning.OPEN),
+        (re.compile(r"closed?", re.IGNORECASE), StateMeaning.CLOSED),
+        (re.compile(r"opening", re.IGNORECASE), StateMeaning.OPENING),
+        (re.compile(r"closing", re.IGNORECASE), StateMeaning.CLOSING),
+        (re.compile(r"stopped|partial|partly.*|half.*|ajar", re.IGNORECASE), StateMeaning.PARTIAL),
+        (re.compile(r"error|alert|fault|failed|stuck", re.IGNORECASE), StateMeaning.ERROR),
+    ),
+    SignalRole.CAMERA_STATE: (
+        (re.compile(r"expos.*", re.IGNORECASE), StateMeaning.EXPOSING),
+        (re.compile(r"reading|readout|download.*", re.IGNORECASE), StateMeaning.READING),
+        (re.compile(r"idle|ready", re.IGNORECASE), StateMeaning.IDLE),
+        (re.compile(r"error|alert|fault|failed", re.IGNORECASE), StateMeaning.ERROR),
+    ),
+    SignalRole.WEATHER_SAFETY: (
+        (re.compile(r"unknown", re.IGNORECASE), StateMeaning.UNKNOWN),
+        (re.compile(r"\W*(warn(ing)?|caution)\b.*", re.IGNORECASE), StateMeaning.WARNING),
+        (
+            re.compile(r"\W*(error|alert|fatal|critical|fault|unsafe)\b.*", re.IGNORECASE),
+            StateMeaning.UNSAFE,
+        ),
+        (re.compile(r".*"), StateMeaning.SAFE),
+    ),
+}
+
+
+class DeviceRoles(NamedTuple):
+    """The roles of a device's signals and commands, by id; who has none is not in it."""
+
+    signals: dict[str, SignalRole]
+    commands: dict[str, CommandRole]
+
+
+class PlaceArguments(NamedTuple):
+    """A command that points a telescope, and its arguments for right ascension and declination."""
+
+    command: str
+    ra: str
+    dec: str
+
+
+def roles_of(device: Device) -> DeviceRoles:
+    """Give every role of a device. What the description says wins; the rest is proposed."""
+    signals = SignalRoles(device)
+    signals.propose()
+    commands = CommandRoles(device, signals.roles)
+    commands.propose()
+    return DeviceRoles(signals.roles, commands.roles)
+
+
+def with_roles(device: Device) -> Device:
+    """Give the device with each proposed role written down, as discovery hands it over."""
+    roles = roles_of(device)
+    replace = msgspec.structs.replace
+    return replace(
+        device,
+        signals={
+            name: replace(signal, role=roles.signals[name])
+            if signal.role is SignalRole.AUTO and name in roles.signals
+            else signal
+            for name, signal in device.signals.items()
+        },
+        commands={
+            name: replace(command, role=roles.commands[name])
+            if command.role is CommandRole.AUTO and name in roles.commands
+            else command
+            for name, command in device.commands.items()
+        },
+    )
+
+
+def meanings_of(signal: Signal, role: SignalRole | None) -> tuple[StateMeaning, ...]:
+    """Say what each state of a signal means; empty where its role knows no meanings."""
+    if role is None or not SIGNAL_FITS[role].meanings:
+        return ()
+    if signal.meanings:
+        return signal.meanings
+    return tuple(
+        next(
+            (meaning for shape, meaning in _MEANINGS[role] if shape.fullmatch(word)),
+            StateMeaning.UNKNOWN,
+        )
+        for word in signal.states
+    )
+
+
+def place_arguments(device: Device, roles: DeviceRoles) -> PlaceArguments | None:
+    """Say by which command, and which of its arguments, the device is pointed; none by none."""
+    for name, role in roles.commands.items():
+        if role is not CommandRole.TELESCOPE_GOTO:
+            continue
+        command = device.commands[name]
+        said = device.pointing.commands.get(name) if device.pointing is not None else None
+        if said is not None and said.ra and said.dec:
+            return PlaceArguments(name, said.ra, said.dec)
+        ra, dec = (
+            argument_with(command, "ra", "right"),
+            argument_with(command, "dec", "declination"),
+        )
+        if not ra or not dec:
+            numbers = [key for key, argument in command.arguments.items() if is_number(argument)]
+            ra, dec = (*numbers, "", "")[:2]
+        if ra and dec:
+            return PlaceArguments(name, ra, dec)
+    return None

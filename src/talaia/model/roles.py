@@ -1,0 +1,268 @@
+"""What a signal or a command is: the closed list of roles, and what each may stand on. Pure.
+
+Pages, tiles and summaries are made by role, never by the words of a name. A role is said in the
+description, or proposed where it is left out; see `discovery.role_proposal`.
+"""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import NamedTuple
+
+from talaia.model.closed_lists import SignalType
+
+__all__ = [
+    "COMMAND_FITS",
+    "SIGNAL_FITS",
+    "CommandFit",
+    "CommandForm",
+    "CommandRole",
+    "SignalFit",
+    "SignalRole",
+    "StateMeaning",
+]
+
+
+class SignalRole(StrEnum):
+    """What a signal is. ``auto``: what Talaia proposes; ``none``: nothing that a page knows."""
+
+    AUTO = "auto"
+    NONE = "none"
+    DOME_SHUTTER = "dome.shutter"
+    DOME_OPENING = "dome.opening"
+    DOME_AZIMUTH = "dome.azimuth"
+    DOME_TURNING = "dome.turning"
+    DOME_PARKED = "dome.parked"
+    DOME_LOCAL = "dome.local"
+    TELESCOPE_STATE = "telescope.state"
+    TELESCOPE_PARKED = "telescope.parked"
+    TELESCOPE_TRACKING = "telescope.tracking"
+    TELESCOPE_RA = "telescope.ra"
+    TELESCOPE_DEC = "telescope.dec"
+    TELESCOPE_ALTITUDE = "telescope.altitude"
+    TELESCOPE_AZIMUTH = "telescope.azimuth"
+    CAMERA_STATE = "camera.state"
+    CAMERA_REMAINING = "camera.remaining"
+    CAMERA_TEMPERATURE = "camera.temperature"
+    CAMERA_COOLER = "camera.cooler"
+    CAMERA_COOLER_POWER = "camera.cooler_power"
+    CAMERA_FILTER = "camera.filter"
+    WEATHER_SAFETY = "weather.safety"
+    WEATHER_RAINING = "weather.raining"
+    WEATHER_RAIN = "weather.rain"
+    WEATHER_WIND = "weather.wind"
+    WEATHER_GUST = "weather.gust"
+    WEATHER_WIND_DIRECTION = "weather.wind_direction"
+    WEATHER_HUMIDITY = "weather.humidity"
+    WEATHER_TEMPERATURE = "weather.temperature"
+    WEATHER_DEW_POINT = "weather.dew_point"
+    WEATHER_PRESSURE = "weather.pressure"
+    WEATHER_CLOUDS = "weather.clouds"
+    POWER_OUTLET = "power.outlet"
+    POWER_TOTAL = "power.total"
+    POWER_VOLTAGE = "power.voltage"
+    POWER_CURRENT = "power.current"
+    POWER_LOAD = "power.load"
+    BATTERY_LEVEL = "battery.level"
+    BATTERY_VOLTAGE = "battery.voltage"
+    BATTERY_CURRENT = "battery.current"
+    VEHICLE_SPEED = "vehicle.speed"
+    VEHICLE_TURN_RATE = "vehicle.turn_rate"
+    VEHICLE_POSITION = "vehicle.position"
+
+
+class CommandRole(StrEnum):
+    """What a command does. ``auto``: what Talaia proposes; ``none``: nothing that a page knows."""
+
+    AUTO = "auto"
+    NONE = "none"
+    DOME_OPEN = "dome.open"
+    DOME_CLOSE = "dome.close"
+    DOME_STOP = "dome.stop"
+    DOME_PARK = "dome.park"
+    DOME_UNPARK = "dome.unpark"
+    DOME_GOTO = "dome.goto"
+    TELESCOPE_GOTO = "telescope.goto"
+    TELESCOPE_TRACK = "telescope.track"
+    TELESCOPE_UNTRACK = "telescope.untrack"
+    TELESCOPE_PARK = "telescope.park"
+    TELESCOPE_UNPARK = "telescope.unpark"
+    TELESCOPE_STOP = "telescope.stop"
+    CAMERA_EXPOSE = "camera.expose"
+    CAMERA_ABORT = "camera.abort"
+    CAMERA_COOL = "camera.cool"
+    CAMERA_COOLER = "camera.cooler"
+    CAMERA_COOLER_ON = "camera.cooler_on"
+    CAMERA_COOLER_OFF = "camera.cooler_off"
+    POWER_SWITCH = "power.switch"
+    POWER_ON = "power.on"
+    POWER_OFF = "power.off"
+
+
+class StateMeaning(StrEnum):
+    """What one state of a signal means, whatever it is called."""
+
+    CLOSED = "closed"
+    OPEN = "open"
+    OPENING = "opening"
+    CLOSING = "closing"
+    PARTIAL = "partial"
+    ERROR = "error"
+    UNKNOWN = "unknown"
+    IDLE = "idle"
+    EXPOSING = "exposing"
+    READING = "reading"
+    SAFE = "safe"
+    WARNING = "warning"
+    UNSAFE = "unsafe"
+
+
+class SignalFit(NamedTuple):
+    """What a signal must be to have a role.
+
+    Attributes:
+        types: one of these.
+        units: of a number, one of these; none for any.
+        states: of a state: so many; 0 for any number.
+        meanings: what its states may mean; none where their words are only shown.
+        many: several signals of a device may have it.
+
+    """
+
+    types: tuple[SignalType, ...]
+    units: tuple[str, ...] = ()
+    states: int = 0
+    meanings: tuple[StateMeaning, ...] = ()
+    many: bool = False
+
+    def allows(self, kind: SignalType, unit: str) -> bool:
+        """Tell whether a signal of this type, in this unit, may have the role."""
+        return kind in self.types and (
+            kind is not SignalType.NUMBER or not self.units or unit in self.units
+        )
+
+
+class CommandForm(StrEnum):
+    """What a command asks for; the value is how a message says it."""
+
+    PLAIN = "no argument without a default"
+    SWITCH = "one argument, a boolean"
+    NUMBER = "one argument, a number"
+    DURATION = "an argument with the unit s"
+    PLACE = "two numbers: right ascension, then declination"
+
+
+class CommandFit(NamedTuple):
+    """What a command must ask for to have a role.
+
+    Attributes:
+        forms: one of these.
+        unit: of `CommandForm.NUMBER`.
+        many: several commands of a device may have it.
+
+    """
+
+    forms: tuple[CommandForm, ...] = (CommandForm.PLAIN,)
+    unit: str = ""
+    many: bool = False
+
+
+def _number(*units: str) -> SignalFit:
+    return SignalFit((SignalType.NUMBER,), units)
+
+
+_STATE = SignalFit((SignalType.STATE,))
+_OF_SHUTTERS = (
+    StateMeaning.CLOSED,
+    StateMeaning.OPEN,
+    StateMeaning.OPENING,
+    StateMeaning.CLOSING,
+    StateMeaning.PARTIAL,
+    StateMeaning.ERROR,
+    StateMeaning.UNKNOWN,
+)
+_OF_CAMERAS = (
+    StateMeaning.IDLE,
+    StateMeaning.EXPOSING,
+    StateMeaning.READING,
+    StateMeaning.ERROR,
+    StateMeaning.UNKNOWN,
+)
+_OF_WEATHER = (
+    StateMeaning.SAFE,
+    StateMeaning.WARNING,
+    StateMeaning.UNSAFE,
+    StateMeaning.UNKNOWN,
+)
+
+SIGNAL_FITS: dict[SignalRole, SignalFit] = {
+    SignalRole.DOME_SHUTTER: SignalFit((SignalType.STATE,), meanings=_OF_SHUTTERS),
+    SignalRole.DOME_OPENING: _number("%"),
+    SignalRole.DOME_AZIMUTH: _number("°"),
+    SignalRole.DOME_TURNING: _STATE,
+    SignalRole.DOME_PARKED: _STATE,
+    SignalRole.DOME_LOCAL: _STATE,
+    SignalRole.TELESCOPE_STATE: _STATE,
+    SignalRole.TELESCOPE_PARKED: _STATE,
+    SignalRole.TELESCOPE_TRACKING: _STATE,
+    SignalRole.TELESCOPE_RA: _number("h", "°"),
+    SignalRole.TELESCOPE_DEC: _number("°"),
+    SignalRole.TELESCOPE_ALTITUDE: _number("°"),
+    SignalRole.TELESCOPE_AZIMUTH: _number("°"),
+    SignalRole.CAMERA_STATE: SignalFit((SignalType.STATE,), meanings=_OF_CAMERAS),
+    SignalRole.CAMERA_REMAINING: _number("s"),
+    SignalRole.CAMERA_TEMPERATURE: _number("°C", "K"),
+    SignalRole.CAMERA_COOLER: _STATE,
+    SignalRole.CAMERA_COOLER_POWER: _number("%"),
+    SignalRole.CAMERA_FILTER: SignalFit((SignalType.STATE, SignalType.TEXT, SignalType.NUMBER)),
+    SignalRole.WEATHER_SAFETY: SignalFit((SignalType.STATE,), meanings=_OF_WEATHER),
+    SignalRole.WEATHER_RAINING: _STATE,
+    SignalRole.WEATHER_RAIN: _number("mm/h", "mm"),
+    SignalRole.WEATHER_WIND: _number("km/h", "m/s"),
+    SignalRole.WEATHER_GUST: _number("km/h", "m/s"),
+    SignalRole.WEATHER_WIND_DIRECTION: _number("°"),
+    SignalRole.WEATHER_HUMIDITY: _number("%"),
+    SignalRole.WEATHER_TEMPERATURE: _number("°C", "K"),
+    SignalRole.WEATHER_DEW_POINT: _number("°C", "K"),
+    SignalRole.WEATHER_PRESSURE: _number("hPa", "Pa"),
+    SignalRole.WEATHER_CLOUDS: _number("%"),
+    # The first of its states is off, the second on.
+    SignalRole.POWER_OUTLET: SignalFit((SignalType.STATE,), states=2, many=True),
+    SignalRole.POWER_TOTAL: _number("W"),
+    SignalRole.POWER_VOLTAGE: _number("V", "mV"),
+    SignalRole.POWER_CURRENT: _number("A"),
+    SignalRole.POWER_LOAD: _number("%"),
+    SignalRole.BATTERY_LEVEL: _number("%"),
+    SignalRole.BATTERY_VOLTAGE: _number("V", "mV"),
+    SignalRole.BATTERY_CURRENT: _number("A"),
+    SignalRole.VEHICLE_SPEED: _number("m/s", "km/h"),
+    SignalRole.VEHICLE_TURN_RATE: _number("rad/s", "°/s"),
+    SignalRole.VEHICLE_POSITION: SignalFit((SignalType.POSITION,)),
+}
+
+_PLAIN = CommandFit()
+_ROLE = CommandRole
+
+COMMAND_FITS: dict[CommandRole, CommandFit] = {
+    _ROLE.DOME_OPEN: _PLAIN,
+    _ROLE.DOME_CLOSE: _PLAIN,
+    _ROLE.DOME_STOP: _PLAIN,
+    _ROLE.DOME_PARK: _PLAIN,
+    _ROLE.DOME_UNPARK: _PLAIN,
+    _ROLE.DOME_GOTO: CommandFit((CommandForm.NUMBER,), "°"),
+    _ROLE.TELESCOPE_GOTO: CommandFit((CommandForm.PLACE,)),
+    _ROLE.TELESCOPE_TRACK: CommandFit((CommandForm.SWITCH, CommandForm.PLAIN)),
+    _ROLE.TELESCOPE_UNTRACK: _PLAIN,
+    _ROLE.TELESCOPE_PARK: _PLAIN,
+    _ROLE.TELESCOPE_UNPARK: _PLAIN,
+    _ROLE.TELESCOPE_STOP: _PLAIN,
+    _ROLE.CAMERA_EXPOSE: CommandFit((CommandForm.DURATION,), many=True),
+    _ROLE.CAMERA_ABORT: _PLAIN,
+    _ROLE.CAMERA_COOL: CommandFit((CommandForm.NUMBER,), "°C", many=True),
+    _ROLE.CAMERA_COOLER: CommandFit((CommandForm.SWITCH,)),
+    _ROLE.CAMERA_COOLER_ON: _PLAIN,
+    _ROLE.CAMERA_COOLER_OFF: _PLAIN,
+    _ROLE.POWER_SWITCH: CommandFit((CommandForm.SWITCH,), many=True),
+    _ROLE.POWER_ON: CommandFit(many=True),
+    _ROLE.POWER_OFF: CommandFit(many=True),
+}
