@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from talaia.model.checks.identifiers import id_fits
+from talaia.model.roles import SignalRole  # noqa: TC001 - msgspec reads it
 from talaia.model.site import DeviceKind, SignalType  # noqa: TC001 - msgspec reads them
 
 if TYPE_CHECKING:
@@ -66,12 +67,14 @@ class SignalSelector(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
         type: what kind of value it is.
         unit: as in the site description: ``m/s``.
         id: of the signal.
+        role: what it is, as described or proposed: ``weather.wind``.
 
     """
 
     type: SignalType | None = None
     unit: str | None = None
     id: str | None = None
+    role: SignalRole | None = None
 
 
 class TileManifest(msgspec.Struct, forbid_unknown_fields=True, frozen=True):

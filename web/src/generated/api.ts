@@ -1280,6 +1280,7 @@ export interface TileSignalShape {
   readonly type: string;
   readonly unit: string;
   readonly id: string;
+  readonly role: SignalRole | "";
 }
 
 /** What a signal is. ``auto``: what Talaia proposes; ``none``: nothing that a page knows. */

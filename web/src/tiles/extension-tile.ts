@@ -7,7 +7,8 @@ import { outOfRange, stateWord } from "../format/state-label.js";
 import { base } from "../elements/base/base-style.js";
 import type { DeviceInfo, SignalInfo } from "../wire/api-types.js";
 import type { TileShape } from "../generated/api.js";
-import { signalsFor, TILE_API_VERSION, type TileFreshness, type TileReading, type TileView } from "./extension-view.js";
+import { signalsFor } from "./catalog.js";
+import { TILE_API_VERSION, type TileFreshness, type TileReading, type TileView } from "./extension-view.js";
 
 type TileElement = HTMLElement & { update(view: TileView): void };
 type TileConstructor = new () => TileElement;

@@ -1,7 +1,4 @@
-/** Which tiles of the administrator's folder a device has, and what each is given. Pure. */
-
-import type { DeviceInfo, SignalInfo } from "../wire/api-types.js";
-import type { TileShape } from "../generated/api.js";
+/** What a tile of the administrator's folder is given. Pure. */
 
 /** Of what a component is given and of the keys in `tile.json`; the hub knows the same number. */
 export const TILE_API_VERSION = 1;
@@ -31,19 +28,4 @@ export interface TileView {
   readonly device: { readonly id: string; readonly name: string; readonly kind: string };
   /** By the names in `tile.json`. */
   readonly readings: Readonly<Record<string, TileReading>>;
-}
-
-/** The signals that a tile reads of a device, by the tile's own names; null where one is missing. */
-export function signalsFor(tile: TileShape, device: DeviceInfo): ReadonlyMap<string, SignalInfo> | null {
-  if (tile.device !== "" && tile.device !== device.kind) return null;
-  const found = new Map<string, SignalInfo>();
-  for (const wanted of tile.signals) {
-    const fits = device.signals.find(
-      ({ id, type, unit }) =>
-        (wanted.id === "" || wanted.id === id) && (wanted.type === "" || wanted.type === type) && (wanted.unit === "" || wanted.unit === unit),
-    );
-    if (fits === undefined) return null;
-    found.set(wanted.name, fits);
-  }
-  return found;
 }

@@ -180,7 +180,7 @@ function shapeOf(root: Schema, inner: Schema): Pick<SchemaField, "kind" | "choic
     case "boolean":
       return plainField("truth");
     case "array":
-      return plainField((inner["items"] as Schema | undefined)?.["type"] === "string" ? "words" : "other");
+      return plainField(isWord(resolveSchema(root, (inner["items"] as Schema | undefined) ?? {})) ? "words" : "other");
     case "object": {
       const values = inner["additionalProperties"];
       if (inner["properties"] !== undefined) return { kind: "part", choices: [], schema: inner };
@@ -190,6 +190,11 @@ function shapeOf(root: Schema, inner: Schema): Pick<SchemaField, "kind" | "choic
     default:
       return plainField("other");
   }
+}
+
+/** A text, or one of a closed list. */
+function isWord(item: Schema): boolean {
+  return item["type"] === "string" || Array.isArray(item["enum"]);
 }
 
 function withoutReference(part: Schema): Schema {

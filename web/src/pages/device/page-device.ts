@@ -17,13 +17,11 @@ import { MINUTE_US } from "../../series/zone-clock.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { archivePath, sitePath, withQuery } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/chart-feed.js";
-import { renderDrawnPart } from "../../tiles/observatory/drawn.js";
-import { partOf, commandsShownBy } from "../../tiles/observatory/roles.js";
+import { commandsShownBy, deviceTile, signalsFor } from "../../tiles/catalog.js";
 import type { TileList } from "../../generated/api.js";
-import { signalsFor } from "../../tiles/extension-view.js";
 import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/values/clock.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/base/icon.js";
@@ -110,6 +108,8 @@ export class PageDevice extends LitElement {
   private readonly link = new ConnectionStateController(this);
   private readonly detail = new LoadController<SiteDetail>(this);
   private readonly tiles = new LoadController<TileList>(this);
+  /** The element of the device's tile comes when a device of its kind is opened. */
+  private readonly tileElement = new LoadController<unknown>(this);
   private feed: ChartFeed | null = null;
   private commands: CommandClient | null = null;
 
@@ -132,6 +132,8 @@ export class PageDevice extends LitElement {
     const { api } = this;
     this.tiles.load("tiles", () => api.request<TileList>("GET", "/api/tiles"));
     const device = this.findDevice();
+    const load = device === undefined ? null : (deviceTile(device)?.load ?? null);
+    if (device !== undefined && load !== null) this.tileElement.load(device.kind, load);
     if (device === undefined || !this.isConnected) return;
     this.feed ??= new ChartFeed(this.site, connection, this.api, this.onSiteLoaded, LENGTH_US);
     this.feed.subscribeSignals(device.signals);
@@ -217,7 +219,11 @@ export class PageDevice extends LitElement {
   }
 
   private renderDrawn(device: DeviceInfo, detail: SiteDetail): unknown {
-    return renderDrawnPart({ site: this.site, device, detail, line: this.commands, online: this.isReachable(detail) });
+    const tile = deviceTile(device);
+    if (tile === null) return nothing;
+    return renderLoaded(this.tileElement, "the device", () =>
+      tile.render({ site: this.site, device, detail, line: this.commands, online: this.isReachable(detail) }),
+    );
   }
 
   /** Tiles of the hub's administrator; what of them is broken, the hub tells admins only. */
@@ -269,7 +275,7 @@ export class PageDevice extends LitElement {
 
   private renderCameras(device: DeviceInfo, detail: SiteDetail): unknown {
     // A camera that takes exposures shows its pictures itself.
-    if (device.streams.length === 0 || partOf(device) === "camera") return nothing;
+    if (device.streams.length === 0 || deviceTile(device)?.showsStreams === true) return nothing;
     return html`<section aria-labelledby="cameras">
       <div class="among">
         <h2 id="cameras">${device.streams.length === 1 ? "Camera" : "Cameras"}</h2>

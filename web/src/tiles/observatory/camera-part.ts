@@ -18,7 +18,7 @@ import type { CommandInfo, SignalInfo } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../archive/frame-preview.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
-import { cameraCommands, cameraSignals, type CameraSignals, type CommandButton } from "./roles.js";
+import { cameraCommands, cameraSignals, meaningOf, type CameraSignals, type CommandButton } from "./roles.js";
 import "../../elements/layout/card.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/feedback/loading.js";
@@ -123,7 +123,7 @@ export class CameraPart extends DevicePart {
     const before = this.under;
     const told = this.readSignal(state);
     const counts = now - this.movedMs < COUNTS_MS || this.isExposureRequested();
-    this.under = state === undefined ? fresh && value > 0 && counts : told.fresh && /^expos/i.test(told.word);
+    this.under = state === undefined ? fresh && value > 0 && counts : told.fresh && meaningOf(state, told.value) === "exposing";
     if (this.under && fresh) this.longest = Math.max(this.longest, value);
     if (before && !this.under) {
       this.longest = 0;

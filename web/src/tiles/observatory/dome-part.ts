@@ -178,7 +178,7 @@ export class DomePart extends DevicePart {
 
   private shutterState({ shutter }: DomeSignals): ShutterState {
     const now = this.readSignal(shutter);
-    return now.fresh ? shutterOf(now.word) : "unknown";
+    return now.fresh ? shutterOf(shutter, now.value) : "unknown";
   }
 
   /** The roof that this device moves, if the description has one. */

@@ -1,7 +1,7 @@
 /** Outlets as switches. One whose state is not known has two buttons in its place. */
 
 import { css, html, nothing, type TemplateResult } from "lit";
-import { customElement, state } from "lit/decorators.js";
+import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { isFinal } from "../../controllers/drive/command-machine.js";
@@ -11,8 +11,9 @@ import { base } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
 import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
+import type { SignalInfo } from "../../wire/api-types.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
-import { outletsOf, summarySignals, type CommandButton, type Outlet } from "./roles.js";
+import { outletsOf, type CommandButton, type Outlet } from "./roles.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/base/icon.js";
@@ -121,6 +122,8 @@ export class PowerPart extends DevicePart {
     `,
   ];
 
+  /** What stands beside the outlets: power, voltage, current, charge. */
+  @property({ attribute: false }) readings: readonly SignalInfo[] = [];
   @state() private asking: CommandButton | null = null;
 
   private readonly interlocks = new ContextStoreController(this, interlocksContext);
@@ -146,7 +149,7 @@ export class PowerPart extends DevicePart {
             ${states.filter((on) => on === true).length} of ${outlets.length} on${unknown === 0 ? "" : `, ${String(unknown)} unknown`}
           </p>
         </div>
-        ${map(summarySignals(device), (signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
+        ${map(this.readings, (signal) => html`<t-signal-value size="l" .site=${this.site} .signal=${signal}></t-signal-value>`)}
       </div>
       ${this.renderLookOnly()}
       <ul>

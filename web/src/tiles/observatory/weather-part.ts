@@ -6,15 +6,18 @@ import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatDuration } from "../../format/duration.js";
-import { severityOf } from "../../format/severity.js";
+import type { StateMeaning } from "../../generated/api.js";
 import { interlocksContext } from "../../state/contexts.js";
-import { DevicePart, partStyle } from "./device-part.js";
+import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
+import { meaningOf, signalWith } from "./roles.js";
 import { limitLines, rulesAbout, verdictOf, type LimitLine, type WeatherVerdict, type VerdictWord, VERDICT_WORDS } from "./weather-verdict.js";
 import "../../elements/feedback/status.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "../signal-value.js";
 
+/** How a station's own word is shown, by what it means. */
+const OWN_KINDS: Readonly<Partial<Record<StateMeaning, StatusKind>>> = { safe: "ok", warning: "warn", unsafe: "bad" };
 const STANDS: Readonly<Record<LimitLine["stands"], { kind: StatusKind; word: string }>> = {
   fine: { kind: "ok", word: "within" },
   beyond: { kind: "bad", word: "beyond" },
@@ -171,11 +174,10 @@ export class WeatherPart extends DevicePart {
 
   /** What the station says of itself, where it has such a state. */
   private renderOwnState(): unknown {
-    const own = this.device?.signals.find(({ type, states }) => type === "state" && states.some((word) => /^(un)?safe$/i.test(word)));
+    const own = signalWith(this.device ?? NO_DEVICE, "weather.safety");
     if (own === undefined) return nothing;
-    const { fresh, word } = this.readSignal(own);
-    const level = severityOf(word);
-    const kind = !fresh || word === "unknown" ? "unknown" : level === "" ? "ok" : level;
+    const { fresh, word, value } = this.readSignal(own);
+    const kind = (fresh ? OWN_KINDS[meaningOf(own, value)] : undefined) ?? "unknown";
     return html`<t-status kind=${kind} .word=${`The station itself says: ${fresh ? word : "unknown"}`}></t-status>`;
   }
 

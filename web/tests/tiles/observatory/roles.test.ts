@@ -1,116 +1,96 @@
 import { expect, test } from "vitest";
+import type { CommandRole, SignalRole } from "../../../src/generated/api.js";
 import {
-  cameraCommands, domeCommands, domeSignals, outletsOf, partOf, commandsShownBy, shutterOf, slewOf, telescopeCommands, telescopeSignals, summarySignals,
+  cameraCommands, domeCommands, domeSignals, meaningOf, outletsOf, shutterOf, slewOf, telescopeCommands, telescopeSignals,
 } from "../../../src/tiles/observatory/roles.js";
+import type { ArgumentInfo, CommandInfo, SignalInfo } from "../../../src/wire/api-types.js";
 import { argument, command, device, signal, state } from "./described.js";
 
-const rosDome = device(
+const has = (id: string, role: SignalRole, more: Partial<SignalInfo> = {}): SignalInfo => signal(id, { role, ...more });
+const does = (id: string, role: CommandRole, args: readonly ArgumentInfo[] = []): CommandInfo => command(id, args, { role });
+const active = [argument("active", { type: "boolean" })];
+
+const catalanDome = device(
   "dome",
   [
-    state("shutter", ["closed", "opened", "opening", "closing", "stopped", "error"]),
-    state("closed", ["no", "yes"]),
-    signal("position", { unit: "%" }),
-    signal("azimuth", { unit: "°" }),
-    state("turning", ["no", "yes"]),
-    state("local", ["remote", "local"]),
+    state("comporta", ["tancada", "oberta", "obrint-se", "tancant-se", "aturada", "avaria"], {
+      role: "dome.shutter", meanings: ["closed", "open", "opening", "closing", "partial", "error"],
+    }),
+    has("obertura", "dome.opening", { unit: "%" }), has("gir", "dome.azimuth", { unit: "°" }),
+    has("girant", "dome.turning", { type: "state" }), has("lloc", "dome.local", { type: "state" }), has("azimuth", "none", { unit: "°" }),
   ],
   [
-    command("open"), command("close"), command("stop"), command("park"),
-    command("goto", [argument("azimuth", { unit: "°" })]), command("polish"),
+    does("obre", "dome.open"), does("tanca", "dome.close"), does("atura", "dome.stop"), does("aparca", "dome.park"),
+    does("gira", "dome.goto", [argument("graus", { unit: "°" })]), does("open", "none"),
   ],
 );
-const indiDome = device(
-  "dome",
-  [
-    state("flap", ["closed", "opening", "open", "closing", "error", "unknown"]),
-    state("shutter", ["closed", "opening", "open", "closing", "error", "unknown"]),
-    state("parked", ["parked", "parking", "unparked", "unparking", "error", "unknown"]),
-    signal("azimuth", { unit: "°" }),
-  ],
-  [command("open_flap"), command("close_flap"), command("open"), command("close"), command("park"), command("unpark"), command("stop")],
-);
 
-test("a dome behind ROS and one behind INDI are read alike", () => {
-  const ros = domeSignals(rosDome);
-  expect([ros.shutter?.id, ros.opening?.id, ros.azimuth?.id, ros.turning?.id, ros.local?.id]).toEqual([
-    "shutter", "position", "azimuth", "turning", "local",
-  ]);
-  const indi = domeSignals(indiDome);
-  expect([indi.shutter?.id, indi.parked?.id, indi.azimuth?.id, indi.opening?.id]).toEqual(["shutter", "parked", "azimuth", undefined]);
-});
-
-test("a dome's buttons open and close the shutter, never the flap", () => {
-  expect(domeCommands(indiDome).buttons.map(({ command: { id } }) => id)).toEqual(["open", "close", "park", "unpark", "stop"]);
-  expect(domeCommands(rosDome).forms.map(({ id }) => id)).toEqual(["goto"]);
-});
-
-test("a roof that slides away needs no azimuth", () => {
-  const roof = device("dome", [state("roof", ["closed", "open"])]);
-  expect(partOf(roof)).toBe("dome");
-  expect(domeSignals(roof).azimuth).toBeUndefined();
-});
-
-test("a page's part goes by what a device is, never by what it is called", () => {
-  expect(partOf({ ...rosDome, id: "telescope", name: "Telescope" })).toBe("dome");
-  expect(partOf(device("other", rosDome.signals))).toBe("none");
-});
-
-test("every word of a shutter means something, and what none knows is unknown", () => {
-  expect(["opened", "open", "closed", "opening", "closing", "stopped", "error", "unknown", "humming"].map(shutterOf)).toEqual([
-    "open", "open", "closed", "opening", "closing", "partial", "error", "unknown", "unknown",
+test("a dome is read by its roles, whatever language it is described in", () => {
+  const found = domeSignals(catalanDome);
+  expect([found.shutter?.id, found.opening?.id, found.azimuth?.id, found.turning?.id, found.local?.id, found.parked]).toEqual([
+    "comporta", "obertura", "gir", "girant", "lloc", undefined,
   ]);
 });
 
-const angles = [
-  signal("sun_altitude", { unit: "°", name: "Altitude of the Sun" }),
-  signal("ra", { unit: "h" }), signal("dec", { unit: "°" }), signal("altitude", { unit: "°" }), signal("azimuth", { unit: "°" }),
-];
-
-test("the Sun's altitude is not the telescope's", () => {
-  expect(telescopeSignals(device("telescope", angles)).alt?.id).toBe("altitude");
+test("a dome's buttons are those of its commands' roles, in the order that a hand expects", () => {
+  const { buttons, forms } = domeCommands(catalanDome);
+  expect(buttons.map(({ command: { id }, kind }) => [id, kind])).toEqual([
+    ["obre", "plain"], ["tanca", "primary"], ["aparca", "plain"], ["atura", "danger"],
+  ]);
+  expect(forms.map(({ id }) => id)).toEqual(["gira"]);
 });
 
-test("the description says which command points a telescope, by whatever name", () => {
+test("a shutter is drawn by what its state means, and what none knows is unknown", () => {
+  const { shutter } = domeSignals(catalanDome);
+  expect([0, 1, 2, 3, 4, 5, 6, Number.NaN].map((value) => shutterOf(shutter, value))).toEqual([
+    "closed", "open", "opening", "closing", "partial", "error", "unknown", "unknown",
+  ]);
+  expect(shutterOf(state("it", ["open"], { role: "dome.shutter" }), 0)).toBe("unknown");
+  expect(shutterOf(state("it", ["x"], { meanings: ["exposing"] }), 0)).toBe("unknown");
+});
+
+test("a camera exposes when its state means so", () => {
+  const camera = state("it", ["espera", "exposant"], { role: "camera.state", meanings: ["idle", "exposing"] });
+  expect([0, 1, 2].map((value) => meaningOf(camera, value))).toEqual(["idle", "exposing", "unknown"]);
+});
+
+test("an English name without a role is no telescope's", () => {
+  const angles = [signal("altitude", { unit: "°" }), has("alçada", "telescope.altitude", { unit: "°" })];
+  expect(telescopeSignals(device("telescope", angles)).alt?.id).toBe("alçada");
+});
+
+test("the hub says which command points a telescope, by which arguments", () => {
   const slews = command("hin", [argument("a", { unit: "h" }), argument("d", { unit: "°" })]);
-  const pointing = { commands: [{ command: "hin", ra: "a", dec: "d", alt: "", az: "" }], horizon: 15, sun: 30 };
-  expect(slewOf(device("telescope", [], [slews], { pointing }))).toMatchObject({ ra: "a", dec: "d", command: { id: "hin" } });
-});
-
-test("without that, a command with right ascension and declination points it, and a sync never does", () => {
-  const args = [argument("ra", { unit: "h" }), argument("dec", { unit: "°" })];
-  expect(slewOf(device("telescope", [], [command("sync", args), command("goto", args)]))?.command.id).toBe("goto");
-  expect(slewOf(device("telescope", [], [command("sync", args)]))).toBeUndefined();
+  const slew = { command: "hin", ra: "a", dec: "d", alt: "", az: "" };
+  expect(slewOf(device("telescope", [], [slews], { slew }))).toMatchObject({ ra: "a", dec: "d", command: { id: "hin" } });
+  expect(slewOf(device("telescope", [], [slews]))).toBeUndefined();
+  expect(slewOf(device("telescope", [], [], { slew }))).toBeUndefined();
 });
 
 test("tracking is two buttons, of one switch or of two commands", () => {
-  const other = device("telescope", [], [command("track", [argument("active", { type: "boolean" })])]);
-  const two = device("telescope", [], [command("track"), command("untrack")]);
-  expect(telescopeCommands(other).map(({ args }) => args)).toEqual([{ active: true }, { active: false }]);
-  expect(telescopeCommands(two).map(({ command: { id } }) => id)).toEqual(["track", "untrack"]);
+  const one = device("telescope", [], [does("segueix", "telescope.track", active)]);
+  const two = device("telescope", [], [does("segueix", "telescope.track"), does("deixa", "telescope.untrack")]);
+  expect(telescopeCommands(one).map(({ args }) => args)).toEqual([{ active: true }, { active: false }]);
+  expect(telescopeCommands(two).map(({ command: { id } }) => id)).toEqual(["segueix", "deixa"]);
 });
 
-test("a camera that takes exposures has another page than one that only watches", () => {
-  const takes = device("camera", [], [command("expose", [argument("seconds", { unit: "s" })])]);
-  expect(partOf(takes)).toBe("camera");
-  expect(cameraCommands(takes).expose).toHaveLength(1);
-  expect(partOf(device("camera", []))).toBe("pictures");
+test("a camera may have several ways to expose, and a cooler of one switch or of two commands", () => {
+  const seconds = [argument("segons", { unit: "s" })];
+  const camera = device("camera", [], [does("foto", "camera.expose", seconds), does("fosca", "camera.expose", seconds), does("fred", "camera.cooler", active)]);
+  expect(cameraCommands(camera).expose.map(({ id }) => id)).toEqual(["foto", "fosca"]);
+  expect(cameraCommands(camera).cooler.map(({ args }) => args)).toEqual([{ active: true }, { active: false }]);
+  const two = device("camera", [], [does("a", "camera.cooler_on"), does("b", "camera.cooler_off")]);
+  expect(cameraCommands(two).cooler.map(({ command: { id } }) => id)).toEqual(["a", "b"]);
 });
 
-test("an outlet is a state of off and on with the switch of its own id", () => {
+test("an outlet has the switch of its own id, or two commands with its id and an ending", () => {
   const pdu = device(
     "power",
-    [state("lamp", ["off", "on"]), state("fan", ["off", "on"]), state("mode", ["eco", "full", "boost"]), signal("total", { unit: "W" })],
-    [command("lamp", [argument("active", { type: "boolean" })]), command("fan_on"), command("fan_off")],
+    [has("lamp", "power.outlet"), has("fan", "power.outlet"), state("mode", ["eco", "full", "boost"])],
+    [does("lamp", "power.switch", active), does("fan_on", "power.on"), does("fan_off", "power.off")],
   );
   const [lamp, fan, ...rest] = outletsOf(pdu);
   expect(rest).toEqual([]);
   expect([lamp?.on?.args, lamp?.off?.args]).toEqual([{ active: true }, { active: false }]);
   expect([fan?.on?.command.id, fan?.off?.command.id]).toEqual(["fan_on", "fan_off"]);
-  expect(summarySignals(pdu).map(({ id }) => id)).toEqual(["total"]);
-});
-
-test("what a drawn part does not show stands below: no command is lost", () => {
-  const shown = commandsShownBy(rosDome);
-  expect(rosDome.commands.filter(({ id }) => !shown.has(id)).map(({ id }) => id)).toEqual(["polish"]);
-  expect(indiDome.commands.filter(({ id }) => !commandsShownBy(indiDome).has(id)).map(({ id }) => id)).toEqual(["open_flap", "close_flap"]);
 });

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, Field
+
+from talaia.model.roles import SignalRole  # noqa: TC001 - pydantic reads it
 
 __all__ = ["BrokenTileShape", "TileList", "TileShape", "TileSignalShape"]
 
@@ -14,6 +18,7 @@ class TileSignalShape(BaseModel):
     type: str
     unit: str
     id: str
+    role: SignalRole | Literal[""]
 
 
 class TileShape(BaseModel):

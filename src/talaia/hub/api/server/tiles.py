@@ -82,6 +82,7 @@ def _shape(tile: Tile) -> TileShape:
                 type=found.type.value if found.type else "",
                 unit=found.unit or "",
                 id=found.id or "",
+                role=found.role or "",
             )
             for name, found in manifest.signals.items()
         ],

@@ -1,0 +1,150 @@
+/**
+ * Which tile shows what: by the kind of a device, and by the roles that its description gives or
+ * the hub proposes. The one table; whoever adds a tile writes its element and a row here.
+ */
+
+import { html, nothing, type TemplateResult } from "lit";
+import type { CommandClient } from "../controllers/drive/command-client.js";
+import type { CommandRole, SignalRole, TileShape } from "../generated/api.js";
+import type { DeviceInfo, SignalInfo, SiteDetail } from "../wire/api-types.js";
+import { outletsOf } from "./observatory/roles.js";
+
+export interface DeviceTileOptions {
+  readonly site: string;
+  readonly device: DeviceInfo;
+  readonly detail: SiteDetail;
+  readonly line: CommandClient | null;
+  readonly online: boolean;
+}
+
+/** One kind of device: what is drawn of it, and what tells most of it at a glance. */
+export interface CatalogRow {
+  /** Makes the tile's element known; empty where the values and commands say it all. */
+  readonly load: (() => Promise<unknown>) | null;
+  readonly render: (options: DeviceTileOptions) => TemplateResult | typeof nothing;
+  /** It is drawn where one of these is there; without any, always. */
+  readonly needs: readonly (SignalRole | CommandRole)[];
+  /** Commands that the tile shows itself; the rest stands below as forms. */
+  readonly commands: readonly CommandRole[];
+  /** It shows the device's streams itself. */
+  readonly showsStreams: boolean;
+  /** Each place takes the first role that is there; at most `most` places. */
+  readonly summary: readonly (readonly SignalRole[])[];
+  readonly most: number;
+}
+
+const NOTHING_DRAWN: CatalogRow = {
+  load: null, render: () => nothing, needs: [], commands: [], showsStreams: false, summary: [], most: 3,
+};
+
+export const CATALOG: Readonly<Record<DeviceInfo["kind"], CatalogRow>> = {
+  dome: {
+    load: () => import("./observatory/dome-part.js"),
+    render: ({ site, device, detail, line, online }) =>
+      html`<t-part-dome .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-part-dome>`,
+    needs: ["dome.shutter", "dome.azimuth"],
+    commands: ["dome.open", "dome.close", "dome.park", "dome.unpark", "dome.stop", "dome.goto"],
+    showsStreams: false,
+    summary: [["dome.shutter"], ["dome.azimuth"], ["dome.local"]],
+    most: 3,
+  },
+  telescope: {
+    load: () => import("./observatory/telescope-part.js"),
+    render: ({ site, device, detail, line, online }) =>
+      html`<t-part-telescope .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-part-telescope>`,
+    needs: [],
+    commands: ["telescope.goto", "telescope.unpark", "telescope.track", "telescope.untrack", "telescope.park", "telescope.stop"],
+    showsStreams: false,
+    // Without a word for all of it, parking and tracking are two.
+    summary: [["telescope.state", "telescope.parked"], ["telescope.state", "telescope.tracking"], ["telescope.ra"], ["telescope.dec"]],
+    most: 4,
+  },
+  weather: {
+    load: () => import("./observatory/weather-part.js"),
+    render: ({ site, device, detail, line, online }) =>
+      html`<t-part-weather .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-part-weather>`,
+    needs: [],
+    commands: [],
+    showsStreams: false,
+    summary: [["weather.safety"], ["weather.raining"], ["weather.wind"], ["weather.humidity"], ["weather.temperature"]],
+    most: 4,
+  },
+  camera: {
+    load: () => import("./observatory/camera-part.js"),
+    render: ({ site, device, detail, line, online }) =>
+      html`<t-part-camera .site=${site} .device=${device} .detail=${detail} .line=${line} .online=${online}></t-part-camera>`,
+    // One that only watches takes no exposures.
+    needs: ["camera.state", "camera.remaining", "camera.expose"],
+    commands: ["camera.expose", "camera.abort", "camera.cool", "camera.cooler", "camera.cooler_on", "camera.cooler_off"],
+    showsStreams: true,
+    summary: [["camera.state", "camera.remaining"], ["camera.temperature"], ["camera.filter"]],
+    most: 3,
+  },
+  power: {
+    load: () => import("./observatory/power-part.js"),
+    render: ({ site, device, detail, line, online }) =>
+      html`<t-part-power
+        .site=${site}
+        .device=${device}
+        .detail=${detail}
+        .line=${line}
+        .online=${online}
+        .readings=${summarySignals(device)}
+      ></t-part-power>`,
+    needs: ["power.outlet"],
+    commands: ["power.switch", "power.on", "power.off"],
+    showsStreams: false,
+    summary: [["power.total"], ["power.voltage", "battery.voltage"], ["power.current", "battery.current"], ["battery.level", "power.load"]],
+    most: 3,
+  },
+  vehicle: NOTHING_DRAWN,
+  other: NOTHING_DRAWN,
+};
+
+/** The row of a device's tile; null where none is drawn for it. */
+export function deviceTile(device: DeviceInfo): CatalogRow | null {
+  const row = CATALOG[device.kind];
+  if (row.load === null) return null;
+  const roles = new Set<string>([...device.signals, ...device.commands].map(({ role }) => role));
+  return row.needs.length === 0 || row.needs.some((role) => roles.has(role)) ? row : null;
+}
+
+/** The commands that the device's tile shows itself, by id; the rest stands below as forms. */
+export function commandsShownBy(device: DeviceInfo): ReadonlySet<string> {
+  const shown = deviceTile(device)?.commands ?? [];
+  const switches = new Set(outletsOf(device).flatMap(({ on, off }) => [on?.command.id, off?.command.id]));
+  return new Set(
+    device.commands
+      // A command whose outlet is not there to be seen has no switch either.
+      .filter(({ id, role }) => shown.includes(role) && (device.kind !== "power" || switches.has(id)))
+      .map(({ id }) => id),
+  );
+}
+
+/** The signals that tell most of a device at a glance, the first one first. */
+export function summarySignals(device: DeviceInfo): readonly SignalInfo[] {
+  const { summary, most } = CATALOG[device.kind];
+  if (summary.length === 0) return device.signals.filter(({ primary, type }) => primary && type !== "position").slice(0, most);
+  const found = summary.map((roles) =>
+    roles.map((role) => device.signals.find((signal) => signal.role === role)).find((signal) => signal !== undefined),
+  );
+  return [...new Set(found.filter((signal) => signal !== undefined))].slice(0, most);
+}
+
+/** The signals that an administrator's tile reads of a device, by the tile's own names; null where one is missing. */
+export function signalsFor(tile: TileShape, device: DeviceInfo): ReadonlyMap<string, SignalInfo> | null {
+  if (tile.device !== "" && tile.device !== device.kind) return null;
+  const found = new Map<string, SignalInfo>();
+  for (const wanted of tile.signals) {
+    const fits = device.signals.find(
+      ({ id, type, unit, role }) =>
+        (wanted.id === "" || wanted.id === id) &&
+        (wanted.type === "" || wanted.type === type) &&
+        (wanted.unit === "" || wanted.unit === unit) &&
+        (wanted.role === "" || wanted.role === role),
+    );
+    if (fits === undefined) return null;
+    found.set(wanted.name, fits);
+  }
+  return found;
+}
