@@ -1,8 +1,8 @@
 /** An endless list as a page shows it, with what stands below: that more is coming, that it did not come, or that there is none. */
 
 import { html, nothing, type TemplateResult } from "lit";
-import { repeat } from "lit/directives/repeat.js";
 import type { InfiniteRows, IdentifiedRow } from "../controllers/infinite-rows.js";
+import { renderRowSheet } from "../elements/layout/rows.js";
 import { adviceFor } from "../format/error-advice.js";
 import { renderAdvice } from "../elements/feedback/load-state.js";
 import "../elements/feedback/loading.js";
@@ -24,11 +24,7 @@ export function renderInfiniteList<R extends IdentifiedRow>(list: InfiniteRows<R
   return html`${rows.length === 0 && !more ? none() : nothing}
     ${rows.length === 0
       ? nothing
-      : html`<section class="sheet" aria-label=${label} aria-busy=${loading}>
-          <ul class="rows">
-            ${repeat(rows, ({ id }) => id, row)}
-          </ul>
-        </section>`}
+      : renderRowSheet(label, rows, row, loading)}
     ${renderListEnd(list, what)}`;
 }
 

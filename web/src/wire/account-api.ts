@@ -1,6 +1,6 @@
 /** What a person may ask of the hub about their own account. */
 
-import type { FactorOffer, SessionRow, TokenMade, TokenRow } from "./admin-types.js";
+import type { FactorOffer, NewToken, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
 import type { Permission } from "./api-types.js";
 import type { HubApi } from "./hub-api.js";
 
@@ -12,8 +12,8 @@ export class AccountApi {
     await this.hub.request("POST", "/api/me/password", { old, new: fresh });
   }
 
-  async sessions(): Promise<readonly SessionRow[]> {
-    return (await this.hub.request<{ sessions: readonly SessionRow[] }>("GET", "/api/me/sessions")).sessions;
+  async sessions(): Promise<readonly SessionShape[]> {
+    return (await this.hub.request<SessionList>("GET", "/api/me/sessions")).sessions;
   }
 
   async endSession(session: string): Promise<void> {
@@ -39,12 +39,12 @@ export class AccountApi {
     await this.hub.request("POST", "/api/me/factor/remove", { password, code });
   }
 
-  async tokens(): Promise<readonly TokenRow[]> {
-    return (await this.hub.request<{ tokens: readonly TokenRow[] }>("GET", "/api/me/tokens")).tokens;
+  async tokens(): Promise<readonly TokenShape[]> {
+    return (await this.hub.request<TokenList>("GET", "/api/me/tokens")).tokens;
   }
 
   /** The token is not shown again. */
-  makeToken(name: string, endsUs: number, permissions: readonly Permission[]): Promise<TokenMade> {
+  makeToken(name: string, endsUs: number, permissions: readonly Permission[]): Promise<NewToken> {
     return this.hub.request("POST", "/api/me/tokens", { name, ends_us: endsUs, permissions });
   }
 

@@ -1,30 +1,23 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditCheck, AuditPage, CodeMade, GatewayList, Outlook, PersonRow, RoleRow, StorageUse } from "./admin-types.js";
+import type { AuditChain, AuditList, CodeShape, GatewayList, OutlookShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, StorageShape } from "../generated/api.js";
 import type { Permission } from "./api-types.js";
 import type { HubApi } from "./hub-api.js";
-
-/** What of a person can be changed; what is left out stays. */
-export interface PersonEdit {
-  readonly role?: string;
-  readonly disabled?: boolean;
-  readonly password?: string;
-}
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
 
 export class AdminApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
 
-  async people(): Promise<readonly PersonRow[]> {
-    return (await this.hub.request<{ people: readonly PersonRow[] }>("GET", "/api/people")).people;
+  async people(): Promise<readonly PersonShape[]> {
+    return (await this.hub.request<PersonList>("GET", "/api/people")).people;
   }
 
-  addPerson(name: string, password: string, role: string): Promise<PersonRow> {
+  addPerson(name: string, password: string, role: string): Promise<PersonShape> {
     return this.hub.request("POST", "/api/people", { name, password, role });
   }
 
-  changePerson(person: string, change: PersonEdit): Promise<PersonRow> {
+  changePerson(person: string, change: PersonChange): Promise<PersonShape> {
     return this.hub.request("PATCH", itemUrl("people", person), change);
   }
 
@@ -40,8 +33,8 @@ export class AdminApi {
     await this.hub.request("DELETE", itemUrl("people", person, "/factor"));
   }
 
-  async roles(): Promise<readonly RoleRow[]> {
-    return (await this.hub.request<{ roles: readonly RoleRow[] }>("GET", "/api/roles")).roles;
+  async roles(): Promise<readonly RoleShape[]> {
+    return (await this.hub.request<RoleList>("GET", "/api/roles")).roles;
   }
 
   async addRole(name: string, permissions: readonly Permission[]): Promise<void> {
@@ -60,7 +53,7 @@ export class AdminApi {
     return this.hub.request("GET", "/api/gateways");
   }
 
-  makeCode(site: string, name: string): Promise<CodeMade> {
+  makeCode(site: string, name: string): Promise<CodeShape> {
     return this.hub.request("POST", "/api/gateways/codes", name === "" ? { site } : { site, name });
   }
 
@@ -79,20 +72,20 @@ export class AdminApi {
   }
 
   /** @param search the filter, as in the address; see `pages/audit/query.ts` */
-  audit(search: string, signal?: AbortSignal): Promise<AuditPage> {
+  audit(search: string, signal?: AbortSignal): Promise<AuditList> {
     return this.hub.request("GET", `/api/audit?${search}`, undefined, { signal });
   }
 
-  storage(): Promise<StorageUse> {
+  storage(): Promise<StorageShape> {
     return this.hub.request("GET", "/api/storage");
   }
 
   /** Whether there is room for what comes; cheap, and a few minutes old. */
-  storageForecast(): Promise<Outlook> {
+  storageForecast(): Promise<OutlookShape> {
     return this.hub.request("GET", "/api/storage/outlook");
   }
 
-  checkAudit(): Promise<AuditCheck> {
+  checkAudit(): Promise<AuditChain> {
     return this.hub.request("GET", "/api/audit/verify");
   }
 }

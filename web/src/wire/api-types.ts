@@ -1,5 +1,7 @@
 /** Shapes of the hub's HTTP interface, by the names the pages use; they are made from the hub's. */
 
+import type { PermissionShape } from "../generated/api.js";
+
 export type {
   AnomalyList,
   AnomalyShape as AnomalyInfo,
@@ -35,6 +37,4 @@ export type {
   StreamShape as StreamInfo,
 } from "../generated/api.js";
 
-/** The roles that the hub is seeded with. An admin may add others, so a role is any text. */
-export type Role = string;
-export type Right = "view" | "use" | "admin";
+export type Right = PermissionShape["right"];

@@ -1,5 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
+import type { DeviceList, StoredList } from "../generated/api.js";
 import type {
   AnomalyList, DeviceRow, EventList, History, OutlierList, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo,
 } from "./api-types.js";
@@ -85,7 +86,7 @@ export class HubApi {
 
   /** Every device that is open to the person, of every site. */
   async devices(): Promise<readonly DeviceRow[]> {
-    return (await this.request<{ devices: readonly DeviceRow[] }>("GET", "/api/devices")).devices;
+    return (await this.request<DeviceList>("GET", "/api/devices")).devices;
   }
 
   history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> {
@@ -117,7 +118,7 @@ export class HubApi {
   /** Channels that have history and that the site's description no longer has. */
   async formerChannels(site: string): Promise<readonly StoredInfo[]> {
     const path = `/api/sites/${encodeURIComponent(site)}/stored?former=true`;
-    return (await this.request<{ channels: readonly StoredInfo[] }>("GET", path)).channels;
+    return (await this.request<StoredList>("GET", path)).channels;
   }
 
   /** The anomaly detectors of a site, and what each says now. */

@@ -48,8 +48,15 @@ export const base = css`
     color: var(--t-accent);
     text-underline-offset: 0.2em;
   }
+  code {
+    font-family: var(--t-mono);
+    font-size: var(--t-size-s);
+  }
   .muted {
     color: var(--t-muted);
+  }
+  .small {
+    font-size: var(--t-size-s);
   }
   .visually-hidden {
     position: absolute;

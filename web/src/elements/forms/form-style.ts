@@ -27,7 +27,7 @@ export const forms = css`
     grid-template-columns: repeat(auto-fill, minmax(min(15rem, 100%), 1fr));
     align-items: start;
   }
-  form.entry > :is(.actions, .wide, p, t-problem, t-rules) {
+  form.entry > :is(.actions, .wide, h2, p, t-problem, t-rules) {
     grid-column: 1 / -1;
   }
   label.tick {

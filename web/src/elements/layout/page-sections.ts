@@ -42,6 +42,30 @@ export const sheets = css`
     align-items: center;
     gap: var(--t-space-2);
   }
+  /* A link among buttons is as easy to hit as they are. */
+  .actions > a {
+    display: inline-flex;
+    align-items: center;
+    min-block-size: var(--t-touch);
+    padding-inline: var(--t-space-2);
+    font-weight: var(--t-weight-strong);
+  }
+  summary {
+    min-block-size: var(--t-touch);
+    align-content: center;
+    font-weight: var(--t-weight-strong);
+    cursor: pointer;
+  }
+  /* A roof or telescope that does not close or park by itself. */
+  .unguarded {
+    display: flex;
+    gap: var(--t-space-2);
+    max-inline-size: 60rem;
+  }
+  .unguarded t-icon {
+    flex: none;
+    color: var(--t-warn);
+  }
   .rows {
     display: grid;
     gap: 0;

@@ -10,7 +10,12 @@ export function renderRows<R extends { readonly id: string }>(rows: readonly R[]
   </ul>`;
 }
 
-/** The same on a sheet of its own; `label` is its name for who hears the page. */
-export function renderRowSheet<R extends { readonly id: string }>(label: string, rows: readonly R[], renderRow: (row: R) => TemplateResult): TemplateResult {
-  return html`<section class="sheet" aria-label=${label}>${renderRows(rows, renderRow)}</section>`;
+/**
+ * The same on a sheet of its own.
+ *
+ * @param label its name for who hears the page
+ * @param busy more rows are on their way
+ */
+export function renderRowSheet<R extends { readonly id: string }>(label: string, rows: readonly R[], renderRow: (row: R) => TemplateResult, busy = false): TemplateResult {
+  return html`<section class="sheet" aria-label=${label} aria-busy=${busy}>${renderRows(rows, renderRow)}</section>`;
 }

@@ -11,7 +11,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sessionContext } from "../../state/contexts.js";
 import type { Session } from "../../state/session.js";
 import { AccountApi } from "../../wire/account-api.js";
-import type { FactorOffer } from "../../wire/admin-types.js";
+import type { FactorOffer } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";

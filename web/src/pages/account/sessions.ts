@@ -12,7 +12,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { browserName } from "../../format/user-agent.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
-import type { SessionRow } from "../../wire/admin-types.js";
+import type { SessionShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
@@ -25,7 +25,7 @@ export class AccountSessions extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly rows = new LoadController<readonly SessionRow[]>(this);
+  private readonly rows = new LoadController<readonly SessionShape[]>(this);
   private readonly action = new ActionController(this);
 
   override willUpdate(): void {
@@ -46,7 +46,7 @@ export class AccountSessions extends LitElement {
       ${renderLoaded(this.rows, "the list of your sessions", (rows) => renderRows(rows, (row) => this.renderRow(row)))}`;
   }
 
-  private renderRow(row: SessionRow): TemplateResult {
+  private renderRow(row: SessionShape): TemplateResult {
     const zone = this.sites.store?.zone ?? "UTC";
     return html`<li>
       <div>
@@ -69,13 +69,13 @@ export class AccountSessions extends LitElement {
     </li>`;
   }
 
-  private sessionEnder(row: SessionRow): () => void {
+  private sessionEnder(row: SessionShape): () => void {
     return () => {
       void this.endSession(row);
     };
   }
 
-  private async endSession(row: SessionRow): Promise<void> {
+  private async endSession(row: SessionShape): Promise<void> {
     const api = new AccountApi(this.api);
     await this.action.run("end this session", () => api.endSession(row.id), "The session is ended.", row.id);
     this.rows.invalidate();

@@ -15,7 +15,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { permissionText } from "../../format/permissions.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
-import type { TokenRow } from "../../wire/admin-types.js";
+import type { TokenShape } from "../../generated/api.js";
 import type { Person } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { TokenWish } from "./token-form.js";
@@ -35,10 +35,10 @@ export class AccountTokens extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly rows = new LoadController<readonly TokenRow[]>(this);
+  private readonly rows = new LoadController<readonly TokenShape[]>(this);
   private readonly action = new ActionController(this);
   private readonly form = new OpenSubject<"new">(this);
-  private readonly revoking = new QuestionController<TokenRow>(this, (row, action) =>
+  private readonly revoking = new QuestionController<TokenShape>(this, (row, action) =>
     action.run("revoke it", () => new AccountApi(this.api).revokeToken(row.id)).finally(this.rows.invalidate),
   );
 
@@ -82,7 +82,7 @@ export class AccountTokens extends LitElement {
     </div>`;
   }
 
-  private renderList(rows: readonly TokenRow[]): unknown {
+  private renderList(rows: readonly TokenShape[]): unknown {
     if (rows.length === 0) return this.form.isOpen ? nothing : html`<p class="muted">You have none.</p>`;
     const zone = this.sites.store?.zone ?? "UTC";
     const now = Date.now() * 1000;

@@ -1,5 +1,6 @@
 /** What of the archive is asked for, as the page's address and as the hub's question. Pure. */
 
+import { queryTexts, textsQuery } from "../../format/filter-query.js";
 import { formatDec, formatRa, wrapped } from "../../format/sexagesimal.js";
 
 export interface ArchiveFilter {
@@ -16,28 +17,16 @@ export interface ArchiveFilter {
 }
 
 export const NO_FILTER: ArchiveFilter = { night: "", target: "", filter: "", device: "", ra: "", dec: "", radius: "" };
-const WORDS = ["night", "target", "filter", "device", "ra", "dec", "radius"] as const;
+export const FILTER_KEYS = ["night", "target", "filter", "device", "ra", "dec", "radius"] as const;
 
 /** Reads the page's address. */
 export function readArchiveFilter(search: string): ArchiveFilter {
-  const asked = new URLSearchParams(search);
-  const readText = (key: (typeof WORDS)[number]): string => asked.get(key) ?? "";
-  return {
-    night: readText("night"),
-    target: readText("target"),
-    filter: readText("filter"),
-    device: readText("device"),
-    ra: readText("ra"),
-    dec: readText("dec"),
-    radius: readText("radius"),
-  };
+  return queryTexts(new URLSearchParams(search), FILTER_KEYS);
 }
 
 /** The filter as a query, for the address; empty for all. */
 export function writeArchiveFilter(filter: ArchiveFilter): string {
-  const asked = new URLSearchParams();
-  for (const key of WORDS) if (filter[key] !== "") asked.set(key, filter[key]);
-  return asked.toString();
+  return textsQuery(filter, FILTER_KEYS).toString();
 }
 
 /** Says what is wrong with a place on the sky as a person wrote it; empty when all is well. */

@@ -50,19 +50,6 @@ export class FrameDetailSheet extends LitElement {
         overflow-wrap: anywhere;
         font-variant-numeric: tabular-nums;
       }
-      .file {
-        display: inline-flex;
-        align-items: center;
-        min-block-size: var(--t-touch);
-        padding-inline: var(--t-space-3);
-        font-weight: var(--t-weight-strong);
-      }
-      summary {
-        min-block-size: var(--t-touch);
-        align-content: center;
-        cursor: pointer;
-        font-weight: var(--t-weight-strong);
-      }
       .cards {
         overflow: auto;
         max-block-size: 24rem;
@@ -114,7 +101,7 @@ export class FrameDetailSheet extends LitElement {
           <p class="muted">${found.frame.name}</p>
         </div>
         <div class="actions">
-          <a class="file" download=${found.frame.name} href=${filePath(this.site, this.frame)}
+          <a download=${found.frame.name} href=${filePath(this.site, this.frame)}
             >Download FITS (${formatFileSize(found.frame.bytes)})</a
           >
           <t-button @click=${this.close}>Close</t-button>

@@ -12,12 +12,13 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { formText } from "../../format/form-values.js";
+import { formTexts } from "../../format/filter-query.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { ArchiveApi, previewPath, type FrameList, type FrameRow, type NightList } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import {
+  FILTER_KEYS,
   formatFileSize,
   frameQuery,
   NO_FILTER,
@@ -78,9 +79,6 @@ export class PageArchive extends LitElement {
         background: #000;
         border-radius: var(--t-radius-s);
       }
-      .small {
-        font-size: var(--t-size-s);
-      }
       @media (max-width: 45rem) {
         .frames {
           grid-template-columns: 1fr 1fr;
@@ -99,15 +97,7 @@ export class PageArchive extends LitElement {
   private readonly found = new LoadController<FrameList>(this);
   private readonly form = new FilterForm<ArchiveFilter>(
     this,
-    (said) => ({
-      night: formText(said, "night"),
-      target: formText(said, "target"),
-      filter: formText(said, "filter"),
-      device: formText(said, "device"),
-      ra: formText(said, "ra"),
-      dec: formText(said, "dec"),
-      radius: formText(said, "radius"),
-    }),
+    (said) => formTexts(said, FILTER_KEYS),
     (filter) => {
       this.limit = FIRST;
       this.router.store?.replace(this.pathOf("", filter));

@@ -8,10 +8,11 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
+import { formTexts } from "../../format/filter-query.js";
 import { formText } from "../../format/form-values.js";
 import { ZoneClock } from "../../series/zone-clock.js";
 import type { SiteRow } from "../../wire/api-types.js";
-import { NO_FILTER, writeAuditFilter, type AuditFilter } from "./audit-query.js";
+import { FILTER_KEYS, NO_FILTER, writeAuditFilter, type AuditFilter } from "./audit-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
 
@@ -68,10 +69,7 @@ export class AuditFilterForm extends LitElement {
     const clock = new ZoneClock(knownZone(this.zone));
     const good = formText(said, "good");
     return {
-      who: formText(said, "who"),
-      site: formText(said, "site"),
-      device: formText(said, "device"),
-      kind: formText(said, "kind"),
+      ...formTexts(said, FILTER_KEYS),
       good: good === "true" || good === "false" ? good : "",
       fromUs: clock.fromInput(formText(said, "from")),
       toUs: clock.fromInput(formText(said, "to")),

@@ -1,5 +1,7 @@
 /** What of the audit log is asked for, as the page's address and as the hub's question. Pure. */
 
+import { pageQuery, queryTexts, textsQuery } from "../../format/filter-query.js";
+
 export interface AuditFilter {
   readonly who: string;
   readonly site: string;
@@ -23,28 +25,23 @@ export const NO_FILTER: AuditFilter = {
   toUs: Number.NaN,
 };
 
-const WORDS = ["who", "site", "device", "kind"] as const;
+export const FILTER_KEYS = ["who", "site", "device", "kind"] as const;
 
 /** Reads the page's address; what makes no sense is as if it were not there. */
 export function readAuditFilter(search: string): AuditFilter {
   const asked = new URLSearchParams(search);
-  const text = (key: string): string => asked.get(key) ?? "";
-  const good = text("good");
+  const good = asked.get("good");
   return {
-    who: text("who"),
-    site: text("site"),
-    device: text("device"),
-    kind: text("kind"),
+    ...queryTexts(asked, FILTER_KEYS),
     good: good === "true" || good === "false" ? good : "",
-    fromUs: microseconds(text("from_us")),
-    toUs: microseconds(text("to_us")),
+    fromUs: microseconds(asked.get("from_us") ?? ""),
+    toUs: microseconds(asked.get("to_us") ?? ""),
   };
 }
 
 /** The filter as a query, for the address and for the hub alike; empty for all. */
 export function writeAuditFilter(filter: AuditFilter): string {
-  const asked = new URLSearchParams();
-  for (const key of WORDS) if (filter[key] !== "") asked.set(key, filter[key]);
+  const asked = textsQuery(filter, FILTER_KEYS);
   if (filter.good !== "") asked.set("good", filter.good);
   if (!Number.isNaN(filter.fromUs)) asked.set("from_us", String(Math.round(filter.fromUs)));
   if (!Number.isNaN(filter.toUs)) asked.set("to_us", String(Math.round(filter.toUs)));
@@ -53,10 +50,7 @@ export function writeAuditFilter(filter: AuditFilter): string {
 
 /** The hub's question for one page of rows. `before` is the last row of the page before; empty for the newest. */
 export function auditPageQuery(filter: AuditFilter, before: string, limit: number): string {
-  const asked = new URLSearchParams(writeAuditFilter(filter));
-  if (before !== "") asked.set("before", before);
-  asked.set("limit", String(limit));
-  return asked.toString();
+  return pageQuery(writeAuditFilter(filter), before, limit);
 }
 
 function microseconds(text: string): number {

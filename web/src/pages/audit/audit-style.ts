@@ -1,21 +1,11 @@
 import { css } from "lit";
 
 export const auditStyle = css`
-  .export {
-    display: inline-flex;
-    align-items: center;
-    min-block-size: var(--t-touch);
-    padding-inline: var(--t-space-3);
-    font-weight: var(--t-weight-strong);
-  }
   .table {
     --t-columns: 15rem minmax(7rem, 1fr) minmax(0, 3fr) minmax(6rem, 1fr) 6.5rem;
   }
   .row {
     align-items: baseline;
-  }
-  .small {
-    font-size: var(--t-size-s);
   }
   .paging {
     justify-content: center;

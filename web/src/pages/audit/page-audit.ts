@@ -11,7 +11,7 @@ import { renderTable, tables, type TableColumn } from "../../elements/layout/dat
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { withQuery } from "../../state/router.js";
-import type { AuditCheck, AuditPage, AuditRow } from "../../wire/admin-types.js";
+import type { AuditChain, AuditList, AuditRow } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { auditStyle } from "./audit-style.js";
@@ -33,12 +33,12 @@ export class PageAudit extends LitElement {
 
   /** The last row of each page before this one. */
   @state() private trail: readonly string[] = [];
-  @state() private check: AuditCheck | null = null;
+  @state() private check: AuditChain | null = null;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new ContextStoreController(this, routerContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly page = new LoadController<AuditPage>(this);
+  private readonly page = new LoadController<AuditList>(this);
   private readonly action = new ActionController(this);
   private shown = "";
 
@@ -64,7 +64,7 @@ export class PageAudit extends LitElement {
           <div role="status">${this.renderChain()}</div>
         </div>
         <div class="actions">
-          <a class="export" download href=${`/api/audit/export?${writeAuditFilter(filter)}`}>Export as CSV</a>
+          <a download href=${`/api/audit/export?${writeAuditFilter(filter)}`}>Export as CSV</a>
           <t-button ?busy=${this.action.busy} @click=${this.verifyChain}>Verify the chain</t-button>
         </div>
       </div>
@@ -92,7 +92,7 @@ export class PageAudit extends LitElement {
         ></t-problem>`;
   }
 
-  private renderRows(page: AuditPage, filter: AuditFilter): TemplateResult {
+  private renderRows(page: AuditList, filter: AuditFilter): TemplateResult {
     if (page.rows.length === 0) {
       return html`<t-empty heading="No matches" icon="info">
         <p>${writeAuditFilter(filter) === "" ? "The log is empty." : "No row matches the filter."}</p>

@@ -48,14 +48,6 @@ export class DescriptionDiff extends LitElement {
       .removed .sign {
         color: var(--t-bad);
       }
-      .muted {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
-      }
-      code {
-        font-family: var(--t-mono);
-        font-size: var(--t-size-s);
-      }
       .lines {
         max-block-size: 32rem;
         overflow: auto;
@@ -103,13 +95,13 @@ export class DescriptionDiff extends LitElement {
 
   override render(): TemplateResult {
     const lines = differenceLines(this.lines);
-    if (lines.length === 0) return html`<p class="muted">They say the same.</p>`;
+    if (lines.length === 0) return html`<p class="muted small">They say the same.</p>`;
     return html`${this.parts.length === 0
         ? nothing
         : html`<ul aria-label="What differs">
             ${map(this.parts, (part) => this.renderPart(part))}
           </ul>`}
-      <p class="muted">${differenceText(lines)}</p>
+      <p class="muted small">${differenceText(lines)}</p>
       <div class="lines" role="region" tabindex="0" aria-label="The lines that differ">${map(lines, (line) => this.renderLine(line))}</div>`;
   }
 
@@ -119,7 +111,7 @@ export class DescriptionDiff extends LitElement {
     const arrow = from !== "" && to !== "" ? " → " : "";
     return html`<li class=${part.kind}>
       <span class="kind">${KINDS[part.kind]}</span><code>${part.path.replace(/^\$\./, "")}</code
-      ><span class="muted">${from}${arrow}${to}</span>
+      ><span class="muted small">${from}${arrow}${to}</span>
     </li>`;
   }
 

@@ -41,10 +41,6 @@ export class DescriptionPreview extends LitElement {
       .tile b {
         font-size: var(--t-size-l);
       }
-      .muted {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
-      }
     `,
   ];
 
@@ -58,7 +54,7 @@ export class DescriptionPreview extends LitElement {
       const device = isObject(all) ? all[name] : undefined;
       return isObject(device) ? [device] : [];
     });
-    if (shown.length === 0) return html`<p class="muted">No device's page changes.</p>`;
+    if (shown.length === 0) return html`<p class="muted small">No device's page changes.</p>`;
     return html`${map(shown, (device) => this.renderDevice(device))}`;
   }
 
@@ -70,13 +66,13 @@ export class DescriptionPreview extends LitElement {
         ${map(
           objectsOf(device["signals"]),
           (signal) => html`<div class="tile">
-            <span>${textOf(signal["name"])}</span><b>— <span class="muted">${textOf(signal["unit"])}</span></b
-            ><span class="muted">${signal["primary"] === false ? "among the details" : rangeText(signal)}</span>
+            <span>${textOf(signal["name"])}</span><b>— <span class="muted small">${textOf(signal["unit"])}</span></b
+            ><span class="muted small">${signal["primary"] === false ? "among the details" : rangeText(signal)}</span>
           </div>`,
         )}
-        ${map(objectsOf(device["streams"]), (stream) => html`<div class="tile"><span>${textOf(stream["name"])}</span><span class="muted">camera</span></div>`)}
+        ${map(objectsOf(device["streams"]), (stream) => html`<div class="tile"><span>${textOf(stream["name"])}</span><span class="muted small">camera</span></div>`)}
       </div>
-      ${commands.length === 0 ? nothing : html`<p class="muted">Commands: ${commands.join(", ")}</p>`}
+      ${commands.length === 0 ? nothing : html`<p class="muted small">Commands: ${commands.join(", ")}</p>`}
     </section>`;
   }
 }

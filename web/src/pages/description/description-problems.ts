@@ -44,10 +44,6 @@ export class DescriptionProblems extends LitElement {
         cursor: pointer;
         overflow-wrap: anywhere;
       }
-      code {
-        font-family: var(--t-mono);
-        font-size: var(--t-size-s);
-      }
       .remedy {
         color: var(--t-muted);
       }

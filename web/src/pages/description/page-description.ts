@@ -68,10 +68,6 @@ export class PageDescription extends LitElement {
       select {
         max-inline-size: 100%;
       }
-      code {
-        font-family: var(--t-mono);
-        font-size: var(--t-size-s);
-      }
     `,
   ];
 

@@ -42,16 +42,6 @@ export class PageDevice extends LitElement {
     base,
     sheets,
     css`
-      .unguarded {
-        display: flex;
-        gap: var(--t-space-2);
-        margin: 0;
-        max-inline-size: 60rem;
-      }
-      .unguarded t-icon {
-        flex: none;
-        color: var(--t-warn);
-      }
       .among {
         display: flex;
         flex-wrap: wrap;

@@ -43,16 +43,6 @@ export class PageDevices extends LitElement {
     sheets,
     control,
     css`
-      .unguarded {
-        display: flex;
-        gap: var(--t-space-2);
-        margin: 0;
-        max-inline-size: 60rem;
-      }
-      .unguarded t-icon {
-        flex: none;
-        color: var(--t-warn);
-      }
       .tools {
         display: flex;
         flex-wrap: wrap;

@@ -3,7 +3,7 @@
 import { html } from "lit";
 import { passwordRules } from "../../format/password-rules.js";
 import { ANY } from "../../state/rights.js";
-import type { RoleRow } from "../../wire/admin-types.js";
+import type { RoleShape } from "../../generated/api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import { draftsOf, withLevelEdited, matrixLines } from "../roles/permission-matrix.js";
 import "../../elements/feedback/confirm.js";
@@ -25,7 +25,7 @@ const row = (device: string, name: string, open: boolean): DeviceRow => ({
   signals: 1, stale: 0,
 });
 const DEVICES = [row("base", "Vehicle base", true), row("camera", "Camera", false)];
-const ROLES: readonly RoleRow[] = [
+const ROLES: readonly RoleShape[] = [
   { id: "1", name: "guest", seeded: true, people: 4, permissions: [] },
   { id: "2", name: "operator", seeded: true, people: 1, permissions: [{ right: "use", site: ANY, device: ANY }] },
   { id: "3", name: "admin", seeded: true, people: 1, permissions: [{ right: "admin", site: ANY, device: ANY }] },

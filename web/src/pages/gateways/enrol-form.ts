@@ -12,7 +12,7 @@ import { renderFormActions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext } from "../../state/contexts.js";
-import type { CodeMade, GatewayRow } from "../../wire/admin-types.js";
+import type { CodeShape, GatewayShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -56,9 +56,9 @@ export class EnrolForm extends LitElement {
 
   /** Sites that have a gateway already, to choose from. */
   @property({ attribute: false }) sites: readonly string[] = [];
-  @property({ attribute: false }) gateways: readonly GatewayRow[] = [];
+  @property({ attribute: false }) gateways: readonly GatewayShape[] = [];
   @property() zone = "UTC";
-  @state() private made: CodeMade | null = null;
+  @state() private made: CodeShape | null = null;
   @state() private wrong = "";
   @query("#site") private readonly site!: HTMLInputElement;
   @query("#name") private readonly name!: HTMLInputElement;
@@ -95,7 +95,7 @@ export class EnrolForm extends LitElement {
       </form>`;
   }
 
-  private renderCode(made: CodeMade): TemplateResult {
+  private renderCode(made: CodeShape): TemplateResult {
     const left = Math.max(0, made.expires_us / 1e6 - Date.now() / 1000);
     const came = this.gateways.find((row) => !this.known.has(row.id) && row.revoked_us === 0);
     if (came !== undefined) {

@@ -11,7 +11,7 @@ import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
-import type { GatewayRow } from "../../wire/admin-types.js";
+import type { GatewayShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -41,23 +41,17 @@ export class GatewaySection extends LitElement {
         margin: 0;
         overflow-wrap: anywhere;
       }
-      summary {
-        min-block-size: var(--t-touch);
-        align-content: center;
-        font-weight: var(--t-weight-strong);
-        cursor: pointer;
-      }
     `,
   ];
 
-  @property({ attribute: false }) row: GatewayRow | null = null;
+  @property({ attribute: false }) row: GatewayShape | null = null;
   @property({ attribute: false }) devices: readonly DeviceRow[] = [];
   @property({ attribute: "site-name" }) siteName = "";
   @property() zone = "UTC";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly action = new ActionController(this);
-  private readonly revoking = new QuestionController<GatewayRow>(this, (row, action) =>
+  private readonly revoking = new QuestionController<GatewayShape>(this, (row, action) =>
     this.runAction(action, "revoke the key", () => new AdminApi(this.api).revokeGateway(row.id)),
   );
 
@@ -95,7 +89,7 @@ export class GatewaySection extends LitElement {
       }))}`;
   }
 
-  private renderActions(row: GatewayRow, done: string): TemplateResult {
+  private renderActions(row: GatewayShape, done: string): TemplateResult {
     return html`<div class="actions">
         <t-button ?disabled=${!row.online} ?busy=${this.action.runningKey === "close the link"} @click=${this.reconnectGateway}
           >Reconnect it</t-button
@@ -113,7 +107,7 @@ export class GatewaySection extends LitElement {
           </details>`}`;
   }
 
-  private renderDevice(row: GatewayRow, device: DeviceRow): TemplateResult {
+  private renderDevice(row: GatewayShape, device: DeviceRow): TemplateResult {
     const onReconnect = (): void => {
       const api = new AdminApi(this.api);
       const done = `${device.name}: the gateway connects to it anew.`;

@@ -15,7 +15,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import type { CodeRow, GatewayList, GatewayRow } from "../../wire/admin-types.js";
+import type { OpenCodeShape, GatewayList, GatewayShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -95,7 +95,7 @@ export class PageGateways extends LitElement {
           </details>`}`;
   }
 
-  private renderList(rows: readonly GatewayRow[], devices: readonly DeviceRow[]): unknown {
+  private renderList(rows: readonly GatewayShape[], devices: readonly DeviceRow[]): unknown {
     return repeat(
       rows,
       (row) => row.id,
@@ -110,7 +110,7 @@ export class PageGateways extends LitElement {
     );
   }
 
-  private renderCodes(codes: readonly CodeRow[]): unknown {
+  private renderCodes(codes: readonly OpenCodeShape[]): unknown {
     const now = Date.now() * 1000;
     const good = codes.filter((row) => row.expires_us > now);
     if (good.length === 0) return nothing;
@@ -129,7 +129,7 @@ export class PageGateways extends LitElement {
     </section>`;
   }
 
-  private codeWithdrawer(row: CodeRow): () => void {
+  private codeWithdrawer(row: OpenCodeShape): () => void {
     return () => {
       const api = new AdminApi(this.api);
       void this.action.run("withdraw the code", () => api.withdrawCode(row.id), "", row.id).then(this.known.invalidate);

@@ -1,5 +1,7 @@
 /** What of the logbook is shown, as the page's address and as the hub's question. Pure. */
 
+import { pageQuery, queryTexts, textsQuery } from "../../format/filter-query.js";
+
 export interface LogbookFilter {
   /** Words that stand anywhere in it. */
   readonly text: string;
@@ -11,6 +13,7 @@ export interface LogbookFilter {
   readonly bad: boolean;
 }
 
+export const FILTER_KEYS = ["text", "kind", "device", "who"] as const;
 export const NO_FILTER: LogbookFilter = { text: "", kind: "", device: "", who: "", bad: false };
 
 /** Kinds that people filter by: the first words of what the hub calls them. */
@@ -33,24 +36,19 @@ const AROUND_US = 60e6;
 
 export function readLogbookFilter(search: string): LogbookFilter {
   const asked = new URLSearchParams(search);
-  const readText = (key: string): string => (asked.get(key) ?? "").slice(0, 200);
-  return { text: readText("text"), kind: readText("kind"), device: readText("device"), who: readText("who"), bad: asked.get("good") === "false" };
+  return { ...queryTexts(asked, FILTER_KEYS), bad: asked.get("good") === "false" };
 }
 
 /** The filter as a query, for the address and for the hub alike; empty for all. */
 export function writeLogbookFilter(filter: LogbookFilter): string {
-  const asked = new URLSearchParams();
-  for (const key of ["text", "kind", "device", "who"] as const) if (filter[key] !== "") asked.set(key, filter[key]);
+  const asked = textsQuery(filter, FILTER_KEYS);
   if (filter.bad) asked.set("good", "false");
   return asked.toString();
 }
 
 /** The hub's question for the page behind `before`; empty for the newest. */
 export function logbookPageQuery(filter: LogbookFilter, before: string, limit: number): string {
-  const asked = new URLSearchParams(writeLogbookFilter(filter));
-  if (before !== "") asked.set("before", before);
-  asked.set("limit", String(limit));
-  return asked.toString();
+  return pageQuery(writeLogbookFilter(filter), before, limit);
 }
 
 /** Whether what is in sight now fits: it has no line yet, so words are not looked for in it. */

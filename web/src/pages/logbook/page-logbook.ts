@@ -14,7 +14,7 @@ import { forms } from "../../elements/forms/form-style.js";
 import { settled } from "../../elements/base/stable-field.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { formText } from "../../format/form-values.js";
+import { formTexts } from "../../format/filter-query.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { AlarmsApi, type EventShape } from "../../wire/alarms-api.js";
@@ -25,6 +25,7 @@ import { sightingPicturePath } from "../../wire/sightings-api.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { historyQuery } from "../sightings/sightings-query.js";
 import {
+  FILTER_KEYS,
   KINDS,
   momentQuery,
   NO_FILTER,
@@ -78,13 +79,7 @@ export class PageLogbook extends LitElement {
   });
   private readonly form = new FilterForm<LogbookFilter>(
     this,
-    (said) => ({
-      text: formText(said, "text"),
-      kind: formText(said, "kind"),
-      device: formText(said, "device"),
-      who: formText(said, "who"),
-      bad: said.has("bad"),
-    }),
+    (said) => ({ ...formTexts(said, FILTER_KEYS), bad: said.has("bad") }),
     (filter) => {
       this.router.store?.replace(withQuery(sitePath(this.site, "logbook"), writeLogbookFilter(filter)));
     },

@@ -12,7 +12,7 @@ import { base } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import type { PersonRow, RoleRow } from "../../wire/admin-types.js";
+import type { PersonShape, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { NewPerson } from "./person-form.js";
@@ -23,8 +23,8 @@ import "./person-form.js";
 import "./person-row.js";
 
 interface LoadedPeople {
-  readonly people: readonly PersonRow[];
-  readonly roles: readonly RoleRow[];
+  readonly people: readonly PersonShape[];
+  readonly roles: readonly RoleShape[];
 }
 
 @customElement("t-page-people")
@@ -108,7 +108,7 @@ export class PagePeople extends LitElement {
     </ul>`;
   }
 
-  private detailsToggler(row: PersonRow): () => void {
+  private detailsToggler(row: PersonShape): () => void {
     return () => {
       this.open = this.open === row.id ? "" : row.id;
     };
@@ -129,7 +129,7 @@ export class PagePeople extends LitElement {
   };
 }
 
-function peopleSummary(people: readonly PersonRow[]): string {
+function peopleSummary(people: readonly PersonShape[]): string {
   const off = people.filter((row) => row.disabled).length;
   const here = people.filter((row) => row.sessions > 0).length;
   const many = `${String(people.length)} ${people.length === 1 ? "person" : "people"}`;

@@ -9,7 +9,7 @@ import { forms } from "../../elements/forms/form-style.js";
 import { NewPassword } from "../../elements/forms/new-password.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import type { Advice } from "../../format/error-advice.js";
-import type { RoleRow } from "../../wire/admin-types.js";
+import type { RoleShape } from "../../generated/api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/field.js";
 
@@ -36,7 +36,7 @@ export class PersonForm extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) roles: readonly RoleRow[] = [];
+  @property({ attribute: false }) roles: readonly RoleShape[] = [];
   @property({ attribute: false }) problem: Advice | null = null;
   @property({ type: Boolean }) busy = false;
   @state() private name = "";
@@ -49,8 +49,8 @@ export class PersonForm extends LitElement {
   }
 
   override render(): TemplateResult {
-    return html`<h2>Add a person</h2>
-      <form class="entry" novalidate @submit=${this.onSubmit}>
+    return html`<form class="entry" novalidate @submit=${this.onSubmit}>
+        <h2>Add a person</h2>
         <t-field label="Name" error=${this.missing}>
           <input id="name" autocomplete="off" autocapitalize="none" spellcheck="false" maxlength="100" @input=${this.onNameInput} />
         </t-field>

@@ -11,7 +11,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { passwordRules, passwordProblem } from "../../format/password-rules.js";
 import { apiContext } from "../../state/contexts.js";
-import type { PersonRow, RoleRow } from "../../wire/admin-types.js";
+import type { PersonShape, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -82,8 +82,8 @@ export class PersonSection extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) row: PersonRow | null = null;
-  @property({ attribute: false }) roles: readonly RoleRow[] = [];
+  @property({ attribute: false }) row: PersonShape | null = null;
+  @property({ attribute: false }) roles: readonly RoleShape[] = [];
   @property() zone = "UTC";
   /** It is the admin who looks at it. */
   @property({ type: Boolean }) self = false;
@@ -125,7 +125,7 @@ export class PersonSection extends LitElement {
       })}`;
   }
 
-  private renderDetails(row: PersonRow): TemplateResult {
+  private renderDetails(row: PersonShape): TemplateResult {
     const { problem, doneText: done } = this.action;
     return html`<div class="more">
       ${this.question.isOpen ? nothing : renderAdvice(problem)}

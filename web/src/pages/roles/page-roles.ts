@@ -11,7 +11,7 @@ import { base } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
-import type { RoleRow } from "../../wire/admin-types.js";
+import type { RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -24,7 +24,7 @@ import "./role-dialog.js";
 import "./role-matrix.js";
 
 interface LoadedRoles {
-  readonly roles: readonly RoleRow[];
+  readonly roles: readonly RoleShape[];
   readonly devices: readonly DeviceRow[];
 }
 
@@ -67,7 +67,7 @@ export class PageRoles extends LitElement {
 
   @state() private drafts: readonly RoleDraft[] = [];
   /** The role in the dialog; null for none, a new one without id. */
-  private readonly dialog = new OpenSubject<RoleRow | "new">(this);
+  private readonly dialog = new OpenSubject<RoleShape | "new">(this);
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly given = new LoadController<LoadedRoles>(this);

@@ -12,7 +12,7 @@ import {
   type AccessLevel,
   type AccessPlace,
 } from "../../state/rights.js";
-import type { RoleRow } from "../../wire/admin-types.js";
+import type { RoleShape } from "../../generated/api.js";
 import type { DeviceRow, Permission } from "../../wire/api-types.js";
 
 export interface MatrixLine extends AccessPlace {
@@ -34,7 +34,7 @@ export interface MatrixCell {
 
 /** A role as it is being edited. */
 export interface RoleDraft {
-  readonly role: RoleRow;
+  readonly role: RoleShape;
   readonly permissions: readonly Permission[];
 }
 
@@ -47,12 +47,12 @@ export interface RoleChange {
 }
 
 /** The role that can do everything, always: nobody can lock everyone out. */
-export function isFixed(role: RoleRow): boolean {
+export function isFixed(role: RoleShape): boolean {
   return role.seeded && role.name === "admin";
 }
 
 /** Every place: the hub, its sites and devices, and what else a role names (a site that never came). */
-export function matrixLines(devices: readonly DeviceRow[], roles: readonly RoleRow[]): readonly MatrixLine[] {
+export function matrixLines(devices: readonly DeviceRow[], roles: readonly RoleShape[]): readonly MatrixLine[] {
   const lines: MatrixLine[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, open: false }];
   const given = roles.flatMap(({ permissions }) => permissions);
   const named = given.map(({ site }) => site).filter((site) => site !== ANY);
@@ -77,12 +77,12 @@ export function cellOf(permissions: readonly Permission[], place: AccessPlace): 
   };
 }
 
-export function draftsOf(roles: readonly RoleRow[]): readonly RoleDraft[] {
+export function draftsOf(roles: readonly RoleShape[]): readonly RoleDraft[] {
   return roles.map((role) => ({ role, permissions: role.permissions }));
 }
 
 /** Takes in what the hub says now, and keeps what is not saved yet. */
-export function updatedDrafts(drafts: readonly RoleDraft[], roles: readonly RoleRow[]): readonly RoleDraft[] {
+export function updatedDrafts(drafts: readonly RoleDraft[], roles: readonly RoleShape[]): readonly RoleDraft[] {
   return roles.map((role) => {
     const held = drafts.find((draft) => draft.role.id === role.id && isChanged(draft));
     return { role, permissions: held?.permissions ?? role.permissions };

@@ -9,7 +9,7 @@ import { focusInside } from "../../elements/base/focus.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { apiContext } from "../../state/contexts.js";
-import type { RoleRow } from "../../wire/admin-types.js";
+import type { RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -27,8 +27,8 @@ export class RoleDialog extends LitElement {
 
   @property({ type: Boolean }) open = false;
   /** The role to change; null for a new one. */
-  @property({ attribute: false }) edited: RoleRow | null = null;
-  @property({ attribute: false }) roles: readonly RoleRow[] = [];
+  @property({ attribute: false }) edited: RoleShape | null = null;
+  @property({ attribute: false }) roles: readonly RoleShape[] = [];
   @state() private missing = "";
   @query("#name") private readonly name!: HTMLInputElement;
   @query("#like") private readonly like!: HTMLSelectElement | null;

@@ -6,7 +6,7 @@ import { customElement, state } from "lit/decorators.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import type { Outlook } from "../../wire/admin-types.js";
+import type { OutlookShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { warningOf } from "../storage/storage-text.js";
@@ -18,7 +18,7 @@ const EVERY_MS = 5 * 60_000;
 export class StorageWarning extends LitElement {
   static override styles = [base];
 
-  @state() private outlook: Outlook | null = null;
+  @state() private outlook: OutlookShape | null = null;
   private timer: ReturnType<typeof setInterval> | undefined;
   private asked = false;
 

@@ -16,6 +16,7 @@ import { settled } from "../../elements/base/stable-field.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
+import { formTexts } from "../../format/filter-query.js";
 import { formText } from "../../format/form-values.js";
 import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
@@ -26,7 +27,7 @@ import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
 import { sightingPicturePath, SightingsApi, type SeenLabel, type Sighting } from "../../wire/sightings-api.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { recordingAt } from "../logbook/logbook-query.js";
-import { historyQuery, NO_FILTER, sightingsPageQuery, readSightingFilter, withUpdate, writeSightingFilter, type SightingFilter } from "./sightings-query.js";
+import { FILTER_KEYS, historyQuery, NO_FILTER, sightingsPageQuery, readSightingFilter, withUpdate, writeSightingFilter, type SightingFilter } from "./sightings-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/forms/field.js";
@@ -220,7 +221,7 @@ export class PageSightings extends LitElement {
       const us = this.clock().fromInput(formText(said, name));
       return Number.isNaN(us) ? null : us;
     };
-    return { what: formText(said, "what"), camera: formText(said, "camera"), fromUs: time("from"), toUs: time("to"), open: said.has("open") };
+    return { ...formTexts(said, FILTER_KEYS), fromUs: time("from"), toUs: time("to"), open: said.has("open") };
   }
 }
 

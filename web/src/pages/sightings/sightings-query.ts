@@ -1,5 +1,6 @@
 /** Which sightings are shown, as the page's address and as the hub's question. Pure. */
 
+import { pageQuery, queryTexts, textsQuery } from "../../format/filter-query.js";
 import { countText } from "../../format/object-names.js";
 import type { SightingUpdate } from "../../generated/wire.js";
 import type { SiteDetail } from "../../wire/api-types.js";
@@ -17,6 +18,7 @@ export interface SightingFilter {
   readonly open: boolean;
 }
 
+export const FILTER_KEYS = ["what", "camera"] as const;
 export const NO_FILTER: SightingFilter = { what: "", camera: "", fromUs: null, toUs: null, open: false };
 const LATEST_US = 2 ** 53;
 /** Before and behind a sighting, so much is shown of the history (µs). */
@@ -24,19 +26,16 @@ const AROUND_US = 60e6;
 
 export function readSightingFilter(search: string): SightingFilter {
   const asked = new URLSearchParams(search);
-  const readText = (key: string): string => (asked.get(key) ?? "").slice(0, 200);
   const readTime = (key: string): number | null => {
     const us = Number(asked.get(key) ?? Number.NaN);
     return asked.get(key) !== "" && Number.isFinite(us) && us >= 0 && us <= LATEST_US ? Math.round(us) : null;
   };
-  return { what: readText("what"), camera: readText("camera"), fromUs: readTime("from"), toUs: readTime("to"), open: asked.get("open") === "true" };
+  return { ...queryTexts(asked, FILTER_KEYS), fromUs: readTime("from"), toUs: readTime("to"), open: asked.get("open") === "true" };
 }
 
 /** For the address; empty for all. */
 export function writeSightingFilter(filter: SightingFilter): string {
-  const asked = new URLSearchParams();
-  if (filter.what !== "") asked.set("what", filter.what);
-  if (filter.camera !== "") asked.set("camera", filter.camera);
+  const asked = textsQuery(filter, FILTER_KEYS);
   if (filter.fromUs !== null) asked.set("from", String(filter.fromUs));
   if (filter.toUs !== null) asked.set("to", String(filter.toUs));
   if (filter.open) asked.set("open", "true");
@@ -62,9 +61,7 @@ export function sightingsPageQuery(filter: SightingFilter, labels: readonly stri
   if (filter.fromUs !== null) asked.set("from_us", String(filter.fromUs));
   if (filter.toUs !== null) asked.set("to_us", String(filter.toUs));
   if (filter.open) asked.set("open", "true");
-  if (before !== "") asked.set("before", before);
-  asked.set("limit", String(limit));
-  return asked.toString();
+  return pageQuery(asked, before, limit);
 }
 
 /** What the hub tells while it happens, put into a row that is shown; null where none is of it. */

@@ -11,7 +11,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
 import { formatBytes } from "../../format/bytes.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import type { StorageUse } from "../../wire/admin-types.js";
+import type { StorageShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { signalUsage } from "./signal-usage.js";
@@ -30,7 +30,7 @@ export class PageStorage extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly use = new LoadController<StorageUse>(this);
+  private readonly use = new LoadController<StorageShape>(this);
 
   override willUpdate(): void {
     this.use.load("storage", () => new AdminApi(this.api).storage());
@@ -47,7 +47,7 @@ export class PageStorage extends LitElement {
       ${renderLoaded(this.use, "what is stored", (value) => this.renderContent(value))}`;
   }
 
-  private renderContent(use: StorageUse): TemplateResult {
+  private renderContent(use: StorageShape): TemplateResult {
     const signals = signalUsage(use.channels);
     const zone = this.sites.store?.zone ?? "UTC";
     const warning = warningOf(use, zone);
@@ -84,7 +84,7 @@ export class PageStorage extends LitElement {
   private readonly zoneOf = (site: string): string => this.sites.store?.zoneOf(site) ?? "UTC";
 }
 
-function renderFacts(use: StorageUse): TemplateResult {
+function renderFacts(use: StorageShape): TemplateResult {
   const rest = Math.max(0, use.database_bytes - use.blocks_bytes);
   return html`<dl>
     <div>
@@ -118,7 +118,7 @@ function renderFacts(use: StorageUse): TemplateResult {
 }
 
 /** The disk: the history's part, what else is on it, and what is free. */
-function renderDiskBar(use: StorageUse, free: number): TemplateResult {
+function renderDiskBar(use: StorageShape, free: number): TemplateResult {
   const ours = use.database_bytes + use.spare_bytes;
   const others = Math.max(0, use.disk_bytes - free - ours);
   const part = (bytes: number): Readonly<Record<string, string>> => ({ "flex-basis": `${String((100 * bytes) / Math.max(1, use.disk_bytes))}%` });

@@ -1,7 +1,7 @@
 /** What each signal takes: its channels together, filtered and sorted. */
 
 import type { Sorting } from "../../elements/layout/data-table.js";
-import type { ChannelStorage } from "../../wire/admin-types.js";
+import type { ChannelStorageShape } from "../../generated/api.js";
 
 export interface SignalUse {
   readonly site: string;
@@ -24,8 +24,8 @@ export type SortKey = "name" | "bytes" | "day" | "samples" | "first" | "keep";
 /** The largest first. */
 export const FIRST_SORTING: Sorting<SortKey> = { by: "bytes", down: true };
 
-export function signalUsage(channels: readonly ChannelStorage[]): SignalUse[] {
-  const found = new Map<string, ChannelStorage[]>();
+export function signalUsage(channels: readonly ChannelStorageShape[]): SignalUse[] {
+  const found = new Map<string, ChannelStorageShape[]>();
   for (const channel of channels) {
     const key = `${channel.site}\n${signalOf(channel.address)}`;
     const group = found.get(key);

@@ -82,10 +82,6 @@ export const storageTableStyle = css`
   .table {
     --t-columns: minmax(0, 2.4fr) minmax(7rem, 1.2fr) 6rem 7rem minmax(11rem, 1.4fr) 6rem;
   }
-  .small {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
-  }
   .row:not(.titles) > .size {
     display: grid;
     grid-template-columns: minmax(2rem, 1fr) 4.75rem;

@@ -52,8 +52,8 @@ export class StorageTable extends LitElement {
         sorting: this.sorting,
         onSort: this.sortBy,
       })}
-      ${fits.length === 0 ? html`<p class="small">No signal is called like this.</p>` : nothing}
-      <p class="small">The newest samples of each signal, up to some ten thousand, are in no block yet and not in it.</p>
+      ${fits.length === 0 ? html`<p class="muted small">No signal is called like this.</p>` : nothing}
+      <p class="muted small">The newest samples of each signal, up to some ten thousand, are in no block yet and not in it.</p>
       ${fits.length > shown.length ? html`<t-button @click=${this.showMore}>Show all ${fits.length} signals</t-button>` : nothing}`;
   }
 
@@ -101,7 +101,7 @@ export class StorageTable extends LitElement {
 
 function renderSignal(use: SignalUse): TemplateResult {
   return html`<a href=${historyOf(use)}>${use.name}</a>
-    <span class="small">${use.site} · ${use.address}${use.described ? "" : ", no longer in the description"}</span>`;
+    <span class="muted small">${use.site} · ${use.address}${use.described ? "" : ", no longer in the description"}</span>`;
 }
 
 /** With a bar beside it: how much it is of the largest. */

@@ -2,7 +2,7 @@
 
 import { formatBytes } from "../../format/bytes.js";
 import { formatDate } from "../../format/time.js";
-import type { Outlook, StorageUse } from "../../wire/admin-types.js";
+import type { OutlookShape, StorageShape } from "../../generated/api.js";
 
 const YEAR_DAYS = 365.25;
 const LONG_DAYS = 730;
@@ -22,7 +22,7 @@ export function keepText(days: number): string {
 }
 
 /** When the room is used up, and what is kept then. */
-export function forecastText(use: StorageUse, zone: string): string {
+export function forecastText(use: StorageShape, zone: string): string {
   const { full_us: full, limit_bytes: limit, oldest_us: oldest, kept_days: kept } = use;
   if (use.blocks_bytes === 0) return "How fast it grows is known once the first samples are put together in blocks.";
   if (use.day_bytes === 0) return "Nothing came in the last week, so nothing fills up.";
@@ -45,7 +45,7 @@ export interface StorageWarningText {
 }
 
 /** What an admin is told on every page; null while there is nothing to tell. */
-export function warningOf({ trouble, warn, full_us: full, free_bytes: free }: Outlook, zone: string): StorageWarningText | null {
+export function warningOf({ trouble, warn, full_us: full, free_bytes: free }: OutlookShape, zone: string): StorageWarningText | null {
   if (trouble !== "") return { kind: "bad", text: `The hub cannot store samples now (${trouble}). Gateways keep theirs until it can.` };
   const left = free === null ? "" : ` Only ${formatBytes(free)} are free.`;
   const day = full === null ? "" : formatDate(full, zone);

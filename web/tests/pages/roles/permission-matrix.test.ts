@@ -1,14 +1,14 @@
 import { describe, expect, test } from "vitest";
 import { changesOf, cellOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts } from "../../../src/pages/roles/permission-matrix.js";
 import { ANY, EVERYWHERE } from "../../../src/state/rights.js";
-import type { RoleRow } from "../../../src/wire/admin-types.js";
+import type { RoleShape } from "../../../src/generated/api.js";
 import type { DeviceRow, Permission } from "../../../src/wire/api-types.js";
 
 const row = (site: string, device: string): DeviceRow => ({
   site, site_name: `Site ${site}`, device, name: `Device ${device}`, kind: "other", online: true, rights: [],
   public: device === "base", signals: 1, stale: 0,
 });
-const role = (name: string, permissions: readonly Permission[] = [], seeded = false): RoleRow => ({
+const role = (name: string, permissions: readonly Permission[] = [], seeded = false): RoleShape => ({
   id: name, name, seeded, people: 0, permissions,
 });
 const DEVICES = [row("agv", "base"), row("agv", "arm"), row("dome", "roof")];

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { filterSignals, FIRST_SORTING, signalUsage, sortSignals, toggleSorting, type SortKey } from "../../../src/pages/storage/signal-usage.js";
-import type { ChannelStorage } from "../../../src/wire/admin-types.js";
+import type { ChannelStorageShape } from "../../../src/generated/api.js";
 
-function channel(address: string, change: Partial<ChannelStorage> = {}): ChannelStorage {
+function channel(address: string, change: Partial<ChannelStorageShape> = {}): ChannelStorageShape {
   return {
     site: "agv", address, name: "", described: true, samples: 10, bytes: 100, day_bytes: 1, first_us: 5, last_us: 9, keep_days: 0, ...change,
   };

@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
 import { forecastText, warningOf } from "../../../src/pages/storage/storage-text.js";
-import type { StorageUse } from "../../../src/wire/admin-types.js";
+import type { StorageShape } from "../../../src/generated/api.js";
 
 const DAY_US = 86_400e6;
 const NOW = Date.parse("2026-11-21T10:00:00Z") * 1000;
-const USE: StorageUse = {
+const USE: StorageShape = {
   kind: "SQLite 3.46", place: "/var/lib/talaia/talaia.db", database_bytes: 6e9, spare_bytes: 0, blocks_bytes: 5e9, free_bytes: 50e9, disk_bytes: 100e9,
   limit_bytes: 0, day_bytes: 1e9, full_us: NOW + 50 * DAY_US, by_limit: false, oldest_us: NOW - 90 * DAY_US, kept_days: null, warn: "", trouble: "", channels: [],
 };
