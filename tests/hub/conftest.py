@@ -431,6 +431,14 @@ async def gateway(hub):
     return gateway
 
 
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared_gateway(shared_hub):
+    """The connected gateway of the example vehicle, for all tests of a file that only look."""
+    gateway = await shared_hub.gateway()
+    await gateway.hello()
+    return gateway
+
+
 @pytest.fixture
 def hub_parts(settings, history):
     """A hub that is put together and not started."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from fastapi import Depends, FastAPI
+from fastapi import FastAPI
 
+from talaia.hub.api.guarded_routes import add_guarded, set_guards
 from talaia.hub.api.problems import answer_problems
 from talaia.hub.api.server.request_guard import RequestGuard
 from talaia.hub.features.alarms import AlarmsFeature
@@ -159,13 +160,13 @@ class Hub:
             redirect_slashes=False,
         )
         answer_problems(app)
-        guarded = [Depends(self.people.access.guard), Depends(self.people.limits.ask)]
+        set_guards(app, self.people.access.guard, self.people.limits.ask)
         for feature in self.features:
             for socket in feature.sockets:
                 # Sockets admit by themselves; before the route that takes every path.
                 app.router.routes[0:0] = socket.routes
             for router in feature.routers:
-                app.include_router(router, dependencies=guarded)
+                add_guarded(app, router)
         return app
 
 

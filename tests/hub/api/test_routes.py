@@ -12,13 +12,15 @@ PASSWORD = "a password for tests"  # noqa: S105
 NOW = 1_700_000_000_000_000
 
 
-async def test_health_says_no_more_than_that_it_answers(hub) -> None:
-    answer = await (await hub.client()).get("/api/health")
+@pytest.mark.asyncio(loop_scope="module")
+async def test_health_says_no_more_than_that_it_answers(shared_hub) -> None:
+    answer = await (await shared_hub.client()).get("/api/health")
     assert answer.json() == {"ok": True}
 
 
-async def test_everything_else_wants_a_session(hub) -> None:
-    client = await hub.client()
+@pytest.mark.asyncio(loop_scope="module")
+async def test_everything_else_wants_a_session(shared_hub) -> None:
+    client = await shared_hub.client()
     for path in ("/api/me", "/api/sites", "/api/sites/agv", "/api/sites/agv/events"):
         answer = await client.get(path)
         assert (answer.status_code, answer.json()["code"]) == (401, "unauthorized")
@@ -41,8 +43,9 @@ async def test_sign_in_tells_who_you_are_and_leaves_a_guarded_cookie(hub) -> Non
     assert (await client.get("/api/me")).json()["name"] == "operator"
 
 
-async def test_wrong_name_and_wrong_password_look_alike(hub) -> None:
-    client = await hub.client()
+@pytest.mark.asyncio(loop_scope="module")
+async def test_wrong_name_and_wrong_password_look_alike(shared_hub) -> None:
+    client = await shared_hub.client()
     answers = [
         await client.post("/api/login", json={"name": name, "password": "wrong password"})
         for name in ("operator", "nobody")
@@ -115,15 +118,16 @@ async def test_sites_list_counts_what_one_may_see(hub, gateway) -> None:
     assert (guest["devices"], guest["signals"]) == (3, 3)
 
 
-async def test_description_is_cut_to_rights(hub, gateway) -> None:
-    operator = (await (await hub.client("operator")).get("/api/sites/agv")).json()
+@pytest.mark.asyncio(loop_scope="module")
+async def test_description_is_cut_to_rights(shared_hub, shared_gateway) -> None:
+    operator = (await (await shared_hub.client("operator")).get("/api/sites/agv")).json()
     base = operator["devices"][0]
     assert base["rights"] == ["view", "use"]
     assert base["commands"][0]["arguments"][0]["id"] == "active"
     assert base["drive"]["max_reverse"] == 0.22
     pose = next(signal for signal in base["signals"] if signal["id"] == "pose")
     assert pose["channels"] == ["base/pose.x", "base/pose.y", "base/pose.yaw"]
-    guest = (await (await hub.client("guest")).get("/api/sites/agv")).json()
+    guest = (await (await shared_hub.client("guest")).get("/api/sites/agv")).json()
     assert [device["id"] for device in guest["devices"]] == ["base", "power", "sensors"]
     assert [signal["id"] for signal in guest["devices"][0]["signals"]] == ["speed"]
     assert guest["devices"][0]["commands"] == []
@@ -159,10 +163,11 @@ async def test_history_gives_columns_and_null_for_no_number(hub, gateway) -> Non
         ({"from_us": 0, "to_us": 1}, 422),
     ],
 )
+@pytest.mark.asyncio(loop_scope="module")
 async def test_history_refuses_what_is_wrong_or_not_for_a_guest(
-    hub, gateway, query, status
+    shared_hub, shared_gateway, query, status
 ) -> None:
-    client = await hub.client("guest")
+    client = await shared_hub.client("guest")
     answer = await client.get("/api/sites/agv/history", params=query)
     assert answer.status_code == status
     assert answer.headers["content-type"] == "application/problem+json"
@@ -220,18 +225,20 @@ async def test_who_may_view_one_device_gets_its_events_however_many_others_there
     assert await ask(2) == (["low 3", "low 2"], True)
 
 
-async def test_unknown_site_is_unknown(hub) -> None:
-    client = await hub.client("operator")
+@pytest.mark.asyncio(loop_scope="module")
+async def test_unknown_site_is_unknown(shared_hub) -> None:
+    client = await shared_hub.client("operator")
     assert (await client.get("/api/sites/moon")).status_code == 404
 
 
 @pytest.mark.parametrize("path", ["/", "/home", "/api/nothing", "/assets/none.js", "/api/me"])
-async def test_every_answer_carries_the_guarding_headers(hub, path) -> None:
-    headers = (await (await hub.client()).get(path)).headers
+@pytest.mark.asyncio(loop_scope="module")
+async def test_every_answer_carries_the_guarding_headers(shared_hub, path) -> None:
+    headers = (await (await shared_hub.client()).get(path)).headers
     policy = headers["content-security-policy"]
     assert "default-src 'self'" in policy
     assert "unsafe" not in policy
-    assert f"ws://127.0.0.1:{hub.port}" in policy
+    assert f"ws://127.0.0.1:{shared_hub.port}" in policy
     assert headers["x-content-type-options"] == "nosniff"
     assert headers["referrer-policy"] == "no-referrer"
     assert headers["cross-origin-opener-policy"] == "same-origin"
@@ -242,8 +249,9 @@ async def test_every_answer_carries_the_guarding_headers(hub, path) -> None:
     "path",
     ["/..%2f..%2fsettings.py", "/%2e%2e/%2e%2e/app.py", "/assets/..%5c..%5cx.js", "/a%00.js"],
 )
-async def test_no_path_leaves_the_folder_of_the_pages(hub, path) -> None:
-    answer = await (await hub.client()).get(path)
+@pytest.mark.asyncio(loop_scope="module")
+async def test_no_path_leaves_the_folder_of_the_pages(shared_hub, path) -> None:
+    answer = await (await shared_hub.client()).get(path)
     assert answer.status_code in {404, 503} or "<html" in answer.text
 
 
@@ -258,9 +266,10 @@ async def test_no_path_leaves_the_folder_of_the_pages(hub, path) -> None:
         {"Sec-Fetch-Site": "cross-site", "Content-Type": "application/json"},
     ],
 )
-async def test_another_origin_changes_nothing(hub, headers) -> None:
-    cookie = await hub.cookie("operator")
-    async with httpx.AsyncClient(base_url=hub.origin, timeout=PATIENCE_S) as client:
+@pytest.mark.asyncio(loop_scope="module")
+async def test_another_origin_changes_nothing(shared_hub, headers) -> None:
+    cookie = await shared_hub.cookie("operator")
+    async with httpx.AsyncClient(base_url=shared_hub.origin, timeout=PATIENCE_S) as client:
         answer = await client.post(
             "/api/logout", content="{}", headers={**headers, "Cookie": cookie}
         )
@@ -268,13 +277,15 @@ async def test_another_origin_changes_nothing(hub, headers) -> None:
         assert (await client.get("/api/me", headers={"Cookie": cookie})).status_code == 200
 
 
-async def test_host_that_is_not_ours_is_refused(hub) -> None:
-    answer = await (await hub.client()).get("/api/health", headers={"Host": "evil.test"})
+@pytest.mark.asyncio(loop_scope="module")
+async def test_host_that_is_not_ours_is_refused(shared_hub) -> None:
+    answer = await (await shared_hub.client()).get("/api/health", headers={"Host": "evil.test"})
     assert answer.status_code == 421
 
 
-async def test_large_body_is_refused_before_it_is_read(hub) -> None:
-    client = await hub.client()
+@pytest.mark.asyncio(loop_scope="module")
+async def test_large_body_is_refused_before_it_is_read(shared_hub) -> None:
+    client = await shared_hub.client()
     answer = await client.post(
         "/api/login",
         content=b"x" * (1024 * 1024 + 1),
@@ -288,21 +299,26 @@ async def test_large_body_is_refused_before_it_is_read(hub) -> None:
     ["https://evil.test", None, "null", "http://127.0.0.1.evil.test:{port}", "http://127.0.0.1:1"],
 )
 @pytest.mark.parametrize("path", ["/ws", "/ws/media?site=agv&stream=camera/front"])
+@pytest.mark.asyncio(loop_scope="module")
 async def test_socket_of_another_origin_is_refused_before_the_upgrade(
-    hub, gateway, origin, path
+    shared_hub, shared_gateway, origin, path
 ) -> None:
-    headers = {"Cookie": await hub.cookie("operator")}
+    headers = {"Cookie": await shared_hub.cookie("operator")}
     if origin is not None:
-        headers["Origin"] = origin.format(port=hub.port)
+        headers["Origin"] = origin.format(port=shared_hub.port)
     with pytest.raises(websockets.InvalidStatus) as refused:
-        await hub.dial(path, headers)
+        await shared_hub.dial(path, headers)
     assert refused.value.response.status_code == 403
 
 
-async def test_socket_without_a_session_is_refused_before_the_upgrade(hub) -> None:
-    for headers in ({"Origin": hub.origin}, {"Origin": hub.origin, "Cookie": "talaia=guessed"}):
+@pytest.mark.asyncio(loop_scope="module")
+async def test_socket_without_a_session_is_refused_before_the_upgrade(shared_hub) -> None:
+    for headers in (
+        {"Origin": shared_hub.origin},
+        {"Origin": shared_hub.origin, "Cookie": "talaia=guessed"},
+    ):
         with pytest.raises(websockets.InvalidStatus) as refused:
-            await hub.dial("/ws", headers)
+            await shared_hub.dial("/ws", headers)
         assert refused.value.response.status_code == 401
 
 
@@ -316,24 +332,27 @@ async def test_socket_without_a_session_is_refused_before_the_upgrade(hub) -> No
     ],
 )
 @pytest.mark.parametrize("path", ["/gateway/link", "/gateway/media"])
-async def test_gateway_needs_its_key_and_is_no_page(hub, headers, status, path) -> None:
+@pytest.mark.asyncio(loop_scope="module")
+async def test_gateway_needs_its_key_and_is_no_page(shared_hub, headers, status, path) -> None:
     said = {
-        name: value.format(key=hub.keys["agv"], origin=hub.origin)
+        name: value.format(key=shared_hub.keys["agv"], origin=shared_hub.origin)
         for name, value in headers.items()
     }
     with pytest.raises(websockets.InvalidStatus) as refused:
-        await hub.dial(path, said)
+        await shared_hub.dial(path, said)
     assert refused.value.response.status_code == status
 
 
-async def test_cookie_opens_no_gateway_door(hub) -> None:
+@pytest.mark.asyncio(loop_scope="module")
+async def test_cookie_opens_no_gateway_door(shared_hub) -> None:
     with pytest.raises(websockets.InvalidStatus) as refused:
-        await hub.dial("/gateway/link", {"Cookie": await hub.cookie("admin")})
+        await shared_hub.dial("/gateway/link", {"Cookie": await shared_hub.cookie("admin")})
     assert refused.value.response.status_code == 401
 
 
 @pytest.mark.parametrize("frame", [b"", b"\xc1", "{}", "[", b"\x00" * 2000])
-async def test_garbage_from_a_page_closes_its_socket_with_a_code(hub, frame) -> None:
-    page = await hub.page("operator")
+@pytest.mark.asyncio(loop_scope="module")
+async def test_garbage_from_a_page_closes_its_socket_with_a_code(shared_hub, frame) -> None:
+    page = await shared_hub.page("operator")
     await page.connection.send(frame)
     assert await page.closed() == 1002

@@ -6,6 +6,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
+from talaia.hub.api.guarded_routes import add_guarded, set_guards
 from talaia.hub.api.static_pages import Pages
 
 
@@ -18,7 +19,8 @@ async def client(tmp_path):
     (folder / "assets" / "app-1234.js.gz").write_bytes(gzip.compress(b"let a = 1"))
     (tmp_path / "secret.txt").write_text("secret")
     app = FastAPI()
-    app.include_router(Pages(folder).router())
+    set_guards(app)
+    add_guarded(app, Pages(folder).router())
     transport = httpx.ASGITransport(app)
     async with httpx.AsyncClient(transport=transport, base_url="http://hub") as client:
         yield client

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from fastapi import APIRouter, FastAPI, Request
 
 from talaia import __version__
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.common import ProblemShape
 from talaia.hub.policy import BY_SCRIPT, AccessNeed, need_of_route
 
@@ -96,7 +97,7 @@ class ApiDescription:
 
     def router(self) -> APIRouter:
         """Give the route."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/openapi.json")(self.description)
         return router
 

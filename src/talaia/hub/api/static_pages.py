@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import problem
 
 __all__ = ["Pages"]
@@ -52,7 +53,7 @@ class Pages:
 
     def router(self) -> APIRouter:
         """Give the route; it takes every path that no other route took."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         # Files for browsers are no part of the API's description.
         router.api_route(
             "/{path:path}", methods=["GET", "HEAD"], response_model=None, include_in_schema=False

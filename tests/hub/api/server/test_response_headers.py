@@ -75,24 +75,26 @@ async def test_failure_inside_tells_nothing_of_the_inside(hub, monkeypatch) -> N
     assert answer.json() == {"code": "failed", "message": "the hub failed; its log says more"}
 
 
-async def test_refused_sockets_carry_the_guarding_headers(hub) -> None:
+@pytest.mark.asyncio(loop_scope="module")
+async def test_refused_sockets_carry_the_guarding_headers(shared_hub) -> None:
     for path, headers in (
         ("/ws", {"Origin": "https://evil.test"}),
-        ("/ws", {"Origin": hub.origin}),
+        ("/ws", {"Origin": shared_hub.origin}),
         ("/gateway/link", {}),
-        ("/gateway/link", {"Origin": hub.origin}),
-        ("/nowhere", {"Origin": hub.origin}),
+        ("/gateway/link", {"Origin": shared_hub.origin}),
+        ("/nowhere", {"Origin": shared_hub.origin}),
     ):
         with pytest.raises(websockets.InvalidStatus) as refused:
-            await hub.dial(path, headers)
+            await shared_hub.dial(path, headers)
         assert refused.value.response.status_code in {401, 403, 404}
         if path != "/nowhere":
             check(refused.value.response.headers, tls=False)
 
 
 @pytest.mark.parametrize("path", ["/docs", "/redoc", "/.git/config", "/assets/", "/assets/../"])
-async def test_nothing_of_the_inside_is_listed(hub, path) -> None:
-    answer = await (await hub.client("admin")).get(path)
+@pytest.mark.asyncio(loop_scope="module")
+async def test_nothing_of_the_inside_is_listed(shared_hub, path) -> None:
+    answer = await (await shared_hub.client("admin")).get(path)
     assert "swagger" not in answer.text.lower()
     assert "index of" not in answer.text.lower()
     assert "repositoryformatversion" not in answer.text

@@ -3,17 +3,19 @@
 from pathlib import Path
 
 import pytest
+import pytest_asyncio
 
 from talaia.hub.api.sites import sky_names
 
 OBSERVATORY = (Path(__file__).parents[4] / "examples" / "observatory" / "site.yaml").read_text()
+pytestmark = pytest.mark.asyncio(loop_scope="module")
 DESCRIPTION = OBSERVATORY.replace("site: observatory", "site: agv")
 
 
-@pytest.fixture
-async def observatory(hub):
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def observatory(shared_hub):
     """A gateway with the observatory's description, at the site that the test hub knows."""
-    gateway = await hub.gateway()
+    gateway = await shared_hub.gateway()
     await gateway.hello(DESCRIPTION)
     return gateway
 
@@ -22,14 +24,14 @@ async def described(hub, name: str) -> dict:
     return (await (await hub.client(name)).get("/api/sites/agv")).json()
 
 
-async def test_whoever_may_view_the_site_is_told_where_it_is(hub, observatory) -> None:
-    place = (await described(hub, "operator"))["place"]
+async def test_whoever_may_view_the_site_is_told_where_it_is(shared_hub, observatory) -> None:
+    place = (await described(shared_hub, "operator"))["place"]
     assert place == {"latitude": 42.0517, "longitude": 0.7297, "elevation": 1568.0}
-    assert (await described(hub, "guest"))["place"] is None
+    assert (await described(shared_hub, "guest"))["place"] is None
 
 
-async def test_a_rule_comes_with_its_numbers(hub, observatory) -> None:
-    rules = {each["id"]: each for each in (await described(hub, "operator"))["rules"]}
+async def test_a_rule_comes_with_its_numbers(shared_hub, observatory) -> None:
+    rules = {each["id"]: each for each in (await described(shared_hub, "operator"))["rules"]}
     assert set(rules) == {"rain", "weather", "on_site", "daylight"}
     wind = rules["weather"]["conditions"][0]
     assert wind["lasting"] == 2
@@ -40,8 +42,8 @@ async def test_a_rule_comes_with_its_numbers(hub, observatory) -> None:
     assert "camera/expose" in rules["rain"]["targets"]
 
 
-async def test_a_guest_sees_no_limit_of_what_is_not_public(hub, observatory) -> None:
-    rules = {each["id"]: each for each in (await described(hub, "guest"))["rules"]}
+async def test_a_guest_sees_no_limit_of_what_is_not_public(shared_hub, observatory) -> None:
+    rules = {each["id"]: each for each in (await described(shared_hub, "guest"))["rules"]}
     signals = {
         limit["signal"]
         for rule in rules.values()
@@ -54,8 +56,8 @@ async def test_a_guest_sees_no_limit_of_what_is_not_public(hub, observatory) -> 
     assert rules["rain"]["targets"] == ["dome/open"]
 
 
-async def test_a_roof_says_by_which_sensors_it_is_closed(hub, observatory) -> None:
-    (roof,) = (await described(hub, "operator"))["enclosures"]
+async def test_a_roof_says_by_which_sensors_it_is_closed(shared_hub, observatory) -> None:
+    (roof,) = (await described(shared_hub, "operator"))["enclosures"]
     assert [each["signal"] for each in roof["closed"]] == [
         "dome/closed",
         "dome/shutter",
@@ -67,11 +69,13 @@ async def test_a_roof_says_by_which_sensors_it_is_closed(hub, observatory) -> No
         ["rain", "weather", "daylight"],
     )
     # One of its sensors is not public: who sees only half of the proof is told of none.
-    assert (await described(hub, "guest"))["enclosures"] == []
+    assert (await described(shared_hub, "guest"))["enclosures"] == []
 
 
-async def test_a_telescope_says_what_points_it_and_where_it_may_not(hub, observatory) -> None:
-    devices = {each["id"]: each for each in (await described(hub, "operator"))["devices"]}
+async def test_a_telescope_says_what_points_it_and_where_it_may_not(
+    shared_hub, observatory
+) -> None:
+    devices = {each["id"]: each for each in (await described(shared_hub, "operator"))["devices"]}
     pointing = devices["telescope"]["pointing"]
     assert (pointing["horizon"], pointing["sun"]) == (15, 30)
     assert pointing["commands"][0] == {
@@ -85,9 +89,11 @@ async def test_a_telescope_says_what_points_it_and_where_it_may_not(hub, observa
 
 
 @pytest.mark.parametrize("name", ["M31", "ngc 224", "Andromeda Galaxy"])
-async def test_a_galaxy_is_found_by_each_of_its_names(hub, observatory, name: str) -> None:
+async def test_a_galaxy_is_found_by_each_of_its_names(shared_hub, observatory, name: str) -> None:
     pytest.importorskip("pyongc")
-    answer = await (await hub.client("operator")).get("/api/sites/agv/sky", params={"name": name})
+    answer = await (await shared_hub.client("operator")).get(
+        "/api/sites/agv/sky", params={"name": name}
+    )
     found = answer.json()
     assert found["available"] is True
     best = found["objects"][0]
@@ -96,19 +102,23 @@ async def test_a_galaxy_is_found_by_each_of_its_names(hub, observatory, name: st
     assert best["dec_deg"] == pytest.approx(41.2691, abs=0.001)
 
 
-async def test_a_southern_declination_keeps_its_sign(hub, observatory) -> None:
+async def test_a_southern_declination_keeps_its_sign(shared_hub, observatory) -> None:
     pytest.importorskip("pyongc")
     (orion,) = sky_names.look_up("M42")
     assert orion.dec_deg == pytest.approx(-5.3897, abs=0.001)
 
 
 @pytest.mark.parametrize("name", ["%", "_", "no such thing"])
-async def test_what_nobody_calls_anything_is_not_found(hub, observatory, name: str) -> None:
-    answer = await (await hub.client("operator")).get("/api/sites/agv/sky", params={"name": name})
+async def test_what_nobody_calls_anything_is_not_found(shared_hub, observatory, name: str) -> None:
+    answer = await (await shared_hub.client("operator")).get(
+        "/api/sites/agv/sky", params={"name": name}
+    )
     assert answer.json()["objects"] == []
 
 
-async def test_without_the_catalogue_the_hub_says_so(hub, observatory, monkeypatch) -> None:
+async def test_without_the_catalogue_the_hub_says_so(shared_hub, observatory, monkeypatch) -> None:
     monkeypatch.setattr(sky_names, "_catalogue", lambda: None)
-    answer = await (await hub.client("operator")).get("/api/sites/agv/sky", params={"name": "M31"})
+    answer = await (await shared_hub.client("operator")).get(
+        "/api/sites/agv/sky", params={"name": "M31"}
+    )
     assert answer.json() == {"available": False, "objects": []}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request, Response
 
 from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import (
     CodeOnly,
@@ -56,7 +57,7 @@ class OwnPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.post("/api/me/password", status_code=204)(self.change_password)
         router.get("/api/me/sessions")(self.sessions)
         router.delete("/api/me/sessions", status_code=204)(self.end_sessions)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request
 
 from talaia.hub.api.access import address_of, number_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import PersonAsk, PersonChange, PersonList, PersonShape
 from talaia.hub.auth.passwords import check_name, check_password
@@ -49,7 +50,7 @@ class PeoplePages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/people")(self.overview)
         router.post("/api/people")(self.add)
         router.patch("/api/people/{person}")(self.change)

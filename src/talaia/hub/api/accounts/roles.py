@@ -9,6 +9,7 @@ from fastapi import APIRouter, Request
 
 from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.accounts.sign_in import permissions_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import RoleAsk, RoleList, RoleShape
 from talaia.hub.auth.passwords import check_name
@@ -37,7 +38,7 @@ class RolePages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/roles")(self.overview)
         router.post("/api/roles")(self.add)
         router.put("/api/roles/{role}")(self.change)

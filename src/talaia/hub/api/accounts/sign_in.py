@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request, Response
 
 from talaia.hub.api.access import address_of, alive_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.common import LoginAsk, Me, PermissionShape, SetupAsk
 from talaia.hub.auth.passwords import check_name, check_password
@@ -46,7 +47,7 @@ class Accounts:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.post("/api/login")(self.login)
         router.post("/api/logout", status_code=204)(self.logout)
         router.post("/api/setup")(self.setup)

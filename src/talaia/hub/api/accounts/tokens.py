@@ -9,6 +9,7 @@ from fastapi import APIRouter, Request
 from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.accounts.roles import in_words, read_permissions
 from talaia.hub.api.accounts.sign_in import permissions_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.account_schemas import NewToken, TokenAsk, TokenList, TokenShape
 from talaia.hub.auth.passwords import check_name
@@ -41,7 +42,7 @@ class TokenPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/me/tokens")(self.overview)
         router.post("/api/me/tokens")(self.add)
         router.delete("/api/me/tokens/{token}", status_code=204)(self.remove)

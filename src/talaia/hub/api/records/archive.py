@@ -9,6 +9,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import FileResponse, Response
 
 from talaia.hub.api.access import live_of, number_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.records.query_params import STILL, Time, Word
 from talaia.hub.api.schemas.archive_schemas import (
@@ -44,7 +45,7 @@ class ArchivePages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/sites/{site}/nights")(self.nights)
         router.get("/api/sites/{site}/frames")(self.find)
         router.get("/api/sites/{site}/frames/{frame}")(self.one)

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import StreamingResponse
 
 from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.common import AuditAsk, AuditChain, AuditList, AuditPage, AuditRow
 from talaia.hub.store.audit import AuditEntry, AuditFilter
 from talaia.hub.store.safe_text import safe_cell
@@ -35,7 +36,7 @@ class AuditPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/audit")(self.rows)
         router.get("/api/audit/export", response_class=StreamingResponse)(self.export)
         router.get("/api/audit/verify")(self.verify)

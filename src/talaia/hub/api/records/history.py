@@ -14,6 +14,7 @@ from fastapi.responses import StreamingResponse
 
 from talaia.hub.anomaly.runner import SCORES
 from talaia.hub.api.access import live_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.records.channels import (
     Asked,
@@ -71,7 +72,7 @@ class HistoryPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get(
             "/api/sites/{site}/history",
             response_model=HistoryAnswer,

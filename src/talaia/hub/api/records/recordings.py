@@ -9,6 +9,7 @@ from fastapi import APIRouter, Request
 from starlette.responses import FileResponse, Response
 
 from talaia.hub.api.access import address_of, live_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
 from talaia.hub.api.schemas.recording_schemas import (
@@ -54,7 +55,7 @@ class RecordingPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/recordings"
         router.get(at)(self.overview)
         router.post(at, status_code=202)(self.record)

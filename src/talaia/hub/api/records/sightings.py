@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
 from talaia.hub.api.access import live_of, number_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.records.query_params import STILL, Time, Word
 from talaia.hub.api.schemas.sighting_schemas import (
@@ -34,7 +35,7 @@ class SightingPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/sightings"
         router.get(at)(self.find)
         router.get(at + "/labels")(self.labels)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter
 
 from talaia.clock import SECOND
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.history_schemas import ChannelStorageShape, OutlookShape, StorageShape
 from talaia.hub.history.forecast import DAY_US, StorageRoom, forecast, growth_of
 
@@ -38,7 +39,7 @@ class StoragePages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/storage")(self.storage)
         router.get("/api/storage/outlook")(self.outlook)
         return router

@@ -16,6 +16,7 @@ from talaia.extensions.declared import (
 from talaia.extensions.installed import installed
 from talaia.extensions.shown import keys_shown
 from talaia.extensions.tile_folder import TILE_GROUP
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.extension_schemas import (
     BrokenExtensionShape,
     ExtensionKeyShape,
@@ -38,7 +39,7 @@ class ExtensionPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/extensions")(self.overview)
         return router
 

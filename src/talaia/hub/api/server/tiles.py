@@ -10,6 +10,7 @@ from fastapi.responses import Response
 
 from talaia.extensions.tile_folder import TILE_API_VERSION
 from talaia.hub.api.access import who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import problem
 from talaia.hub.api.schemas.tile_schemas import (
     BrokenTileShape,
@@ -37,7 +38,7 @@ class TilePages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/tiles")(self.overview)
         # Files for browsers are no part of the API's description.
         router.api_route(

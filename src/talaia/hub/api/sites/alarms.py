@@ -20,6 +20,7 @@ from talaia.hub.alarms.machine import (
 )
 from talaia.hub.alarms.preview import Track, preview
 from talaia.hub.api.access import address_of, known_live_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.alarm_schemas import (
     ActAsk,
@@ -78,7 +79,7 @@ class AlarmPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/alarms"
         router.get(at)(self.overview)
         router.get(at + "/{alarm}/history")(self.past)

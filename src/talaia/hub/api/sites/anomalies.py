@@ -8,6 +8,7 @@ from fastapi import APIRouter, Request
 
 from talaia.hub.anomaly.runner import score_address
 from talaia.hub.api.access import address_of, live_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.anomaly_schemas import (
     AnomalyList,
@@ -35,7 +36,7 @@ class AnomalyPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/anomalies"
         router.get(at)(self.overview)
         router.post(at + "/forgiven")(self.forgive)

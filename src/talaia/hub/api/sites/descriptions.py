@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from fastapi import APIRouter, Query, Request
 
 from talaia.hub.api.access import address_of, known_live_of, number_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.description_schemas import (
     ChangeAnswer,
@@ -72,7 +73,7 @@ class DescriptionPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/descriptions"
         router.get(at)(self.overview)
         router.post(at)(self.send)

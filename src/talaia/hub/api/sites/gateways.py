@@ -11,6 +11,7 @@ from fastapi import APIRouter, Request
 
 from talaia.clock import SECOND
 from talaia.hub.api.access import address_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.common import (
     CodeAsk,
@@ -81,7 +82,7 @@ class GatewayPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/gateways")(self.overview)
         router.post("/api/gateways/codes")(self.offer)
         router.delete("/api/gateways/codes/{code}", status_code=204)(self.withdraw)

@@ -18,6 +18,7 @@ from fastapi import APIRouter, Request
 from talaia.extensions.installed import installed
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.api.access import address_of, number_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.notification_schemas import (
     NoticeRuleShape,
@@ -64,7 +65,7 @@ class NotifyPages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/ways")(self.ways)
         router.post("/api/ways", status_code=201)(self.add_way)
         router.put("/api/ways/{way}", status_code=204)(self.change_way)

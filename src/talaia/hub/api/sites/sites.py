@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import APIRouter, Query, Request
 
 from talaia.hub.api.access import live_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.records.query_params import Time  # noqa: TC001 - FastAPI reads it
 from talaia.hub.api.records.sightings import seen_shape
 from talaia.hub.api.schemas.account_schemas import DeviceList
@@ -49,7 +50,7 @@ class SitePages:
 
     def router(self) -> APIRouter:
         """Give the routes."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/health")(self.health)
         router.get("/api/sites")(self.overview)
         router.get("/api/devices")(self.devices)

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
+from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.observatory_schemas import SkyList, SkyObject
 from talaia.hub.api.sites import sky_names
 
@@ -19,7 +20,7 @@ class SkyPages:
 
     def router(self) -> APIRouter:
         """Give the route."""
-        router = APIRouter()
+        router = APIRouter(route_class=GuardedRoute)
         router.get("/api/sites/{site}/sky")(self.find)
         return router
 
