@@ -7,9 +7,11 @@ import asyncio
 import pytest
 from patience import PATIENCE_S
 
-from talaia.hub import lifecycle
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.lifecycle import opened
+
+# Before a task that died begins again.
+SHORT_S = 0.001
 
 
 class Diary:
@@ -49,11 +51,6 @@ class Kept(Feature):
 
     async def close(self):
         self.diary.write(f"{self.name} closes")
-
-
-@pytest.fixture(autouse=True)
-def short_pauses(monkeypatch):
-    monkeypatch.setattr(lifecycle, "FIRST_PAUSE_S", 0.001)
 
 
 async def test_features_open_in_order_and_close_in_reverse():
@@ -115,7 +112,7 @@ async def test_a_task_that_dies_is_logged_by_name_and_begins_again(caplog):
         await asyncio.Event().wait()
 
     tasks = [BackgroundTask(name="work", run=work)]
-    async with opened(diary, [Kept("first", diary, tasks=tasks)]):
+    async with opened(diary, [Kept("first", diary, tasks=tasks)], SHORT_S):
         await diary.reads("works", times=3)
         names = {task.get_name() for task in asyncio.all_tasks()}
     assert "first: work" in names
@@ -123,8 +120,7 @@ async def test_a_task_that_dies_is_logged_by_name_and_begins_again(caplog):
     assert "no luck" in caplog.text
 
 
-async def test_a_task_that_died_writes_what_waits_before_it_ends(monkeypatch):
-    monkeypatch.setattr(lifecycle, "FIRST_PAUSE_S", PATIENCE_S)
+async def test_a_task_that_died_writes_what_waits_before_it_ends():
     diary, stopping = Diary(), asyncio.Event()
 
     async def work():
@@ -134,6 +130,6 @@ async def test_a_task_that_died_writes_what_waits_before_it_ends(monkeypatch):
         diary.write("writes the rest")
 
     tasks = [BackgroundTask(name="work", run=work, stop=stopping.set)]
-    async with opened(diary, [Kept("first", diary, tasks=tasks)]):
+    async with opened(diary, [Kept("first", diary, tasks=tasks)], PATIENCE_S):
         await diary.reads("works")
     assert diary.lines[-3:] == ["writes the rest", "first closes", "core closes"]

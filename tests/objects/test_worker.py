@@ -18,7 +18,7 @@ from patience import PATIENCE_S
 from talaia.model.detection import ModelKind, ObjectModel
 from talaia.objects import worker as module
 from talaia.objects.errors import DetectorError
-from talaia.objects.worker import Worker
+from talaia.objects.worker import USUAL, Worker, WorkerTimes
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "gateway"))
 from detector_files import red_detector, require_own, require_runtime
@@ -31,13 +31,16 @@ GREY = np.full((48, 64, 3), 90, np.uint8)
 class Bench:
     """A worker with a red detector, and what it was told."""
 
-    def __init__(self, folder: Path, **more: ObjectModel) -> None:  # noqa: D107
+    def __init__(self, folder: Path, times: WorkerTimes = USUAL, **more: ObjectModel) -> None:  # noqa: D107
         require_runtime()
         red_detector(folder / "red.onnx")
         red = ObjectModel(file="red.onnx", kind=ModelKind.YOLO, classes=("red thing",), side=32)
         self.said: list[tuple[str, str]] = []
         self.worker = Worker(
-            {"red": red, **more}, folder, lambda model, why: self.said.append((model, why))
+            {"red": red, **more},
+            folder,
+            lambda model, why: self.said.append((model, why)),
+            times,
         )
 
     async def __aenter__(self) -> Bench:
@@ -96,11 +99,9 @@ async def test_its_process_gives_way_to_all_others(tmp_path: Path) -> None:
 
 
 async def test_killed_process_is_begun_anew_and_both_are_said_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(module, "FIRST_WAIT_S", 0.05)
-    monkeypatch.setattr(module, "STEADY_S", 0.0)
-    async with Bench(tmp_path) as bench:
+    async with Bench(tmp_path, WorkerTimes(first_wait=0.05, steady=0.0)) as bench:
         await bench.worker.seen("red", RED, 0.5)
         first = bench.process()
         first.send_signal(signal.SIGSEGV)
@@ -124,7 +125,7 @@ import asyncio, os, signal, sys
 from pathlib import Path
 import numpy as np, psutil
 from talaia.model.detection import ModelKind, ObjectModel
-from talaia.objects.worker import Worker
+from talaia.objects.worker import USUAL, Worker, WorkerTimes
 
 async def main():
     red = ObjectModel(file="red.onnx", kind=ModelKind.YOLO, classes=("a",), side=32)

@@ -27,9 +27,11 @@ class RunningTask:
     without it would lose alarms or the log without a word.
     """
 
-    def __init__(self, feature: str, task: BackgroundTask) -> None:
+    def __init__(self, feature: str, task: BackgroundTask, first_pause_s: float) -> None:
         """Begin; an event loop runs."""
         self._task = task
+        # Before it begins again for the first time (s).
+        self._first_pause_s = first_pause_s
         self._name = f"{feature}: {task.name}"
         self._stopping = asyncio.Event()
         self._running = asyncio.create_task(self._supervise(), name=self._name)
@@ -44,7 +46,7 @@ class RunningTask:
         await asyncio.gather(self._running, return_exceptions=True)
 
     async def _supervise(self) -> None:
-        loop, pause_s = asyncio.get_running_loop(), FIRST_PAUSE_S
+        loop, pause_s = asyncio.get_running_loop(), self._first_pause_s
         while True:
             began_s = loop.time()
             try:
@@ -57,7 +59,7 @@ class RunningTask:
             if self._stopping.is_set():
                 return
             if loop.time() - began_s > LONGEST_PAUSE_S:
-                pause_s = FIRST_PAUSE_S
+                pause_s = self._first_pause_s
             _LOG.warning("the background task %r begins again in %g s", self._name, pause_s)
             # Who is told to stop in the pause runs once more, to write down what waits.
             try:
@@ -68,8 +70,12 @@ class RunningTask:
 
 
 @asynccontextmanager
-async def opened(core: Core, features: Sequence[Feature]) -> AsyncIterator[None]:
+async def opened(
+    core: Core, features: Sequence[Feature], first_pause_s: float = FIRST_PAUSE_S
+) -> AsyncIterator[None]:
     """Open what is given and run its tasks; close it again, the last one first.
+
+    A task that dies begins again after ``first_pause_s``, and then after ever longer.
 
     No task runs before all features are open. Each feature's tasks end before it closes, and it
     closes before those that it was built from. What cannot open closes those before it.
@@ -87,7 +93,9 @@ async def opened(core: Core, features: Sequence[Feature]) -> AsyncIterator[None]
             await feature.open()
             stack.push_async_callback(_close, feature, running[feature.name])
         for feature in features:
-            running[feature.name] += [RunningTask(feature.name, task) for task in feature.tasks]
+            running[feature.name] += [
+                RunningTask(feature.name, task, first_pause_s) for task in feature.tasks
+            ]
         yield
 
 

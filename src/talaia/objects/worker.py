@@ -23,7 +23,7 @@ from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from talaia.model.detection import ObjectModel
 
-__all__ = ["OWN_FILE", "Worker"]
+__all__ = ["OWN_FILE", "Worker", "WorkerTimes"]
 
 # Made by tools/make_detector.py; in an installed package it is there.
 OWN_FILE = Path(__file__).parent / "models" / "nanodet.onnx"
@@ -48,9 +48,7 @@ OWN_REMEDY = "create it: python tools/make_detector.py"
 # The child ends itself before this; the rest is for a machine that is busy.
 PATIENCE_S = LONGEST_LOAD_S + LONGEST_LOOK_S + 10.0
 END_S = 1.0
-FIRST_WAIT_S, LONGEST_WAIT_S = 1.0, 60.0
-# A detector that has worked for so long is well again.
-STEADY_S = 10.0
+LONGEST_WAIT_S = 60.0
 # Larger pictures are shown with every second pixel, or fewer: no detector sees them finer.
 MOST_PX = 2048
 # What the pipe holds: a picture of 640 × 480 goes over in one piece.
@@ -58,6 +56,22 @@ PIPE = 1024 * 1024
 # What a detector's process needs of our surroundings; secrets are not among it.
 _SURROUNDINGS = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "LANG", "SYSTEMROOT")
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+class WorkerTimes(NamedTuple):
+    """Times of a detector's process (s).
+
+    Attributes:
+        first_wait: before one that failed is begun anew; doubled with each failure.
+        steady: one that has worked for so long is well again.
+
+    """
+
+    first_wait: float = 1.0
+    steady: float = 10.0
+
+
+USUAL = WorkerTimes()
 
 
 class Worker:
@@ -68,6 +82,7 @@ class Worker:
         models: Mapping[str, ObjectModel],
         folder: Path,
         told: Callable[[str, str], None],
+        times: WorkerTimes = USUAL,
     ) -> None:
         """Begin nothing yet: a detector is loaded for its first picture.
 
@@ -76,8 +91,10 @@ class Worker:
             folder: where relative paths of theirs begin.
             told: takes a model's name and why it cannot see, once, and then once an empty text
                 when it does again.
+            times: of each detector's process.
 
         """
+        self._times = times
         self._models = dict(models)
         self._folder = folder
         self._told = told
@@ -118,7 +135,9 @@ class Worker:
         """
         running = self._running.get(model)
         if running is None:
-            running = self._running[model] = _Running(self._job(model), partial(self._told, model))
+            running = self._running[model] = _Running(
+                self._job(model), partial(self._told, model), self._times
+            )
         return await running.seen(rgb, least)
 
     def _job(self, model: str) -> dict[str, Any]:
@@ -154,8 +173,11 @@ class Worker:
 class _Running:
     """One detector: its process, its thread, and how it has fared."""
 
-    def __init__(self, job: dict[str, Any], told: Callable[[str], None]) -> None:
+    def __init__(
+        self, job: dict[str, Any], told: Callable[[str], None], times: WorkerTimes
+    ) -> None:
         self._told = told
+        self._times = times
         self._child = _Child(job)
         self._thread = ThreadPoolExecutor(1, "talaia-objects")
         # One picture at a time; asyncio's locks are fair, so pictures keep their order.
@@ -194,7 +216,7 @@ class _Running:
         if self._closed:
             return
         self._failed_at = time.monotonic()
-        wait = min(LONGEST_WAIT_S, FIRST_WAIT_S * 2**self._failures)
+        wait = min(LONGEST_WAIT_S, self._times.first_wait * 2**self._failures)
         self._not_before = self._failed_at + wait
         # Bounded, for 2 to the power of it must stay a number.
         self._failures = min(self._failures + 1, 10)
@@ -204,7 +226,7 @@ class _Running:
 
     def _mark_working(self) -> None:
         # One good picture is no recovery: a process may die after every second one.
-        if self._why and time.monotonic() - self._failed_at > STEADY_S:
+        if self._why and time.monotonic() - self._failed_at > self._times.steady:
             self._why, self._failures = "", 0
             self._told("")
 

@@ -126,10 +126,7 @@ class Told:
                 await self.changed.wait()
 
 
-async def test_a_lost_connection_is_told_once_comes_back_by_itself_and_hurts_no_other(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("talaia.gateway.adapters.multi_adapter.AGAIN_S", 0.01)
+async def test_a_lost_connection_is_told_once_comes_back_by_itself_and_hurts_no_other() -> None:
     told, of = Told(), {"dome": "left", "lamp": "left", "weather": "right"}
     reach = DeviceReachability(of, SystemClock(), told.say)
     loop = asyncio.get_running_loop()
@@ -137,7 +134,7 @@ async def test_a_lost_connection_is_told_once_comes_back_by_itself_and_hurts_no_
     left, right = Fragile(posts["left"], told), Fragile(posts["right"], told)
     right.there.set()
     adapters = {"left": (left, posts["left"]), "right": (right, posts["right"])}
-    many = MultiAdapter(of=of, adapters=adapters, reach=reach, events=told)
+    many = MultiAdapter(of=of, adapters=adapters, reach=reach, events=told, again_s=0.01)
     many.subscribe_losses(lost=told.lost.extend, back=told.back.extend)
     running = asyncio.ensure_future(many.run())
     await told.until(lambda: len(told.states) == 2 and left.runs > 3)

@@ -104,15 +104,17 @@ async def test_a_command_that_is_cancelled_leaves_nothing_behind_at_whatever_mom
 ) -> None:
     known = {each.pid for each in psutil.Process().children()}
     start = asyncio.create_subprocess_exec
+    cancelled = asyncio.Event()
 
     async def slowly(*words: str, **how: Any) -> asyncio.subprocess.Process:
         process = await start(*words, **how)
         # A busy machine: it runs, and nobody has been told yet.
-        await asyncio.sleep(0.01)
+        await cancelled.wait()
         return process
 
     monkeypatch.setattr(asyncio, "create_subprocess_exec", slowly)
     for steps in range(12):
+        cancelled.clear()
         task = asyncio.ensure_future(run_words(["sleep", "600"], 600))
         for _ in range(steps):
             await asyncio.sleep(0)
@@ -120,6 +122,7 @@ async def test_a_command_that_is_cancelled_leaves_nothing_behind_at_whatever_mom
         task.cancel()
         await asyncio.sleep(0)
         task.cancel()
+        cancelled.set()
         with pytest.raises(asyncio.CancelledError):
             await task
         assert {each.pid for each in psutil.Process().children()} <= known

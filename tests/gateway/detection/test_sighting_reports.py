@@ -14,8 +14,7 @@ from patience import PATIENCE_S
 from talaia.clock import SECOND
 from talaia.gateway.adapters.connection_scope import scopes_of
 from talaia.gateway.change_policy import AcceptedChanges, forbidden
-from talaia.gateway.detection import sighting_reports as module
-from talaia.gateway.detection.sighting_reports import MOST_KEPT, DetectionReporter
+from talaia.gateway.detection.sighting_reports import MOST_KEPT, DetectionReporter, ReportTimes
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
@@ -46,7 +45,9 @@ class Bench:
         self.folder = folder
         self.lanes = SendLanes(lambda: None)
         self.files = ThreadPoolExecutor(1)
-        self.telling = DetectionReporter(folder, self.lanes, self.files)
+        self.telling = DetectionReporter(
+            folder, self.lanes, self.files, ReportTimes(carried=0.05, touch=0.02)
+        )
 
     def link(self, *, takes: bool = True) -> None:
         self.lanes.link_up()
@@ -84,12 +85,6 @@ async def telling(tmp_path: Path) -> AsyncIterator[Bench]:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)
         bench.files.shutdown()
-
-
-@pytest.fixture(autouse=True)
-def in_haste(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "CARRIED_S", 0.05)
-    monkeypatch.setattr(module, "TOUCH_S", 0.02)
 
 
 async def test_thumbnail_goes_out_once_on_a_link_and_again_on_the_next(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -115,18 +114,24 @@ class World(Robot):
 class Bench(ControlBench):
     """A control with interlocks; values are as young as `World.values` says."""
 
+    site = SITE
+
     def build(self) -> DriveService:
         self.world = self.robot = World(self.clock)
         now = self.clock.monotonic_ns()
         self.interlocks = Interlocks(
-            site=SITE, readings=self.world, output=self.world, run=self.world.run, now_ns=now
+            site=self.site,
+            readings=self.world,
+            output=self.world,
+            run=self.world.run,
+            now_ns=now,
         )
 
         async def on_disk(work) -> None:
             work()
 
         return DriveService(
-            site=SITE,
+            site=self.site,
             clock=self.clock,
             output=self.world,
             readings=self.world,
@@ -252,10 +257,13 @@ def test_driving_ends_with_zero_when_it_becomes_unsafe_and_needs_a_new_press(saf
 
 
 @pytest.fixture
-def slowed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Bench:
+def slowed(tmp_path: Path) -> Bench:
     """A vehicle that drives at its full speed of 0.2 m/s, with nobody ahead."""
-    monkeypatch.setattr(sys.modules[__name__], "SITE", SLOW)
-    one = Bench(tmp_path)
+
+    class SlowedBench(Bench):
+        site = SLOW
+
+    one = SlowedBench(tmp_path)
     one.world.values = {"weather/wind": 0.0, "weather/rain": 0.0}
     one.pass_time(2 * SECOND)
     one.lease()
@@ -559,14 +567,17 @@ def test_conditions_together_are_unsafe_exactly_while_each_is_and_certain_only_i
 
 
 def test_what_is_harmless_alone_locks_together_and_a_silent_one_counts_as_unsafe(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
 ) -> None:
     rain, wind = SITE.interlocks["weather"].when[1], SITE.interlocks["weather"].when[0]
     rule = structs.replace(SITE.interlocks["weather"], when=(Condition(all_of=(wind, rain)),))
     both = structs.replace(SITE, interlocks={"weather": rule})
     assert both.guarded() == {"weather/wind", "weather/rain"}
-    monkeypatch.setattr(sys.modules[__name__], "SITE", both)
-    bench = Bench(tmp_path)
+
+    class BenchOfBoth(Bench):
+        site = both
+
+    bench = BenchOfBoth(tmp_path)
     bench.world.values = dict(GOOD)
     bench.pass_time(31 * SECOND)
     assert bench.refusal() == ""

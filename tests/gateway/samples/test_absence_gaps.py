@@ -12,11 +12,11 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.clock import SECOND
 from talaia.gateway.samples.absence_gaps import FirstHeard, absence
-from talaia.gateway.spool import journal
 from talaia.gateway.spool.journal import SegmentHead, Spool, SpoolPosition
 from talaia.gateway.spool.opening import TORN
 from talaia.gateway.spool.progress_mark import ProgressMark
 from talaia.gateway.spool.segment import SampleRecord
+from talaia.gateway.spool.sizes import SpoolSizes
 from talaia.gateway.spool.spool_thread import SpoolThread
 
 HEAD = SegmentHead("boot-a", "cat", ["a/x"])
@@ -63,15 +63,19 @@ def test_torn_tail_is_a_gap_that_spans_what_was_in_it(batches: int, cut: int, ac
 
 
 def test_what_the_hub_has_is_no_gap_when_the_file_was_emptied_and_the_gateway_killed(
-    tmp_path: Path, monkeypatch
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(journal, "TRIM_BYTES", 100)
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, sizes=SpoolSizes(trim=100))
     for number in range(10):
         spool.append(record(number * 10))
     spool.ack("boot-a", 100)
     spool.append(record(100))
-    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
+    later = Spool(
+        folder=tmp_path,
+        head=SegmentHead("boot-b", "cat", []),
+        bound=LARGE,
+        sizes=SpoolSizes(trim=100),
+    )
     assert later.gaps() == []
     assert held(later) == set(range(100, 110))
 

@@ -21,6 +21,7 @@ from talaia.gateway.spool.gaps import DroppedSamples
 from talaia.gateway.spool.journal import SegmentHead, Spool, SpoolPosition
 from talaia.gateway.spool.packing import FRAME_SAMPLES, packed, unpacked
 from talaia.gateway.spool.segment import SampleRecord, pack_record, records
+from talaia.gateway.spool.sizes import SpoolSizes
 from talaia.wire.columns import Columns, unpack
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
@@ -64,11 +65,8 @@ def test_acknowledged_records_are_not_given_again(tmp_path: Path) -> None:
     spool.close()
 
 
-def test_hub_that_keeps_up_leaves_one_small_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(journal, "TRIM_BYTES", 2000)
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
+def test_hub_that_keeps_up_leaves_one_small_file(tmp_path: Path) -> None:
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, sizes=SpoolSizes(trim=2000))
     for number in range(500):
         spool.append(record(number * 10))
         spool.ack("boot-a", number * 10 + 10)
@@ -81,9 +79,8 @@ def test_hub_that_keeps_up_leaves_one_small_file(
 
 @given(st.lists(st.booleans(), min_size=5, max_size=60), st.integers(0, 30))
 def test_what_the_hub_has_lost_is_given_again_or_is_a_gap(steps: list[bool], below: int) -> None:
-    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(journal, "TRIM_BYTES", 700)
-        spool = Spool(folder=Path(folder), head=HEAD, bound=8000)
+    with TemporaryDirectory() as folder:
+        spool = Spool(folder=Path(folder), head=HEAD, bound=8000, sizes=SpoolSizes(trim=700))
         for number, acked in enumerate(steps):
             spool.append(record(number * 10))
             if acked:
@@ -113,11 +110,8 @@ def test_what_is_remembered_of_stored_samples_is_bounded_and_covers_them_all() -
     assert gone.since(199_995) == [(199_995, 200_000, *spans[-1][2:])]
 
 
-def test_reader_survives_the_file_being_emptied_under_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(journal, "TRIM_BYTES", 500)
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
+def test_reader_survives_the_file_being_emptied_under_it(tmp_path: Path) -> None:
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, sizes=SpoolSizes(trim=500))
     fill(spool, 20)
     _, place = spool.read(SpoolPosition(), 1000)
     spool.ack("boot-a", 200)
@@ -141,11 +135,8 @@ def test_later_run_gives_the_records_of_the_earlier_one_first(tmp_path: Path) ->
     later.close()
 
 
-def test_full_spool_lets_the_oldest_go_and_says_which(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(journal, "SEGMENT_BYTES", 2000)
-    spool = Spool(folder=tmp_path, head=HEAD, bound=10_000)
+def test_full_spool_lets_the_oldest_go_and_says_which(tmp_path: Path) -> None:
+    spool = Spool(folder=tmp_path, head=HEAD, bound=10_000, sizes=SpoolSizes(segment=2000))
     fill(spool, 200)
     assert spool.kept <= 10_000
     there = kept(spool)
@@ -153,7 +144,12 @@ def test_full_spool_lets_the_oldest_go_and_says_which(
     assert gap.first == 0
     assert there == [("boot-a", first) for first in range(gap.last + 1, 2000, 10)]
     spool.close()
-    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=10_000)
+    later = Spool(
+        folder=tmp_path,
+        head=SegmentHead("boot-b", "cat", []),
+        bound=10_000,
+        sizes=SpoolSizes(segment=2000),
+    )
     assert later.gaps() == [gap]
     later.ack("boot-a", gap.last + 1)
     later.sync()
@@ -234,12 +230,11 @@ def test_full_disk_keeps_in_memory_and_goes_on_when_there_is_room(
 def test_memory_for_a_full_disk_is_bounded_and_ends_in_a_gap(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, sizes=SpoolSizes(memory=1000))
 
     def full(file: int, data: bytes) -> int:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(journal, "MEMORY_BYTES", 1000)
     with monkeypatch.context() as patch:
         patch.setattr(os, "write", full)
         fill(spool, 30)
@@ -356,11 +351,8 @@ def test_packed_record_that_is_damaged_is_a_peer_error() -> None:
             unpacked(small._replace(body=body))
 
 
-def test_closed_segment_is_packed_and_read_as_before(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(journal, "SEGMENT_BYTES", 20_000)
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
+def test_closed_segment_is_packed_and_read_as_before(tmp_path: Path) -> None:
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, sizes=SpoolSizes(segment=20_000))
     kept = [batch(number * 50) for number in range(100)]
     for each in kept:
         spool.append(each)
@@ -368,7 +360,12 @@ def test_closed_segment_is_packed_and_read_as_before(
     assert on_disk < 0.8 * sum(len(pack_record(each)) for each in kept)
     assert samples_of(all_of(spool)) == samples_of(kept)
     spool.close()
-    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
+    later = Spool(
+        folder=tmp_path,
+        head=SegmentHead("boot-b", "cat", []),
+        bound=LARGE,
+        sizes=SpoolSizes(segment=20_000),
+    )
     assert samples_of(all_of(later)) == samples_of(kept)
     assert later.gaps() == []
     later.ack("boot-a", 5000)
@@ -385,12 +382,16 @@ def all_of(spool: Spool) -> list[SampleRecord]:
         found += [stored.record for stored in more]
 
 
-def test_what_waits_too_long_gives_way_and_only_running_time_counts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(journal, "SEGMENT_BYTES", 400)
+def test_what_waits_too_long_gives_way_and_only_running_time_counts(tmp_path: Path) -> None:
     time_s = [1000.0]
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, age_s=3600, now=lambda: time_s[0])
+    spool = Spool(
+        folder=tmp_path,
+        head=HEAD,
+        bound=LARGE,
+        sizes=SpoolSizes(segment=400),
+        age_s=3600,
+        now=lambda: time_s[0],
+    )
     fill(spool, 4)
     time_s[0] += 3000
     fill(spool, 4, first=4)
@@ -401,6 +402,7 @@ def test_what_waits_too_long_gives_way_and_only_running_time_counts(
         folder=tmp_path,
         head=SegmentHead("boot-b", "c", []),
         bound=LARGE,
+        sizes=SpoolSizes(segment=400),
         age_s=3600,
         now=lambda: time_s[0],
     )
@@ -446,11 +448,8 @@ def test_damage_that_comes_while_it_runs_is_a_gap_and_the_rest_is_read(tmp_path:
     spool.close()
 
 
-def test_segment_that_can_no_longer_be_read_is_a_gap_and_breaks_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(journal, "SEGMENT_BYTES", 500)
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE)
+def test_segment_that_can_no_longer_be_read_is_a_gap_and_breaks_nothing(tmp_path: Path) -> None:
+    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, sizes=SpoolSizes(segment=500))
     fill(spool, 9)
     sorted(tmp_path.glob("*.seg"))[1].unlink()
     there = [first for _, first in kept(spool)]
@@ -472,8 +471,9 @@ def test_disk_is_left_some_room_for_what_matters_more(
             return free[0]
 
     monkeypatch.setattr(os, "statvfs", lambda _: Disk())
-    monkeypatch.setattr(journal, "SEGMENT_BYTES", 500)
-    spool = Spool(folder=tmp_path, head=HEAD, bound=LARGE, spare=50_000)
+    spool = Spool(
+        folder=tmp_path, head=HEAD, bound=LARGE, sizes=SpoolSizes(segment=500), spare=50_000
+    )
     fill(spool, 9)
     assert spool.gaps() == []
     free[0] = 50_000
@@ -485,7 +485,12 @@ def test_disk_is_left_some_room_for_what_matters_more(
     free[0] = 100_000
     fill(spool, 1, first=10)
     spool.close()
-    later = Spool(folder=tmp_path, head=SegmentHead("boot-b", "cat", []), bound=LARGE)
+    later = Spool(
+        folder=tmp_path,
+        head=SegmentHead("boot-b", "cat", []),
+        bound=LARGE,
+        sizes=SpoolSizes(segment=500),
+    )
     assert kept(later)[-2:] == [("boot-a", 90), ("boot-a", 100)]
     later.close()
 

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from talaia.gateway.samples.batching import records_of
-from talaia.gateway.spool import journal, packing
+from talaia.gateway.spool import packing
 from talaia.gateway.spool.journal import SegmentHead, Spool
+from talaia.gateway.spool.sizes import USUAL, SpoolSizes
 from talaia.gateway.spool.spool_thread import SpoolThread
 from talaia.gateway.uplink import catchup
 from talaia.gateway.uplink.catchup import CatchUp
@@ -20,8 +21,8 @@ from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch, StopState
 BATCHES, SIZE = 40, 10
 
 
-def keeper_of(folder: Path, batches: int = BATCHES) -> SpoolThread:
-    spool = Spool(folder=folder, head=SegmentHead("b", "c", ["base/v"]), bound=1 << 30)
+def keeper_of(folder: Path, batches: int = BATCHES, sizes: SpoolSizes = USUAL) -> SpoolThread:
+    spool = Spool(folder=folder, head=SegmentHead("b", "c", ["base/v"]), bound=1 << 30, sizes=sizes)
     for number in range(batches):
         first = number * SIZE
         columns = Columns(
@@ -66,10 +67,10 @@ async def test_what_the_hub_asks_for_again_is_sent_again_and_no_more(tmp_path: P
 
 
 async def test_what_was_packed_is_not_sent_at_one_blow(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(journal, "SEGMENT_BYTES", 300_000)
     monkeypatch.setattr(packing, "FRAME_SAMPLES", 500)
     batches, rate = 2500, 40_000
-    keeper, lanes = keeper_of(tmp_path, batches), SendLanes(lambda: None)
+    sizes = SpoolSizes(segment=300_000)
+    keeper, lanes = keeper_of(tmp_path, batches, sizes), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
         CatchUp(spool=keeper, lanes=lanes, boot="b", catalogue=lambda: "c", rate=rate).run(
@@ -93,15 +94,19 @@ async def test_what_was_packed_is_not_sent_at_one_blow(tmp_path: Path, monkeypat
 
 
 async def test_old_samples_wait_while_the_hub_stores_nothing_and_stop_never_waits(
-    tmp_path: Path, monkeypatch
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(catchup, "MOST_UNHEARD", 1000)
     keeper, lanes = keeper_of(tmp_path), SendLanes(lambda: None)
     lanes.link_up()
     running = asyncio.ensure_future(
-        CatchUp(spool=keeper, lanes=lanes, boot="b", catalogue=lambda: "c", rate=20_000).run(
-            BATCHES * SIZE
-        )
+        CatchUp(
+            spool=keeper,
+            lanes=lanes,
+            boot="b",
+            catalogue=lambda: "c",
+            rate=20_000,
+            most_unheard=1000,
+        ).run(BATCHES * SIZE)
     )
     taken = 0
     # Long enough for all of them at this rate.

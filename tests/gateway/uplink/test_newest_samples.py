@@ -10,8 +10,8 @@ import pytest
 
 from talaia.clock import HandClock
 from talaia.gateway.samples.batching import Batcher, records_of
-from talaia.gateway.spool import journal
 from talaia.gateway.spool.journal import SegmentHead, Spool
+from talaia.gateway.spool.sizes import SpoolSizes
 from talaia.gateway.spool.spool_thread import SpoolThread
 from talaia.gateway.uplink.catchup import CatchUp
 from talaia.gateway.uplink.lanes import SendLanes
@@ -71,12 +71,13 @@ async def test_newest_of_this_run_goes_by_the_channel_list_that_counts_now() -> 
     assert told.columns.texts == {1: "open"}
 
 
-def killed(folder: Path, runs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def killed(folder: Path, runs: int) -> None:
     """Leave what runs of a gateway leave that were killed: the first said all, the later ones x."""
-    monkeypatch.setattr(journal, "SEGMENT_BYTES", 1200)
+    sizes = SpoolSizes(segment=1200)
     for run in range(runs):
         boot = f"boot-{run}"
-        spool = Spool(folder=folder, head=SegmentHead(boot, "c", ADDRESSES), bound=1 << 30)
+        head = SegmentHead(boot, "c", ADDRESSES)
+        spool = Spool(folder=folder, head=head, bound=1 << 30, sizes=sizes)
         for number in range(30):
             rows = [(0, number, run * 100.0 + number)]
             if run == 0 and number == 3:
@@ -91,9 +92,9 @@ def spool_end(number: int, run: int) -> int:
 
 
 async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
 ) -> None:
-    killed(tmp_path, 2, monkeypatch)
+    killed(tmp_path, 2)
     batcher = Batcher(
         loop=asyncio.get_running_loop(),
         boot="boot-9",

@@ -64,6 +64,7 @@ class MultiAdapter:
         adapters: Mapping[str, tuple[Adapter, ConnectionStatus]],
         reach: DeviceReachability,
         events: EventSink,
+        again_s: float = AGAIN_S,
     ) -> None:
         """Join adapters.
 
@@ -72,8 +73,10 @@ class MultiAdapter:
             adapters: by connection.
             reach: told when a connection is lost or back.
             events: told the same in words, once each.
+            again_s: how long after a loss it is tried again, and again.
 
         """
+        self._again_s = again_s
         self._of = of
         self._adapters = adapters
         self._reach = reach
@@ -166,13 +169,13 @@ class MultiAdapter:
                 self._gone(name, str(error))
             finally:
                 self._running.discard(name)
-            await asyncio.sleep(AGAIN_S)
+            await asyncio.sleep(self._again_s)
 
     def _gone(self, name: str, why: str) -> None:
         devices = self._reach.lost(name, why)
         if name not in self._lost:
             self._lost.add(name)
-            log.warning("%s: %s; trying again every %g s", name, why, AGAIN_S)
+            log.warning("%s: %s; trying again every %g s", name, why, self._again_s)
             self._events.report_event("connection lost", f"{name}: {why}")
             for on_loss in self._loss_listeners:
                 on_loss(devices)

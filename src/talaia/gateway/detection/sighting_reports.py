@@ -29,15 +29,11 @@ if TYPE_CHECKING:
     from talaia.objects.eyes import Told
     from talaia.wire.frames import FromGateway
 
-__all__ = ["MOST_KEPT", "DetectionReporter", "SightingUplink"]
+__all__ = ["MOST_KEPT", "DetectionReporter", "ReportTimes", "SightingUplink"]
 
 log = logging.getLogger(__name__)
 # With a thumbnail each they take a few megabytes; of more the oldest go.
 MOST_KEPT = 300
-# A link that lives on for so long has carried what went out: a dead one is known after three.
-CARRIED_S = 5.0
-# How often the files of what is in sight are touched, which tells a later run until when it was.
-TOUCH_S = 2.0
 LOOK_S = 0.05
 _ENDING = ".seen"
 
@@ -53,6 +49,24 @@ class SightingUplink(Protocol):
     def send(self, message: FromGateway) -> None:
         """Queue a message."""
         ...
+
+
+class ReportTimes(NamedTuple):
+    """Times of the reports (s).
+
+    Attributes:
+        carried: a link that lives on for so long has carried what went out: a dead one is known
+            after three.
+        touch: how often the files of what is in sight are touched, which tells a later run until
+            when it was.
+
+    """
+
+    carried: float = 5.0
+    touch: float = 2.0
+
+
+USUAL = ReportTimes()
 
 
 class _Key(NamedTuple):
@@ -76,18 +90,26 @@ class _Kept:
 class DetectionReporter:
     """Takes news of sightings, and sees that a hub hears of them."""
 
-    def __init__(self, folder: Path, lanes: SightingUplink, files: Executor) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        lanes: SightingUplink,
+        files: Executor,
+        times: ReportTimes = USUAL,
+    ) -> None:
         """Take up what an earlier run left.
 
         Args:
             folder: of the files; made when there is something to keep.
             lanes: to the hub.
             files: a thread that writes; one, so that the writes keep their order.
+            times: of what it does again and again.
 
         """
         self._folder = folder
         self._lanes = lanes
         self._files = files
+        self._times = times
         self._takes = False
         self._due: dict[_Key, None] = {}
         self._wake = asyncio.Event()
@@ -134,7 +156,7 @@ class DetectionReporter:
         touched = loop.time()
         while True:
             with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(TOUCH_S):
+                async with asyncio.timeout(self._times.touch):
                     await self._wake.wait()
             self._wake.clear()
             while self._takes and self._due:
@@ -142,7 +164,7 @@ class DetectionReporter:
                 # One at a time: what has just happened need not wait for many.
                 while self._lanes.seen_waiting:  # noqa: ASYNC110 - told by nobody
                     await asyncio.sleep(LOOK_S)
-            if loop.time() - touched >= TOUCH_S:
+            if loop.time() - touched >= self._times.touch:
                 touched = loop.time()
                 self._expire_sightings(touched)
 
@@ -166,7 +188,7 @@ class DetectionReporter:
             elif (
                 self._takes
                 and kept.sent_s is not None
-                and now_s - kept.sent_s >= CARRIED_S
+                and now_s - kept.sent_s >= self._times.carried
                 and not self._lanes.seen_waiting
             ):
                 self._forget(key)

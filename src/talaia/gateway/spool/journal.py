@@ -39,6 +39,7 @@ from talaia.gateway.spool.segment_reader import (
     StoredRecord,
     gap_in,
 )
+from talaia.gateway.spool.sizes import USUAL
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch, SampleGap
 
 if TYPE_CHECKING:
@@ -46,13 +47,11 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from talaia.gateway.spool.former_runs import FormerNewest
+    from talaia.gateway.spool.sizes import SpoolSizes
 
 __all__ = ["SegmentHead", "Spool", "SpoolPosition", "StoredRecord"]
 
 log = logging.getLogger(__name__)
-SEGMENT_BYTES = 4 * 1024 * 1024
-TRIM_BYTES = 512 * 1024
-MEMORY_BYTES = 4 * 1024 * 1024
 FULL = "the gateway's disk space for unsent samples was full"
 UNLEARNED = "the hub lost what it had stored, and the gateway had it no more"
 OLD = "it waited in the gateway for longer than it is kept"
@@ -76,6 +75,7 @@ class Spool:
         now: Callable[[], float] = lambda: 0.0,
         wall_us: Callable[[], int] = lambda: 0,
         machine: str = "",
+        sizes: SpoolSizes = USUAL,
     ) -> None:
         """Take up what an earlier run left and begin a segment of this boot.
 
@@ -89,10 +89,12 @@ class Spool:
             now: a clock that never jumps (s).
             wall_us: the wall clock (µs, UTC).
             machine: see `ProgressMark.machine`.
+            sizes: of its files.
 
         """
         self._folder = folder
         self._bound = bound
+        self._sizes = sizes
         self._age_s, self._now = age_s, now
         # By boot: every sample below is stored at the hub for good.
         self._acked: dict[str, int] = {}
@@ -228,7 +230,7 @@ class Spool:
     def _write(self, data: bytes, record: SampleRecord) -> bool:
         segment = self._current
         # Quarter of the bound: dropping the oldest must not mean dropping nearly all.
-        largest = min(SEGMENT_BYTES, max(self._bound // 4, len(data)))
+        largest = min(self._sizes.segment, max(self._bound // 4, len(data)))
         waited_s = self._ran_s + self._now() - segment.head.ran_s
         if segment.first >= 0 and (
             segment.size + len(data) > largest or waited_s > self._age_s / TURNS
@@ -262,7 +264,7 @@ class Spool:
     def _keep_in_memory(self, record: SampleRecord) -> None:
         self._memory.append(record)
         self._memory_bytes += len(record.body)
-        while self._memory_bytes > MEMORY_BYTES:
+        while self._memory_bytes > self._sizes.memory:
             lost = self._memory.popleft()
             self._memory_bytes -= len(lost.body)
             self.lose(lost, FULL)
@@ -346,7 +348,7 @@ class Spool:
         ):
             self._drop_oldest(OLD)
         current, acked = self._current, self._acked.get(self._head.boot, 0)
-        if current.end <= acked and current.size > TRIM_BYTES:
+        if current.end <= acked and current.size > self._sizes.trim:
             # Emptied in place: with a hub that keeps up, the pages never reach the disk at all.
             self._empty(current)
         while self._memory and self._memory[0].end <= acked:

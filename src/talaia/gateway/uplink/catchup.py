@@ -57,6 +57,7 @@ class CatchUp:
         catalogue: Callable[[], str],
         rate: int,
         dropped: Callable[[], None] = lambda: None,
+        most_unheard: int = MOST_UNHEARD,
     ) -> None:
         """Take what it needs.
 
@@ -67,8 +68,10 @@ class CatchUp:
             catalogue: gives its channel list's name.
             rate: bytes a second.
             dropped: called when live samples were dropped: what they said last must be told anew.
+            most_unheard: bytes that may go out without any word of the hub that it stores.
 
         """
+        self._most_unheard = most_unheard
         self._dropped = dropped
         self._spool = spool
         self._lanes = lanes
@@ -139,11 +142,11 @@ class CatchUp:
                 acks = self._lanes.acks
                 # What was packed may be many frames, which are not sent at one blow.
                 if sent >= step:
-                    await self._pace(sent, acks if unheard > MOST_UNHEARD else None)
+                    await self._pace(sent, acks if unheard > self._most_unheard else None)
                     sent = 0
             # Even where nothing is wanted, the reading is not to take the machine for itself.
             sent = max(sent, step // 10)
-            await self._pace(sent, acks if unheard > MOST_UNHEARD else None)
+            await self._pace(sent, acks if unheard > self._most_unheard else None)
             last = found[-1]
             if last.head.boot == until[0] and last.record.end >= until[1]:
                 return

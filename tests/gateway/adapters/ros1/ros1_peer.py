@@ -75,7 +75,8 @@ class Peer:
 
     def slow(self, _request: object) -> TriggerResponse:
         say(slow=True)
-        time.sleep(30)
+        # It has no answer for as long as it lives.
+        rospy.spin()
         return TriggerResponse(success=True)
 
     def goal(self, goal: object) -> None:

@@ -64,16 +64,10 @@ async def test_a_port_of_shared_memory_that_was_made_anew_beside_us_is_heard_aft
         assert gone
         async with peer_in(ros_domain) as peer:
             sent = 0
-
-            async def heard() -> bool:
-                nonlocal sent
-                sent += 1
-                await peer.do("count", **{"from": sent, "to": sent + 1, "hz": 100})
-                await asyncio.sleep(0.2)
-                return bool(hub.values("base/number"))
-
             async with asyncio.timeout(PATIENCE_S):
-                while not await heard():
-                    pass
+                while not hub.values("base/number"):
+                    sent += 1
+                    await peer.do("count", **{"from": sent, "to": sent + 1, "hz": 100})
+                    await asyncio.sleep(0.2)
             lost = [x for x in hub.messages if isinstance(x, Event) and x.kind == "connection lost"]
             assert lost
