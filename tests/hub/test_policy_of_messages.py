@@ -105,34 +105,37 @@ async def test_line_that_is_too_weak_is_found(world, monkeypatch) -> None:
     }
 
 
+@pytest.mark.asyncio(loop_scope="module")
 @pytest.mark.parametrize("path", SOCKETS, ids=lambda path: path)
 @pytest.mark.parametrize("actor", SESSIONLESS, ids=lambda actor: actor)
-async def test_no_socket_opens_without_a_living_session(world, path, actor) -> None:
-    client = await world.client(actor)
-    headers = {"Origin": world.hub.origin} if path.startswith("/ws") else {}
+async def test_no_socket_opens_without_a_living_session(shared_world, path, actor) -> None:
+    client = await shared_world.client(actor)
+    headers = {"Origin": shared_world.hub.origin} if path.startswith("/ws") else {}
     if client.cookies:
         headers["Cookie"] = f"talaia={client.cookies['talaia']}"
     with pytest.raises(websockets.InvalidStatus) as refused:
-        await world.hub.dial(f"{path}?site=agv&stream=base/eye", headers)
+        await shared_world.hub.dial(f"{path}?site=agv&stream=base/eye", headers)
     assert refused.value.response.status_code == 401
 
 
+@pytest.mark.asyncio(loop_scope="module")
 @pytest.mark.parametrize("actor", SIGNED_IN, ids=lambda actor: actor)
-async def test_pictures_open_to_those_who_may_view_and_to_nobody_else(world, actor) -> None:
+async def test_pictures_open_to_those_who_may_view_and_to_nobody_else(shared_world, actor) -> None:
     for about in ("agv/base", "agv/power", "agv/camera", "moon/rover"):
         site, device = about.split("/")
-        headers = await world.headers(actor)
+        headers = await shared_world.headers(actor)
         path = f"/ws/media?site={site}&stream={device}/eye"
         if holds(actor, "view", about):
-            await (await world.hub.dial(path, headers)).close()
+            await (await shared_world.hub.dial(path, headers)).close()
         else:
             with pytest.raises(websockets.InvalidStatus) as refused:
-                await world.hub.dial(path, headers)
+                await shared_world.hub.dial(path, headers)
             assert refused.value.response.status_code == 404
 
 
-async def test_no_person_opens_a_gateways_door(world) -> None:
+@pytest.mark.asyncio(loop_scope="module")
+async def test_no_person_opens_a_gateways_door(shared_world) -> None:
     for path in ("/gateway/link", "/gateway/media", "/gateway/files"):
         with pytest.raises(websockets.InvalidStatus) as refused:
-            await world.hub.dial(path, {"Cookie": await world.hub.cookie("admin")})
+            await shared_world.hub.dial(path, {"Cookie": await shared_world.hub.cookie("admin")})
         assert refused.value.response.status_code == 401

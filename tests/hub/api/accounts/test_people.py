@@ -101,8 +101,9 @@ async def test_admin_adds_changes_and_removes_people(hub) -> None:
         {"name": "\ufdfa" * 60, "password": "three unrelated words", "role": "guest"},
     ],
 )
-async def test_person_that_breaks_a_rule_is_refused(hub, asked) -> None:
-    answer = await (await hub.client("admin")).post("/api/people", json=asked)
+@pytest.mark.asyncio(loop_scope="module")
+async def test_person_that_breaks_a_rule_is_refused(shared_hub, asked) -> None:
+    answer = await (await shared_hub.client("admin")).post("/api/people", json=asked)
     assert (answer.status_code, answer.json()["code"]) == (422, "invalid")
 
 
@@ -132,9 +133,10 @@ async def test_of_two_admins_who_demote_each_other_one_stays(hub) -> None:
     assert sum(answer.status_code == 200 for answer in answers) == 1
 
 
-async def test_nobody_but_an_admin_manages(hub) -> None:
+@pytest.mark.asyncio(loop_scope="module")
+async def test_nobody_but_an_admin_manages(shared_hub) -> None:
     for name in ("operator", "guest"):
-        client = await hub.client(name)
+        client = await shared_hub.client(name)
         for method, path, body in (
             ("GET", "/api/people", None),
             ("POST", "/api/people", {"name": "x", "password": PASSWORD, "role": "admin"}),
@@ -148,8 +150,9 @@ async def test_nobody_but_an_admin_manages(hub) -> None:
 
 
 @pytest.mark.parametrize("path", ["0", "-1", "x", "9" * 40, "1e3", "%00", "１"])
-async def test_person_or_role_that_is_not_there_is_said_so(hub, path) -> None:
-    admin = await hub.client("admin")
+@pytest.mark.asyncio(loop_scope="module")
+async def test_person_or_role_that_is_not_there_is_said_so(shared_hub, path) -> None:
+    admin = await shared_hub.client("admin")
     assert (await admin.patch(f"/api/people/{path}", json={})).status_code == 404
     assert (await admin.delete(f"/api/people/{path}/factor")).status_code == 404
     asked = {"name": "night", "permissions": []}
