@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from talaia.clock import SECOND
+from talaia.gateway.adapters.indi.description.labels import word_of
 from talaia.gateway.adapters.indi.discovery import devices_of
 from talaia.gateway.adapters.indi.goals import IndiGoal, begin
-from talaia.gateway.adapters.indi.labels import word_of
 from talaia.gateway.adapters.indi.protocol import BlobEnd, BlobHead, BlobPart, IndiParser
 from talaia.gateway.adapters.indi.standard_properties import read_number, read_state, read_text
 from talaia.gateway.adapters.indi.state import IndiDeviceTree

@@ -1,16 +1,16 @@
 """From what a driver says of itself to a device with a page: signals and commands. Pure.
 
 ``DRIVER_INFO``'s interface bits are those of libindi 1.9.9 (``basedevice.h``). What becomes a
-signal is in `device_signals`, what can be asked for in `device_commands`.
+signal is in `description.device_signals`, what can be asked for in `description.device_commands`.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.indi.device_commands import commands_of
-from talaia.gateway.adapters.indi.device_signals import signals_of
-from talaia.gateway.adapters.indi.labels import is_describable, shown_name, word_of
+from talaia.gateway.adapters.indi.description.device_commands import commands_of
+from talaia.gateway.adapters.indi.description.device_signals import signals_of
+from talaia.gateway.adapters.indi.description.labels import is_describable, shown_name, word_of
 from talaia.gateway.adapters.indi.standard_roles import with_standard_roles
 from talaia.model.site import Device, DeviceKind
 

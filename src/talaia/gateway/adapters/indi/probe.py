@@ -11,9 +11,9 @@ import contextlib
 import time
 from typing import TYPE_CHECKING
 
+from talaia.gateway.adapters.indi.description.labels import word_of
 from talaia.gateway.adapters.indi.discovery import devices_of
 from talaia.gateway.adapters.indi.errors import IndiError
-from talaia.gateway.adapters.indi.labels import word_of
 from talaia.gateway.adapters.indi.protocol import (
     BlobEnd,
     BlobHead,

@@ -2,7 +2,8 @@
 
 A frame is its length (u32, of what follows), its kind (u8) and its body, little-endian. Kind 0 is
 a JSON object with ``op``; kind 1 is a message: the number of its topic (u16), when it came (i64,
-µs since the epoch) and its bytes as ROS 1 serialized them. `bridge` has the other end.
+µs since the epoch) and its bytes as ROS 1 serialized them. `rospy_bridge.pipe_frames` has the other
+end.
 """
 
 from __future__ import annotations

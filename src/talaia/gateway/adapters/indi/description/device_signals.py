@@ -11,23 +11,26 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.gateway.adapters.indi.labels import (
+from talaia.gateway.adapters.indi.description.labels import (
     is_describable,
     label_without_unit,
     shown_name,
     unit_in_label,
     word_of,
 )
+from talaia.gateway.adapters.indi.description.shown_properties import is_property_shown
+from talaia.gateway.adapters.indi.description.standard_tables import (
+    STANDARD_NUMBERS,
+    STANDARD_SWITCHES,
+)
 from talaia.gateway.adapters.indi.protocol import SwitchRule, VectorKind
-from talaia.gateway.adapters.indi.shown_properties import is_property_shown
 from talaia.gateway.adapters.indi.standard_properties import MESSAGE, moving_words
-from talaia.gateway.adapters.indi.standard_tables import STANDARD_NUMBERS, STANDARD_SWITCHES
 from talaia.model.connection import IndiSource
 from talaia.model.site import Signal, SignalType
 
 if TYPE_CHECKING:
+    from talaia.gateway.adapters.indi.description.standard_tables import NumberRow
     from talaia.gateway.adapters.indi.protocol import Element
-    from talaia.gateway.adapters.indi.standard_tables import NumberRow
     from talaia.gateway.adapters.indi.state import IndiDevice, StoredVector
 
 __all__ = ["MAX_SIGNALS", "signals_of"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.indi.labels import is_describable
+from talaia.gateway.adapters.indi.description.labels import is_describable
 from talaia.gateway.adapters.indi.protocol import VectorKind
 
 if TYPE_CHECKING:

@@ -9,22 +9,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.indi.goals import CHOICE
-from talaia.gateway.adapters.indi.labels import (
+from talaia.gateway.adapters.indi.description.labels import (
     is_describable,
     label_without_unit,
     shown_name,
     unit_in_label,
     word_of,
 )
+from talaia.gateway.adapters.indi.description.shown_properties import is_property_shown
+from talaia.gateway.adapters.indi.description.standard_tables import STANDARD_COMMANDS
+from talaia.gateway.adapters.indi.goals import CHOICE
 from talaia.gateway.adapters.indi.protocol import PropertyPermission, SwitchRule, VectorKind
-from talaia.gateway.adapters.indi.shown_properties import is_property_shown
-from talaia.gateway.adapters.indi.standard_tables import STANDARD_COMMANDS
 from talaia.model.site import Argument, ArgumentType, Command, CommandKind
 
 if TYPE_CHECKING:
+    from talaia.gateway.adapters.indi.description.standard_tables import CommandRow
     from talaia.gateway.adapters.indi.protocol import Element
-    from talaia.gateway.adapters.indi.standard_tables import CommandRow
     from talaia.gateway.adapters.indi.state import IndiDevice, StoredVector
 
 __all__ = ["MAX_COMMANDS", "commands_of"]

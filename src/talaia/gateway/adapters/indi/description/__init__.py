@@ -1,0 +1,1 @@
+"""What an INDI driver offers, as the signals and commands of a described device. Pure."""
