@@ -5,6 +5,8 @@ A small client of our own over asyncio's streams. It must see the end of the con
 docs/decisions/0043). Here bytes come and go; what they mean is in the modules beside: `state`
 (what is known), `signal_readings` (what is given out of it), `commands_under_way`,
 `picture_reception`, `driver_connections`, `driver_answers` and `found_devices`.
+
+Long, because every event and every tick passes all of these parts, in an order that counts.
 """
 
 from __future__ import annotations

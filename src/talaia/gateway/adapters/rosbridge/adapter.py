@@ -2,6 +2,8 @@
 
 The protocol is in `protocol`. A server cannot be told what to say when we are gone: if this
 process dies the robot hears nothing more, and its own time-out must stop it.
+
+Long, because one socket carries all of it.
 """
 
 from __future__ import annotations
