@@ -21,6 +21,7 @@ from talaia.model.checks.site_checks import check
 from talaia.model.connection import RosSource
 from talaia.model.site import Signal
 from talaia.model.yaml_text.load import load_site
+from talaia.wire.frames import InterlockState
 
 DESCRIPTION = """
 talaia: 1
@@ -81,6 +82,7 @@ class Station:
         self.skew = 0
         self.latest_of: dict[str, ChannelReading] = {}
         self.ran: list[str] = []
+        self.sent: list[object] = []
         self.interlocks = Interlocks(
             site=self.site,
             readings=self,
@@ -99,7 +101,8 @@ class Station:
     def latest(self, address: str) -> ChannelReading | None:
         return self.latest_of.get(address)
 
-    def send(self, message: object) -> None: ...
+    def send(self, message: object) -> None:
+        self.sent.append(message)
 
     def record_event(self, kind: str, *_more: object, **_good: object) -> None: ...
 
@@ -160,6 +163,24 @@ def test_a_value_frozen_bit_for_bit_is_unknown_until_it_moves() -> None:
     assert station.says(2).startswith("Weather: Wind: exactly 10 km/h for 61 s, so it is frozen")
     station.wind = math.nextafter(station.wind, 11)
     assert station.says(1) == ""
+
+
+def test_a_hub_is_told_which_condition_is_unknown_and_when_it_is_known_again() -> None:
+    station = Station(FROZEN)
+    station.says(90)
+
+    def told() -> list[str]:
+        states = [message for message in station.sent if isinstance(message, InterlockState)]
+        return states[-1].unknown
+
+    assert told() == []
+    station.moves = False
+    station.says(61)
+    assert told() == ["weather/wind"]
+    # Beyond its limit it is unsafe, but no longer unknown.
+    station.moves, station.wind = True, 50.0
+    station.says(3)
+    assert told() == []
 
 
 def test_a_signal_that_may_be_still_is_not_frozen() -> None:

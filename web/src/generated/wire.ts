@@ -257,6 +257,7 @@ export interface InterlockUpdate {
   readonly longest_s: number;
   readonly condition: string;
   readonly no_override: string;
+  readonly unknown: readonly string[];
 }
 
 /** Whether a site's gateway reaches a device; a page hears of those that it does not. */
@@ -508,7 +509,7 @@ export const DEFAULTS = {
   stop_news: { confirmed: false, who: "", time_us: 0, id: "" },
   reset_key: { token: "", refused: "" },
   command_news: { message: "", progress: 0.0, who: "", blocked_by: "", acting: "", acting_s: 0.0 },
-  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0, condition: "", no_override: "" },
+  interlock_news: { unsafe: false, why: "", since_us: 0, clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0.0, condition: "", no_override: "", unknown: [] },
   device_news: { why: "", since_us: 0 },
   alarm: { device: "", why: "", known: true, unknown_why: "", raised_us: 0, cleared_us: 0, acked_us: 0, acked_by: "", assigned: "", shelved_until_us: 0, shelved_by: "", shelved_why: "", undelivered: "", advice: "", signals: [], made: false, gone: false },
   sighting: { ended_us: 0 },

@@ -17,7 +17,7 @@ function news(interlock: string, more: Partial<InterlockUpdate> = {}): Interlock
   return {
     t: "interlock_news", site: "obs", interlock, name: interlock, locked: true, unsafe: true, why: "Rain is raining",
     since_us: 1, clears_ms: 0, refuses: ["Dome: Open"], targets: ["dome/open"], slows: [], slowed: [], overridable: true,
-    overridden_by: "", reason: "", override_ms: 0, longest_s: 0, condition: "", no_override: "",
+    overridden_by: "", reason: "", override_ms: 0, longest_s: 0, condition: "", no_override: "", unknown: [],
     ...more,
   };
 }

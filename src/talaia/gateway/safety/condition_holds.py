@@ -45,6 +45,8 @@ class ConditionHolds:
         self._held: dict[str, _Held] = {}
         self._never: dict[str, str] = {}
         self._labels: dict[str, str] = {}
+        # Those that could not be judged at the last look, in the order of the description.
+        self._unknown: list[str] = []
         for condition in rule.when:
             name = condition_id(condition)
             self._held[name] = _Held(now_ns + self._dwell_ns, measured=False)
@@ -57,6 +59,7 @@ class ConditionHolds:
     ) -> None:
         """Take in what each condition says, in the order of the description."""
         seen: set[str] = set()
+        self._unknown = []
         for name, verdict in verdicts:
             if not verdict.why:
                 continue
@@ -66,6 +69,13 @@ class ConditionHolds:
             measured = not verdict.unknown and (held.measured or name not in seen)
             held.until_ns, held.measured = max(held.until_ns, now_ns + dwell_ns), measured
             seen.add(name)
+            if verdict.unknown and name not in self._unknown:
+                self._unknown.append(name)
+
+    @property
+    def unknown(self) -> list[str]:
+        """Give those that could not be judged at the last look."""
+        return list(self._unknown)
 
     def holding(self, now_ns: int) -> list[str]:
         """Give those that are not safe for long enough."""

@@ -76,8 +76,9 @@ class InterlockMonitor:
         self._conditions = [DebouncedCondition(condition) for condition in self.rule.when]
         # Which of the conditions holds it locked: only one at a time may be overridden.
         self._holds = ConditionHolds(site, self.rule, now_ns)
-        # What was last told of overriding: the condition that locks, and why it may not be.
-        self._told: tuple[str, str] | None = None
+        # What was last told of its conditions: the one that locks, why it may not be overridden,
+        # and those that are unknown.
+        self._told: tuple[str, str, list[str]] | None = None
 
     @property
     def locked(self) -> bool:
@@ -173,11 +174,14 @@ class InterlockMonitor:
         elif state.locked:
             condition = self._holds.locking(now_ns)
             no_override = self._holds.problem(condition, now_ns)
-        self._told = condition, no_override
-        return msgspec.structs.replace(state, condition=condition, no_override=no_override)
+        unknown = self._holds.unknown
+        self._told = condition, no_override, unknown
+        return msgspec.structs.replace(
+            state, condition=condition, no_override=no_override, unknown=unknown
+        )
 
-    def send_if_overridable_changed(self, now_ns: int) -> None:
-        """Tell when another condition locks, or it may be overridden now and could not before."""
+    def send_if_conditions_changed(self, now_ns: int) -> None:
+        """Tell when another condition locks or is unknown, or may now be overridden, or not."""
         before = self._told
         state = self.state(now_ns)
         if before is not None and self._told != before:

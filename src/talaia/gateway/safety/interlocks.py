@@ -211,7 +211,7 @@ class Interlocks:
         self.conditions.observe_values(now_ns)
         for monitor in self._monitors.values():
             monitor.evaluate(now_ns)
-            monitor.send_if_overridable_changed(now_ns)
+            monitor.send_if_conditions_changed(now_ns)
         # Before the roofs, for a lost link may want them closed.
         self._act_on_link_loss(now_ns)
         for name in self._site.enclosures:

@@ -1,4 +1,7 @@
-"""Messages from the hub to a page: values, and how devices and sessions stand."""
+"""Messages from the hub to a page: values, and how devices and sessions stand.
+
+Long, because a page takes them as one closed list.
+"""
 
 from __future__ import annotations
 
@@ -206,6 +209,7 @@ class InterlockUpdate(SiteMessage, frozen=True, kw_only=True, tag="interlock_new
         longest_s: you may override it for so long at the most; 0: you may not.
         condition: the condition that is overridden, or else the one that locks.
         no_override: why nobody may override it now, if so.
+        unknown: the conditions of which nothing is known now, as `InterlockState` names them.
 
     """
 
@@ -228,6 +232,7 @@ class InterlockUpdate(SiteMessage, frozen=True, kw_only=True, tag="interlock_new
     longest_s: float = 0.0
     condition: Word = ""
     no_override: Sentence = ""
+    unknown: Annotated[list[Sentence], Meta(max_length=1000)] = []
 
 
 class DeviceUpdate(DeviceMessage, frozen=True, kw_only=True, tag="device_news"):

@@ -38,6 +38,9 @@ class InterlockState(Message, frozen=True, kw_only=True, tag="interlock"):
         override_ms: overridden for so long yet, by whom and why.
         condition: the condition that is overridden, or else the one that locks.
         no_override: why that may not be overridden now, if so.
+        unknown: the conditions of which nothing is known now, however fresh their values are:
+            out of range, frozen, with an old stamp. Each as ``<device>/<signal>``; what compares
+            several signals names them all, with ``+`` between.
 
     """
 
@@ -52,6 +55,7 @@ class InterlockState(Message, frozen=True, kw_only=True, tag="interlock"):
     override_ms: Millis = 0
     condition: Word = ""
     no_override: Sentence = ""
+    unknown: Annotated[list[Sentence], Meta(max_length=1000)] = []
 
 
 class OverrideRequest(Message, frozen=True, kw_only=True, tag="override"):

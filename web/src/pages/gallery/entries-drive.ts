@@ -85,6 +85,7 @@ const LOCK: InterlockUpdate = {
   longest_s: 1800,
   condition: "weather/wind",
   no_override: "",
+  unknown: [],
 };
 const WAITING: InterlockUpdate = {
   ...LOCK,

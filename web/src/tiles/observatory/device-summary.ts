@@ -7,7 +7,8 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { SignalInfo } from "../../wire/api-types.js";
+import type { InterlockUpdate } from "../../generated/wire.js";
+import type { RuleInfo, SignalInfo } from "../../wire/api-types.js";
 import { NO_DEVICE, DevicePart } from "./device-part.js";
 import { summarySignals } from "../catalog.js";
 import { outletsOf, telescopeSignals } from "./roles.js";
@@ -76,8 +77,9 @@ export class DeviceSummaryValues extends DevicePart {
     const { device, detail } = this;
     if (device?.kind !== "weather" || detail === null) return nothing;
     const rules = rulesAbout(detail.rules, device.id);
-    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal));
-    const { word } = verdictOf(this.online, rules, ({ id }) => this.interlocks.store?.interlockOf(this.site, id)?.news, lines);
+    const news = ({ id }: RuleInfo): InterlockUpdate | undefined => this.interlocks.store?.interlockOf(this.site, id)?.news;
+    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal), news);
+    const { word } = verdictOf(this.online, rules, news, lines);
     if (word === "none") return nothing;
     return html`<t-status class="verdict" kind=${VERDICT_KINDS[word]} .word=${VERDICT_WORDS[word]}></t-status>`;
   }

@@ -4,6 +4,8 @@ import { css, html, nothing, svg, type SVGTemplateResult, type TemplateResult } 
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
+import type { InterlockUpdate } from "../../generated/wire.js";
+import type { RuleInfo } from "../../wire/api-types.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatDuration } from "../../format/duration.js";
 import type { StateMeaning } from "../../generated/api.js";
@@ -145,9 +147,10 @@ export class WeatherPart extends DevicePart {
     const { device, detail } = this;
     if (device === null || detail === null) return nothing;
     const rules = rulesAbout(detail.rules, device.id);
-    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal));
     const store = this.interlocks.store;
-    const verdict = verdictOf(this.online, rules, ({ id }) => store?.interlockOf(this.site, id)?.news, lines);
+    const news = ({ id }: RuleInfo): InterlockUpdate | undefined => store?.interlockOf(this.site, id)?.news;
+    const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal), news);
+    const verdict = verdictOf(this.online, rules, news, lines);
     const left = rules.map(({ id }) => store?.interlockOf(this.site, id)).filter((interlock) => interlock?.news.locked === true && !interlock.news.unsafe);
     const clears = Math.max(0, ...left.map((interlock) => (interlock === undefined ? 0 : (store?.remainingMs(interlock, interlock.news.clears_ms) ?? 0))));
     return html`<section class="card verdict ${verdict.word}" aria-label="Verdict" role="status">

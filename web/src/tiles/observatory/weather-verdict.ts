@@ -66,10 +66,13 @@ export function rulesAbout(rules: readonly RuleInfo[], device: string): readonly
 /** Each limit that these rules set for a device's signals, with how it stands. */
 export function limitLines(
   rules: readonly RuleInfo[], device: string, signals: readonly SignalInfo[], known: (signal: SignalInfo) => KnownValue,
+  news: (rule: RuleInfo) => InterlockUpdate | undefined = () => undefined,
 ): readonly LimitLine[] {
   const lines = rules.flatMap((rule) =>
-    rule.conditions.flatMap(({ limits, lasting }) =>
-      limits
+    rule.conditions.flatMap(({ limits, lasting }) => {
+      // A value may arrive and be worth nothing: frozen, out of range, old. The gateway knows.
+      const doubted = news(rule)?.unknown.includes(conditionId(limits)) === true;
+      return limits
         .filter(({ signal }) => signal.startsWith(`${device}/`))
         .flatMap((limit) => {
           const signal = signals.find(({ address }) => address === limit.signal);
@@ -82,17 +85,22 @@ export function limitLines(
               rule: rule.name,
               name: less === undefined ? signal.name : `${signal.name} minus ${less}`,
               signal: signal.address,
-              stands: standsOf(limit, now),
+              stands: doubted ? "unknown" : standsOf(limit, now),
               now: now.fresh ? (signal.type === "state" ? now.word : formatWithUnit(now.value, signal.unit, signal.decimals)) : "unknown",
               limit: limitText(limit, signal, lasting),
               part: now.fresh && limit.above !== null && limit.above > 0 ? now.value / limit.above : Number.NaN,
             },
           ];
-        }),
-    ),
+        });
+    }),
   );
   const rank = { beyond: 0, unknown: 1, returning: 2, fine: 3 } as const;
   return [...lines].sort((a, b) => rank[a.stands] - rank[b.stands]);
+}
+
+/** Names a condition as the gateway does in its news. */
+function conditionId(limits: readonly LimitInfo[]): string {
+  return limits.map(({ signal, minus, humidity }) => [signal, minus, humidity].filter((part) => part !== "").join("+")).join("+").slice(0, 200);
 }
 
 /** How far two values are apart, or a temperature (°C) from the dew point at a humidity (%). */

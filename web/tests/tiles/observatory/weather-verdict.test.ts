@@ -15,7 +15,7 @@ const SIGNALS = [signal("wind", { unit: "km/h" }), state("rain", ["dry", "wet"])
 const said = (more: Partial<InterlockUpdate> = {}): InterlockUpdate => ({
   t: "interlock_news", site: "s", interlock: "weather", name: "Weather", locked: false, unsafe: false, why: "", since_us: 0,
   clears_ms: 0, refuses: [], targets: [], slows: [], slowed: [], overridable: false, overridden_by: "", reason: "", override_ms: 0, longest_s: 0,
-  condition: "", no_override: "", ...more,
+  condition: "", no_override: "", unknown: [], ...more,
 });
 const wind = (value: number, fresh = true): ((of: { id: string }) => KnownValue) => ({ id }) =>
   id === "wind" ? { fresh, value, word: "" } : { fresh, value: 0, word: "dry" };
@@ -51,6 +51,25 @@ test.each([
 test("unsafe because nobody knows is unknown, and says why", () => {
   const news = said({ locked: true, unsafe: true, why: "Wind is unknown" });
   expect(judged(12, news, false)).toMatchObject({ word: "unknown", why: "Wind is unknown." });
+});
+
+test("a fresh value that the gateway does not believe is unknown, and only that one", () => {
+  const why = "Wind: exactly 12 km/h for 61 s, so it is frozen";
+  const news = said({ locked: true, unsafe: true, why, unknown: ["it/wind"] });
+  const both = rule([limit({ signal: "it/rain", states: ["wet"] })]);
+  const rules = [{ ...WIND, conditions: [...WIND.conditions, ...both.conditions] }];
+  const lines = limitLines(rules, "it", SIGNALS, wind(12), () => news);
+  expect(lines.map(({ name, stands }) => [name, stands])).toEqual([["wind", "unknown"], ["rain", "fine"]]);
+  expect(verdictOf(true, rules, () => news, lines)).toMatchObject({ word: "unknown", why: `${why}.` });
+});
+
+test("a difference is unknown where the gateway does not believe one of its two values", () => {
+  const air = [signal("temperature", { unit: "°C" }), signal("dew_point", { unit: "°C" })];
+  const dew = rule([limit({ signal: "it/temperature", minus: "it/dew_point", below: 2 })]);
+  const news = said({ locked: true, unsafe: true, unknown: ["it/temperature+it/dew_point"] });
+  const values = ({ id }: { id: string }): KnownValue => ({ fresh: true, value: id === "temperature" ? 15 : 5, word: "" });
+  expect(limitLines([dew], "it", air, values, () => news)[0]).toMatchObject({ stands: "unknown" });
+  expect(limitLines([dew], "it", air, values, () => said())[0]).toMatchObject({ stands: "fine" });
 });
 
 test("safe but not for long enough waits", () => {

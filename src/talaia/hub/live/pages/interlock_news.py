@@ -64,6 +64,7 @@ def interlock_news(
         longest_s=longest_override(rule) if admin and not state.no_override else 0.0,
         condition=state.condition if views else "",
         no_override=state.no_override if views else "",
+        unknown=state.unknown if views else [],
     )
 
 
