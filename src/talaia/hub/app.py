@@ -149,7 +149,9 @@ class Hub:
 
     def driven(self) -> bool:
         """Tell whether somebody has control of a device anywhere."""
-        return any(state.session for live in self.core.sites for state, _ in live.leases.values())
+        return any(
+            state.session for live in self.core.sites for state, _ in live.current.leases.values()
+        )
 
     def _application(self) -> FastAPI:
         app = FastAPI(

@@ -199,7 +199,7 @@ alarms:
 """)
     sites = Sites()
     live = sites.describe(described, "c")
-    live.link = object()  # type: ignore[assignment] - there is one; nothing is sent on it
+    live.presence.link = object()  # type: ignore[assignment] - there is one; nothing is sent on it
     alarms = AlarmEngine(
         sites=sites,
         browsers=Browsers(),
@@ -216,7 +216,7 @@ alarms:
             )
             return [(row.user_id, row.what) for row in rows]
 
-    live.enclosures["roof"] = "Roof: NOT CLOSED after 3 tries"
+    live.retained.enclosures["roof"] = "Roof: NOT CLOSED after 3 tries"
     for _ in range(130):
         alarms.evaluate_conditions()
         await alarms.settle()

@@ -51,9 +51,9 @@ class OfflineSites:
                 continue
             await self._history.describe(description)
             live = self._sites.describe(description, known.catalogue)
-            live.told = fingerprint_of(known.description, known.catalogue)
-            live.since_us = live.last_seen_us = known.last_seen_us
-            live.why = "its gateway has not connected since the hub was started"
+            live.gateway.fingerprint = fingerprint_of(known.description, known.catalogue)
+            live.presence.since_us = live.presence.last_seen_us = known.last_seen_us
+            live.presence.why = "its gateway has not connected since the hub was started"
             await self._remember_values(known.site, live)
 
     async def _remember_values(self, site: str, live: LiveSite) -> None:
@@ -93,7 +93,7 @@ class ImportedSites:
             await self._history.describe(description)
             await self._registry.said_hello(head.site, head.description, "", "")
             live = self._sites.describe(description, "")
-            live.why = "only recordings of it were imported"
+            live.presence.why = "only recordings of it were imported"
             self._alarms.redescribe(live)
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
         self._audit.append_record(

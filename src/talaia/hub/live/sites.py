@@ -3,80 +3,46 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from talaia.hub.anomaly.selection import score_channels
 from talaia.hub.live.last_values import Latest
+from talaia.hub.live.site_state import (
+    CurrentState,
+    LinkedGateway,
+    RetainedState,
+    RivalGateways,
+    SitePresence,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
+    from talaia.hub.live.site_state import SiteLink
     from talaia.model.site import Channel, Site
-    from talaia.wire.frames import (
-        ChangeState,
-        CommandState,
-        DriveState,
-        FromHub,
-        InterlockState,
-        LeaseState,
-        RecorderState,
-        StopState,
-    )
 
-__all__ = ["LiveSite", "Pending", "SiteLink", "Sites"]
-
-
-class SiteLink(Protocol):
-    """The way down to a gateway that is connected now."""
-
-    def send(self, message: FromHub) -> None:
-        """Queue a message; never waits. STOP and driving overtake the rest."""
-        ...
-
-    def dismiss(self, reason: str) -> None:
-        """Say good-bye and close."""
-        ...
-
-
-@dataclass(slots=True)
-class Pending:
-    """A one-shot command whose end is not known yet."""
-
-    id: str
-    device: str
-    command: str
-    who: str
+__all__ = ["LiveSite", "Sites"]
 
 
 @dataclass(slots=True)
 class LiveSite:
-    """One site, now.
+    """One site, now: what is described, and what is known, in parts by how long each holds.
 
     Attributes:
+        description: the site as it is described; written by `Sites.describe` alone, as are the
+            next four, so that they always fit each other.
+        catalogue: the name of its list of channels.
+        channels: the description's own, in the order by which batches number them.
         every: what a page may subscribe to: ``channels``, and after them those of the scores of
             its detectors.
-        latest: the newest sample of each of ``every``.
-        since_us: when it went online or offline (UTC).
-        loop_ms: hub to gateway and back, by the last beat.
-        skew_ms: how far the gateway's wall clock is ahead of ours.
-        link: the way down; None while the gateway is away.
-        told: hash of the description's text as it came, and its catalogue; empty before the
-            first hello is kept.
-        boot: the run of the gateway that is or was linked; see `Gateways`.
-        rivals: runs of other gateways with this identity, of which people were told.
-        rival_us: when the last of them was there (UTC); 0 when none has been for a while.
-        leases: by device, with the moment it was heard (monotonic ns).
-        interlocks: by name, with the moment it was heard (monotonic ns).
-        source: the description's text as a person wrote it; empty where it cannot be changed.
-        accepts: which changes its gateway takes: ``no``, ``readings`` or ``all``.
-        gateway: the number of the gateway that is or was linked; 0 before the first.
-        renamed: channels that have another address now, by former ones.
-        problem: what is wrong with the description's file at the gateway, if anything.
-        enclosures: what the gateway has told of each on this link: why it should be closed and
-            cannot be shown to be; empty: all is well.
-        acting: commands by which somebody acts on a device, by id, with the moment each was heard
-            (monotonic ns).
-        unreached: devices that the gateway does not reach: why, and since when (µs, UTC).
+        latest: the newest sample of each of ``every``; kept while the gateway is away.
+        renamed: channels that have another address now, by former ones; kept over links, for a
+            gateway's spool may be older than the change.
+        presence: whether its gateway is connected.
+        gateway: what the gateway that is or was linked has said of itself.
+        rivals: other gateways with this identity.
+        current: what holds only while a link stands.
+        retained: what is shown until the next link, even while the gateway is away.
 
     """
 
@@ -85,35 +51,17 @@ class LiveSite:
     channels: tuple[Channel, ...]
     every: tuple[Channel, ...]
     latest: Latest
-    since_us: int = 0
-    last_seen_us: int = 0
-    why: str = ""
-    loop_ms: float = 0.0
-    skew_ms: float = 0.0
-    link: SiteLink | None = None
-    told: tuple[bytes, str] = (b"", "")
-    boot: str = ""
-    rivals: set[str] = field(default_factory=set)
-    rival_us: int = 0
-    leases: dict[str, tuple[LeaseState, int]] = field(default_factory=dict)
-    stops: dict[str, StopState] = field(default_factory=dict)
-    drives: dict[str, DriveState] = field(default_factory=dict)
-    interlocks: dict[str, tuple[InterlockState, int]] = field(default_factory=dict)
-    enclosures: dict[str, str] = field(default_factory=dict)
-    unreached: dict[str, tuple[str, int]] = field(default_factory=dict)
-    pending: dict[str, Pending] = field(default_factory=dict)
-    acting: dict[str, tuple[CommandState, int]] = field(default_factory=dict)
-    recorder: RecorderState | None = None
-    source: str = ""
-    accepts: str = ""
-    gateway: int = 0
     renamed: dict[str, str] = field(default_factory=dict)
-    problem: ChangeState | None = None
+    presence: SitePresence = field(default_factory=SitePresence)
+    gateway: LinkedGateway = field(default_factory=LinkedGateway)
+    rivals: RivalGateways = field(default_factory=RivalGateways)
+    current: CurrentState = field(default_factory=CurrentState)
+    retained: RetainedState = field(default_factory=RetainedState)
 
     @property
     def edition(self) -> str:
         """A name for the description as it is now: another one has another."""
-        said, catalogue = self.told
+        said, catalogue = self.gateway.fingerprint
         return said.hex()[:16] if said else catalogue or self.catalogue
 
     @property
@@ -124,7 +72,34 @@ class LiveSite:
     @property
     def online(self) -> bool:
         """Whether its gateway is connected."""
-        return self.link is not None
+        return self.presence.link is not None
+
+    @property
+    def link(self) -> SiteLink | None:
+        """The way down to its gateway; None while it is away."""
+        return self.presence.link
+
+    def attach(self, link: SiteLink, gateway: LinkedGateway, now_us: int) -> None:
+        """Begin a link from ``now_us`` on (UTC); nothing said over an earlier one counts."""
+        self.presence.attach(link, now_us)
+        self.gateway = gateway
+        # It is no rival any more, so people are told again if it is kept out later.
+        self.rivals.boots.discard(gateway.boot)
+        self.retained = RetainedState()
+
+    def detach(self, now_us: int) -> None:
+        """End the link at ``now_us`` (UTC)."""
+        self.presence.detach(now_us)
+        self.rivals.seen_us = 0
+
+    def forget_current(self) -> None:
+        """Drop what holds only while a link stands, once pages were told of its end."""
+        self.current = CurrentState()
+
+    def drop_undescribed(self) -> None:
+        """Forget what was known of devices, interlocks and enclosures no longer described."""
+        self.current.drop_undescribed(self.description)
+        self.retained.drop_undescribed(self.description)
 
 
 class Sites:

@@ -70,7 +70,7 @@ class RecordingPages:
         """List what was recorded, and tell whether anything is being recorded now."""
         live, grants = live_of(request), who_of(request).grants
         found = await self._recordings.of(site)
-        plan, now = live.description.recording, live.recorder
+        plan, now = live.description.recording, live.retained.recorder
         return RecordingListShape(
             zone=live.description.zone,
             recorder=RecorderShape(
@@ -102,7 +102,7 @@ class RecordingPages:
             raise ApiProblem(409, "offline", _OFFLINE)
         if asked.stream and not _is_camera(live, asked.stream):
             raise ApiProblem(404, "unknown", "there is no such camera")
-        if asked.stream and (live.recorder is None or not live.recorder.can_film):
+        if asked.stream and (live.retained.recorder is None or not live.retained.recorder.can_film):
             raise ApiProblem(409, "unable", _UNABLE)
         if not asked.stream and not (live.description.recorded() or live.description.filmed()):
             raise ApiProblem(409, "undescribed", "the site description names nothing to record")
@@ -124,7 +124,7 @@ class RecordingPages:
         found = await self._recordings.between(site, from_us, to_us)
         films = [recording for recording in found if _sees(grants, live, recording)]
         why_not = _why_no_film(live, may=grants.may(Right.USE, site))
-        now = live.recorder
+        now = live.retained.recorder
         rolling = now.films if live.online and now is not None else ()
         unfilmed = _unfilmed(live, found) if grants.may(Right.VIEW, site) else []
         return FilmListShape(
@@ -203,7 +203,7 @@ def _why_no_film(live: LiveSite, *, may: bool) -> str:
         return _UNDESCRIBED
     if not live.online or live.link is None:
         return _OFFLINE
-    return "" if live.recorder is not None and live.recorder.can_film else _UNABLE
+    return "" if live.retained.recorder is not None and live.retained.recorder.can_film else _UNABLE
 
 
 def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:

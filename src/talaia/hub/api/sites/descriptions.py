@@ -92,13 +92,15 @@ class DescriptionPages:
         live = known_live_of(request)
         found = await self._versions.of(site, below, _PAGE + 1)
         newest = found[0].number if below == 2**53 and found else 0
-        problem = live.problem
+        problem = live.gateway.problem
         return DescriptionList(
             zone=live.description.zone,
             online=live.online,
-            accepts=live.accepts,
-            editable=live.online and bool(live.source) and live.accepts not in ("", "no"),
-            digest=digest_of(live.source) if live.source else "",
+            accepts=live.gateway.accepts,
+            editable=live.online
+            and bool(live.gateway.source)
+            and live.gateway.accepts not in ("", "no"),
+            digest=digest_of(live.gateway.source) if live.gateway.source else "",
             versions=[
                 VersionShape(**version._asdict(), current=version.number == newest)
                 for version in found[:_PAGE]
@@ -172,10 +174,10 @@ class DescriptionPages:
             raise ApiProblem(413, "too_large", "a description has 4 MiB at the most")
         if live.link is None:
             raise ApiProblem(409, "offline", "the gateway is not connected now")
-        if not live.source:
+        if not live.gateway.source:
             problem = "this gateway's description is not one YAML file, so it is changed there"
             raise ApiProblem(409, "undescribed", problem)
-        if base != digest_of(live.source):
+        if base != digest_of(live.gateway.source):
             problem = "the description has been changed meanwhile; load it anew"
             raise ApiProblem(409, "changed", problem)
         findings = await self._read(_check, text)

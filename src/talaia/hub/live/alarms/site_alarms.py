@@ -205,13 +205,17 @@ class SiteAlarms:
             for address in condition.channels
             if (found := self._values.get(address)) is not None
             for value, text, arrived in (found,)
-            if not live.unreached or address.partition("/")[0] not in live.unreached
+            if not live.current.unreached or address.partition("/")[0] not in live.current.unreached
         }
         seen: tuple[DetectedThing, ...] = ()
         if condition.happening is not None:
             seen = tuple(self._seen.get(condition.happening, {}).values())
         return condition.judge(
-            readings, seen, held=live_alarm.watch.on, online=live.online, enclosures=live.enclosures
+            readings,
+            seen,
+            held=live_alarm.watch.on,
+            online=live.online,
+            enclosures=live.retained.enclosures,
         )
 
     def _now_us(self) -> int:

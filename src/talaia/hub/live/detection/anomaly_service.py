@@ -352,7 +352,7 @@ class AnomalyService:
         for live in self._sites:
             if not live.online:
                 continue
-            now_us = self._clock.wall_ns() // 1000 + round(live.skew_ms * 1000)
+            now_us = self._clock.wall_ns() // 1000 + round(live.presence.skew_ms * 1000)
             watch = self._watch(live)
             for runner in watch.every():
                 turn = runner.idle(now_us)

@@ -125,7 +125,7 @@ class SightingJournal:
         elif not known and detect is not None and seen.label not in detect.classes:
             self._leave_out(live, f"{seen.label!r} is not looked for on {seen.stream}")
         else:
-            self.record_sighting(live, seen, live.boot)
+            self.record_sighting(live, seen, live.gateway.boot)
 
     def record_sighting(self, live: LiveSite, seen: SightingReport, boot: str) -> None:
         """Take what is seen, by whomever (``boot`` names the run)."""
@@ -254,11 +254,13 @@ class SightingJournal:
                 continue
             if site.asked_s and now_s - site.asked_s >= GRACE_S:
                 site.asked_s = 0.0
-                self._end(name, _of_others(safe_text(live.boot, 200)), live.last_seen_us)
+                self._end(
+                    name, _of_others(safe_text(live.gateway.boot, 200)), live.presence.last_seen_us
+                )
             if not site.open or live.online:
                 continue
-            if now_us - live.since_us > _AWAY_S * 1e6:
-                self._end(name, lambda _each: True, live.last_seen_us)
+            if now_us - live.presence.since_us > _AWAY_S * 1e6:
+                self._end(name, lambda _each: True, live.presence.last_seen_us)
 
     async def settle(self) -> None:
         """Write what waits, and tell of it.

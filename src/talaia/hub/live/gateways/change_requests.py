@@ -41,13 +41,13 @@ class ChangeRequestClient:
             note: in a few words, how it came about; kept with the version.
 
         """
-        link, key_hash = live.link, await self._registry.key_hash(live.gateway)
+        link, key_hash = live.link, await self._registry.key_hash(live.gateway.id)
         name = secrets.token_hex(8)
         if link is None or key_hash is None:
             return ChangeState(
                 id=name, phase=ChangePhase.REFUSED, message="the gateway is not connected now"
             )
-        base = digest_of(live.source)
+        base = digest_of(live.gateway.source)
         data = await asyncio.to_thread(deflated, text)
         seal = seal_of(key_hash, name, who, base, text)
         answer: asyncio.Future[ChangeState] = asyncio.get_running_loop().create_future()
@@ -71,7 +71,7 @@ class ChangeRequestClient:
     def receive_state(self, live: LiveSite, state: ChangeState) -> None:
         """Take what a gateway says of a change, or of its own file."""
         if not state.id:
-            live.problem = state if state.phase is ChangePhase.REFUSED else None
+            live.gateway.problem = state if state.phase is ChangePhase.REFUSED else None
             return
         site, answer = self._asked.get(state.id, ("", None))
         final = state.phase is not ChangePhase.WAITING

@@ -87,12 +87,12 @@ class DescriptionIntake:
         site = description.site
         live = self._sites.get(site)
         told = fingerprint_of(hello.description, hello.catalogue)
-        if live is None or live.told != told:
+        if live is None or live.gateway.fingerprint != told:
             if live is not None:
                 await self._history.rename(site, renames(live.description, description))
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
             await self._history.describe(description)
-        if live is None or live.told != told or live.source != source:
+        if live is None or live.gateway.fingerprint != told or live.gateway.source != source:
             note = "first seen" if live is None else "changed at the gateway"
             await self._versions.add(
                 site, source or hello.description, gateway=gateway, who="", note=note
@@ -140,7 +140,7 @@ class DescriptionIntake:
         live = self._sites.get(site)
         await self._history.describe(description)
         await self._registry.said_hello(site, said, told.catalogue)
-        gateway = 0 if live is None else live.gateway
+        gateway = 0 if live is None else live.gateway.id
         return await self._versions.add(
             site, source or said, gateway=gateway, who=told.who, note=note
         )
@@ -156,25 +156,16 @@ class DescriptionIntake:
         number: int,
     ) -> None:
         """Let pages follow: at one blow they are shown the new channels and devices."""
-        for name in [
-            enclosure for enclosure in live.enclosures if enclosure not in description.enclosures
-        ]:
-            del live.enclosures[name]
-        for name in [
-            interlock for interlock in live.interlocks if interlock not in description.interlocks
-        ]:
+        for name in sorted(live.current.interlocks.keys() - description.interlocks.keys()):
             # Pages that show it as locked are told while it is known by name.
             self._reporting.publish_message(
                 live, frames.InterlockState(interlock=name, locked=False)
             )
-            del live.interlocks[name]
         self._sites.describe(description, told.catalogue, told.renamed)
-        live.told = fingerprint_of(said, told.catalogue)
-        live.source = source
-        live.problem = None
-        for known in (live.leases, live.stops, live.drives, live.unreached):
-            for device in [device for device in known if device not in description.devices]:
-                del known[device]
+        live.gateway.fingerprint = fingerprint_of(said, told.catalogue)
+        live.gateway.source = source
+        live.gateway.problem = None
+        live.drop_undescribed()
         self.notify_followers(live)
         self._media.watch(live.name)
         self._reporting.publish_description(live)

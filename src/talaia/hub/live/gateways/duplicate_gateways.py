@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 __all__ = ["KEPT_OUT", "DuplicateGateways"]
 
 KEPT_OUT = "another gateway of this site, started later, is linked"
-_MOST_KEPT = 100
 
 
 class DuplicateGateways:
@@ -27,21 +26,17 @@ class DuplicateGateways:
 
     def keeps_out(self, live: LiveSite | None, boot: str) -> bool:
         """Tell whether the run ``boot`` must leave the site to the one that is linked."""
-        if live is None or live.link is None or boot >= live.boot:
+        if live is None or live.link is None or boot >= live.gateway.boot:
             return False
         self._publish(live, boot, "the one that was started earlier is kept out")
         return True
 
     def replaced(self, live: LiveSite, by: str) -> None:
         """Note that the linked run gives way; one that dials anew is no other."""
-        if live.boot != by:
-            self._publish(live, live.boot, "the one that was started later was taken")
+        if live.gateway.boot != by:
+            self._publish(live, live.gateway.boot, "the one that was started later was taken")
 
     def _publish(self, live: LiveSite, boot: str, message: str) -> None:
         self._reporting.rival_seen(live)
-        if boot in live.rivals:
-            return
-        if len(live.rivals) >= _MOST_KEPT:
-            live.rivals.clear()
-        live.rivals.add(boot)
-        self._reporting.event(live, "second gateway", message=message, good=False)
+        if live.rivals.add_boot(boot):
+            self._reporting.event(live, "second gateway", message=message, good=False)

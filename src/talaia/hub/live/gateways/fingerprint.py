@@ -8,5 +8,5 @@ __all__ = ["fingerprint_of"]
 
 
 def fingerprint_of(description: str, catalogue: str) -> tuple[bytes, str]:
-    """Give what `LiveSite.told` is for a gateway with this description."""
+    """Give what `LinkedGateway.fingerprint` is for a gateway with this description."""
     return hashlib.sha256(description.encode()).digest(), catalogue

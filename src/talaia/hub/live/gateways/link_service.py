@@ -21,6 +21,7 @@ from talaia.hub.live.gateways.duplicate_gateways import KEPT_OUT, DuplicateGatew
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.gateways.link import GONE, GatewayLink
+from talaia.hub.live.site_state import LinkedGateway
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
 from talaia.model.renames import formers, renames
@@ -163,9 +164,10 @@ class LinkService:
                 takes=["seen", "newest", "enclosure"],
             )
         )
-        live = self._attach(link, hello, description)
-        live.told, live.source, live.accepts = told, source, hello.accepts
-        live.gateway, live.problem = key.id, None
+        gateway = LinkedGateway(
+            id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts
+        )
+        live = self._attach(link, hello, description, gateway)
         self._attendance.linked(key.id, site, hello.version, address)
         storing = asyncio.create_task(ingest.run())
         try:
@@ -190,7 +192,9 @@ class LinkService:
         if hello.site != site:
             raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
         live = self._sites.get(site)
-        if live is not None and live.told == fingerprint_of(hello.description, hello.catalogue):
+        if live is not None and live.gateway.fingerprint == fingerprint_of(
+            hello.description, hello.catalogue
+        ):
             # Word for word what it said before: there is nothing to read.
             return hello, live.description
         # A large description takes a while to read: not in the way of the others.
@@ -199,7 +203,9 @@ class LinkService:
             raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
         return hello, description
 
-    def _attach(self, link: GatewayLink, hello: frames.Hello, description: Site) -> LiveSite:
+    def _attach(
+        self, link: GatewayLink, hello: frames.Hello, description: Site, gateway: LinkedGateway
+    ) -> LiveSite:
         site = description.site
         before = self._sites.get(site)
         if before is not None and before.link is not None:
@@ -215,19 +221,10 @@ class LinkService:
             **{old: renamed.get(new, new) for old, new in known.items()},
             **renamed,
         }
-        live.link = link
-        if live.boot != hello.boot:
-            live.boot = hello.boot
-            live.rivals.discard(hello.boot)
+        live.attach(link, gateway, self._clock.wall_ns() // 1000)
         self._sightings.attached(live)
-        live.since_us = self._clock.wall_ns() // 1000
-        live.why = ""
-        live.stops.clear()
-        live.recorder = None
-        # Not known before it is told at the start of this link.
-        live.enclosures.clear()
         if hello.time_us:
-            live.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
+            live.presence.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
             self._describing.notify_followers(live)
         self._reporting.publish_site(live)
@@ -243,10 +240,7 @@ class LinkService:
     def _detach(self, link: GatewayLink, live: LiveSite) -> None:
         if live.link is not link:
             return
-        live.link = None
-        live.rival_us = 0
-        live.since_us = live.last_seen_us = self._clock.wall_ns() // 1000
-        live.why = "the connection to its gateway was lost"
+        live.detach(self._clock.wall_ns() // 1000)
         self._describing.link_lost(live)
         self._reporting.link_lost(live)
         self._reporting.publish_site(live)
@@ -316,7 +310,7 @@ class LinkService:
                     )
                 case frames.BeatReply():
                     link.offset.beat(message.mono_us, self._now_us(), message.peer_us)
-                    live.loop_ms = round(link.offset.loop_us / 1000, 2)
+                    live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
                 case frames.Bye():
                     return
                 case frames.Hello():
@@ -333,7 +327,7 @@ class LinkService:
         """Take what was said while nobody heard it for what counts now, and keep it first."""
         addresses, told = lists.newest(message)
         shown, now_ns = lists.live_newest(addresses, told), self._clock.monotonic_ns()
-        current = message.boot == live.boot
+        current = message.boot == live.gateway.boot
         newer = live.latest.newer(shown, message.boot, now_ns, current=current)
         if newer.any():
             fresh = chosen_newest(shown, newer)

@@ -69,17 +69,17 @@ class RobotEvents:
         """Tell a page that has just come what is true now, of all it may see."""
         for live in self._sites:
             browser.send_message(site_news(live))
-            for device in live.leases:
+            for device in live.current.leases:
                 browser.send_message(self._lease_news(live, device, browser))
-            for stop in live.stops.values():
+            for stop in live.retained.stops.values():
                 browser.send_message(_stop_news(live, stop))
-            for drive in live.drives.values():
+            for drive in live.current.drives.values():
                 browser.send_message(_drive_news(live, drive))
             self.greet_interlocks(live, browser)
-            for device in live.unreached:
+            for device in live.current.unreached:
                 browser.send_message(_device_news(live, device))
             now_ns = self._clock.monotonic_ns()
-            for state, heard_ns in live.acting.values():
+            for state, heard_ns in live.current.acting.values():
                 later_s = (now_ns - heard_ns) / SECOND
                 browser.send_message(_command_news(live, state, state.who, later_s))
         self._alarms.greet(browser)
@@ -96,7 +96,7 @@ class RobotEvents:
 
     def greet_interlocks(self, live: LiveSite, browser: Browser) -> None:
         """Tell a page how all interlocks of a site stand."""
-        for name in live.interlocks:
+        for name in live.current.interlocks:
             self._tell_interlock(live, name, browser)
 
     def publish_message(self, live: LiveSite, told: RobotMessage) -> None:
@@ -106,12 +106,12 @@ class RobotEvents:
                 self._lease(live, told)
             case frames.ControlTick():
                 news = page.TickUpdate(site=live.name, tick=told.tick)
-                for session in {state.session for state, _ in live.leases.values()}:
+                for session in {state.session for state, _ in live.current.leases.values()}:
                     browser = self._browsers.get(session)
                     if browser is not None:
                         browser.send_message(news)
             case frames.DriveState():
-                live.drives[told.device] = told
+                live.current.drives[told.device] = told
                 self._browsers.broadcast_message(_drive_news(live, told))
             case frames.StopState():
                 self._stop(live, told)
@@ -129,13 +129,13 @@ class RobotEvents:
             case frames.CommandState():
                 self._command_state(live, told)
             case frames.InterlockState():
-                live.interlocks[told.interlock] = (told, self._clock.monotonic_ns())
+                live.current.interlocks[told.interlock] = (told, self._clock.monotonic_ns())
                 for browser in self._browsers:
                     self._tell_interlock(live, told.interlock, browser)
             case frames.EnclosureState():
-                live.enclosures[told.enclosure] = told.why
+                live.retained.enclosures[told.enclosure] = told.why
             case frames.RecorderState():
-                live.recorder = told
+                live.retained.recorder = told
             case frames.DeviceState():
                 self._device_state(live, told)
             case frames.Event():
@@ -219,25 +219,19 @@ class RobotEvents:
 
     def rival_seen(self, live: LiveSite) -> None:
         """Show people that another gateway has this one's key, for as long as it goes on."""
-        live.rival_us = self._clock.wall_ns() // 1000
+        live.rivals.seen_us = self._clock.wall_ns() // 1000
         self._browsers.broadcast_message(site_news(live))
 
     def forget_rival(self, live: LiveSite) -> None:
         """Show it no more once the other gateway has not been there for a while."""
-        if live.rival_us and self._clock.wall_ns() // 1000 - live.rival_us > RIVAL_US:
-            live.rival_us = 0
+        if live.rivals.seen_us and self._clock.wall_ns() // 1000 - live.rivals.seen_us > RIVAL_US:
+            live.rivals.seen_us = 0
 
     def link_lost(self, live: LiveSite) -> None:
         """Show all leases as free and every command under way as unknown."""
-        for device in list(live.leases):
+        for device in list(live.current.leases):
             self._lease(live, frames.LeaseState(device=device))
-        live.leases.clear()
-        live.drives.clear()
-        live.interlocks.clear()
-        live.acting.clear()
-        # A page takes all of a site that is away as not known anyway.
-        live.unreached.clear()
-        for pending in list(live.pending.values()):
+        for pending in list(live.current.pending.values()):
             self._command_state(
                 live,
                 frames.CommandState(
@@ -249,15 +243,17 @@ class RobotEvents:
                     who=pending.who,
                 ),
             )
+        # The rest is not told: a page takes all of a site that is away as not known anyway.
+        live.forget_current()
 
     def _device_state(self, live: LiveSite, state: frames.DeviceState) -> None:
         if state.device not in live.description.devices:
             return
         if state.reached:
-            live.unreached.pop(state.device, None)
+            live.current.unreached.pop(state.device, None)
         else:
             since_us = self._clock.wall_ns() // 1000 - state.for_ms * 1000
-            live.unreached[state.device] = (state.why, since_us)
+            live.current.unreached[state.device] = (state.why, since_us)
         self._browsers.broadcast_message(_device_news(live, state.device))
 
     def _tell_interlock(self, live: LiveSite, name: str, browser: Browser) -> None:
@@ -272,8 +268,8 @@ class RobotEvents:
             browser.send_message(news)
 
     def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
-        before = live.leases.get(state.device)
-        live.leases[state.device] = (state, self._clock.monotonic_ns())
+        before = live.current.leases.get(state.device)
+        live.current.leases[state.device] = (state, self._clock.monotonic_ns())
         if state.refused:
             browser = self._browsers.get(state.asked)
             if browser is not None:
@@ -292,7 +288,7 @@ class RobotEvents:
     def _lease_news(
         self, live: LiveSite, device: str, browser: Browser, *, answer: bool = False
     ) -> page.LeaseUpdate:
-        state, heard_ns = live.leases[device]
+        state, heard_ns = live.current.leases[device]
         yours = state.session == browser.key
         passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
         answer_ms = max(0, state.rival_ms - passed_ms) if state.rival else 0
@@ -311,8 +307,8 @@ class RobotEvents:
         )
 
     def _stop(self, live: LiveSite, state: frames.StopState) -> None:
-        before = live.stops.get(state.device)
-        live.stops[state.device] = state
+        before = live.retained.stops.get(state.device)
+        live.retained.stops[state.device] = state
         self._browsers.broadcast_message(_stop_news(live, state))
         said = (state.latched, state.confirmed)
         if said != ((before.latched, before.confirmed) if before else (False, False)):
@@ -322,12 +318,12 @@ class RobotEvents:
             self._append_record(live, what, state.who, device=state.device)
 
     def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
-        pending = live.pending.get(state.id)
+        pending = live.current.pending.get(state.id)
         who = state.who or (pending.who if pending else "")
         if state.acting and state.phase not in _FINAL:
-            live.acting[state.id] = state, self._clock.monotonic_ns()
+            live.current.acting[state.id] = state, self._clock.monotonic_ns()
         else:
-            live.acting.pop(state.id, None)
+            live.current.acting.pop(state.id, None)
         self._browsers.broadcast_message(_command_news(live, state, who))
         if state.over:
             message = f"{state.command} {state.id} interrupts {state.over}"
@@ -335,7 +331,7 @@ class RobotEvents:
                 live, "command interrupts", who, device=state.device, message=message
             )
         if state.phase in _FINAL:
-            live.pending.pop(state.id, None)
+            live.current.pending.pop(state.id, None)
             self._audit.append_record(
                 f"command {state.phase}",
                 who=who,
@@ -352,8 +348,8 @@ class RobotEvents:
 
 
 def _device_news(live: LiveSite, device: str) -> page.DeviceUpdate:
-    why, since_us = live.unreached.get(device, ("", 0))
-    reached = device not in live.unreached
+    why, since_us = live.current.unreached.get(device, ("", 0))
+    reached = device not in live.current.unreached
     return page.DeviceUpdate(
         site=live.name, device=device, reached=reached, why=why, since_us=since_us
     )
@@ -364,12 +360,12 @@ def site_news(live: LiveSite) -> page.SiteUpdate:
     return page.SiteUpdate(
         site=live.name,
         online=live.online,
-        since_us=live.since_us,
+        since_us=live.presence.since_us,
         catalogue=live.edition,
-        loop_ms=live.loop_ms,
-        skew_ms=live.skew_ms,
-        why=live.why,
-        rival_us=live.rival_us,
+        loop_ms=live.presence.loop_ms,
+        skew_ms=live.presence.skew_ms,
+        why=live.presence.why,
+        rival_us=live.rivals.seen_us,
     )
 
 

@@ -33,7 +33,7 @@ def interlock_news(
     rule = live.description.interlocks.get(name)
     if rule is None:
         return None
-    state, heard_ns = live.interlocks[name]
+    state, heard_ns = live.current.interlocks[name]
     # Reasons name values and people: only for those who may view the whole site.
     views = grants.may(Right.VIEW, live.name)
     admin = grants.may(Right.ADMIN, live.name)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from talaia.hub.live.sites import Pending
+from talaia.hub.live.site_state import Pending
 from talaia.model.arguments import fields_of, unit_problem
 from talaia.model.interlocks.override_rules import longest_override
 from talaia.wire import browser as page, frames
@@ -156,11 +156,11 @@ class PageCommands:
         if problem:
             self._refuse(browser, asked, "invalid", problem)
             return
-        if asked.id in live.pending or len(live.pending) >= _MOST_PENDING:
+        if asked.id in live.current.pending or len(live.current.pending) >= _MOST_PENDING:
             self._refuse(browser, asked, "busy", "this command is under way already")
             return
         who = browser.who.name
-        live.pending[asked.id] = Pending(asked.id, asked.device, asked.command, who)
+        live.current.pending[asked.id] = Pending(asked.id, asked.device, asked.command, who)
         live.link.send(
             frames.CommandRequest(
                 id=asked.id,
@@ -223,7 +223,7 @@ def _no_override(live: LiveSite, rule: Interlock, asked: page.PageOverride) -> s
         return ""
     if not asked.reason.strip():
         return "say why it is overridden"
-    known = live.interlocks.get(asked.interlock)
+    known = live.current.interlocks.get(asked.interlock)
     if known is not None and not known[0].locked:
         return f"{rule.name} locks nothing now, so there is nothing to override"
     return "" if known is None else known[0].no_override
