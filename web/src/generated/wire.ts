@@ -179,14 +179,13 @@ export interface LeaseUpdate {
 /** The gateway's newest time mark; echo it in `PageDrive`. */
 export interface TickUpdate {
   readonly t: "tick";
-  readonly site: string;
   readonly tick: number;
+  readonly site: string;
 }
 
 /** What the robot is being told; see `frames.DriveState`. */
 export interface DriveUpdate {
   readonly t: "drive_news";
-  readonly site: string;
   readonly device: string;
   readonly linear: number;
   readonly angular: number;
@@ -196,18 +195,19 @@ export interface DriveUpdate {
   readonly refused: number;
   readonly why: string;
   readonly sent: string;
+  readonly site: string;
 }
 
 /** STOP (software): see `frames.StopState`. */
 export interface StopUpdate {
   readonly t: "stop_news";
-  readonly site: string;
   readonly device: string;
   readonly latched: boolean;
   readonly confirmed: boolean;
   readonly who: string;
   readonly time_us: number;
   readonly id: string;
+  readonly site: string;
 }
 
 /** The token for the second step of a reset, or why there is none. */
@@ -222,10 +222,9 @@ export interface ResetTokenUpdate {
 /** Where a one-shot command stands; ``blocked_by`` as in `frames.CommandState`. */
 export interface CommandUpdate {
   readonly t: "command_news";
-  readonly site: string;
+  readonly id: string;
   readonly device: string;
   readonly command: string;
-  readonly id: string;
   readonly phase: CommandPhase;
   readonly message: string;
   readonly progress: number;
@@ -233,6 +232,7 @@ export interface CommandUpdate {
   readonly blocked_by: string;
   readonly acting: string;
   readonly acting_s: number;
+  readonly site: string;
 }
 
 /** How an interlock of a site stands; shown on every page while it locks or is overridden. */
@@ -330,13 +330,13 @@ export interface AnomalyUpdate {
 /** Something happened at a site that people should know of. */
 export interface EventUpdate {
   readonly t: "event";
-  readonly site: string;
   readonly kind: string;
   readonly device: string;
   readonly message: string;
   readonly who: string;
   readonly time_us: number;
   readonly good: boolean;
+  readonly site: string;
 }
 
 /** Answer to `PagePing`, with the hub's monotonic clock (µs) so that ages can be told. */

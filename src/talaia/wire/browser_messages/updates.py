@@ -11,7 +11,6 @@ from msgspec import Meta
 
 from talaia.wire.browser_messages.subjects import DeviceMessage, SessionMessage, SiteMessage
 from talaia.wire.columns import MAX_SAMPLES
-from talaia.wire.gateway_messages.commands import CommandPhase
 from talaia.wire.gateway_messages.field_types import (
     ChannelColumn,
     Count,
@@ -23,6 +22,13 @@ from talaia.wire.gateway_messages.field_types import (
     Texts,
     ValueColumn,
     Word,
+)
+from talaia.wire.gateway_messages.relayed_fields import (
+    CommandFields,
+    DriveFields,
+    EventFields,
+    StopFields,
+    TickFields,
 )
 from talaia.wire.message import PROTOCOL
 
@@ -124,38 +130,22 @@ class LeaseUpdate(DeviceMessage, frozen=True, kw_only=True, tag="lease_news"):
     forceable: bool = False
 
 
-class TickUpdate(SiteMessage, frozen=True, kw_only=True, tag="tick"):
+class TickUpdate(TickFields, SiteMessage, frozen=True, kw_only=True, tag="tick"):
     """The gateway's newest time mark; echo it in `PageDrive`."""
 
     site: Word
-    tick: Count
 
 
-class DriveUpdate(DeviceMessage, frozen=True, kw_only=True, tag="drive_news"):
+class DriveUpdate(DriveFields, DeviceMessage, frozen=True, kw_only=True, tag="drive_news"):
     """What the robot is being told; see `frames.DriveState`."""
 
     site: Word
-    device: Word
-    linear: float
-    angular: float
-    cap: float
-    loop_ms: float = 0.0
-    accepted: Count = 0
-    refused: Count = 0
-    why: Sentence = ""
-    sent: Word = ""
 
 
-class StopUpdate(DeviceMessage, frozen=True, kw_only=True, tag="stop_news"):
+class StopUpdate(StopFields, DeviceMessage, frozen=True, kw_only=True, tag="stop_news"):
     """STOP (software): see `frames.StopState`."""
 
     site: Word
-    device: Word
-    latched: bool
-    confirmed: bool = False
-    who: Word = ""
-    time_us: Micros = 0
-    id: Word = ""
 
 
 class ResetTokenUpdate(DeviceMessage, frozen=True, kw_only=True, tag="reset_key"):
@@ -167,7 +157,7 @@ class ResetTokenUpdate(DeviceMessage, frozen=True, kw_only=True, tag="reset_key"
     refused: Sentence = ""
 
 
-class CommandUpdate(DeviceMessage, frozen=True, kw_only=True, tag="command_news"):
+class CommandUpdate(CommandFields, DeviceMessage, frozen=True, kw_only=True, tag="command_news"):
     """Where a one-shot command stands; ``blocked_by`` as in `frames.CommandState`.
 
     A page that comes while somebody acts is told of that first.
@@ -179,16 +169,6 @@ class CommandUpdate(DeviceMessage, frozen=True, kw_only=True, tag="command_news"
     """
 
     site: Word
-    device: Word
-    command: Word
-    id: Word
-    phase: CommandPhase
-    message: Sentence = ""
-    progress: float = 0.0
-    who: Word = ""
-    blocked_by: Word = ""
-    acting: Sentence = ""
-    acting_s: float = 0.0
 
 
 class InterlockUpdate(SiteMessage, frozen=True, kw_only=True, tag="interlock_news"):
@@ -251,16 +231,10 @@ class DeviceUpdate(DeviceMessage, frozen=True, kw_only=True, tag="device_news"):
     since_us: Micros = 0
 
 
-class EventUpdate(DeviceMessage, frozen=True, kw_only=True, tag="event"):
+class EventUpdate(EventFields, DeviceMessage, frozen=True, kw_only=True, tag="event"):
     """Something happened at a site that people should know of."""
 
     site: Word
-    kind: Word
-    device: Word = ""
-    message: Sentence = ""
-    who: Word = ""
-    time_us: Micros = 0
-    good: bool = True
 
 
 class PagePong(SessionMessage, frozen=True, kw_only=True, tag="pong"):

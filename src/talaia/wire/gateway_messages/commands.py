@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
-
 from talaia.wire.gateway_messages.field_types import Arguments, Name, Sentence, Units, Word
+from talaia.wire.gateway_messages.relayed_fields import CommandFields, CommandPhase
 from talaia.wire.message import Message
 
 __all__ = ["CommandCancel", "CommandPhase", "CommandRequest", "CommandState"]
 
 
-class CommandPhase(StrEnum):
-    """Where a one-shot command stands. The last five are final."""
-
-    ACCEPTED = "accepted"
-    RUNNING = "running"
-    SUCCEEDED = "succeeded"
-    FAILED = "failed"
-    REFUSED = "refused"
-    CANCELLED = "cancelled"
-    UNKNOWN = "unknown"
-
-
-class CommandState(Message, frozen=True, kw_only=True, tag="command_state"):
+class CommandState(CommandFields, frozen=True, kw_only=True, tag="command_state"):
     """Where a one-shot command stands, in the robot's own words where it gave any.
 
     Attributes:
@@ -34,16 +21,6 @@ class CommandState(Message, frozen=True, kw_only=True, tag="command_state"):
 
     """
 
-    id: Name
-    device: Name
-    command: Name
-    phase: CommandPhase
-    message: Sentence = ""
-    progress: float = 0.0
-    who: Sentence = ""
-    blocked_by: Word = ""
-    acting: Sentence = ""
-    acting_s: float = 0.0
     over: Sentence = ""
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from talaia.wire.gateway_messages.field_types import Count, Micros, Millis, Name, Sentence, Word
+from talaia.wire.gateway_messages.field_types import Count, Millis, Name, Sentence, Word
+from talaia.wire.gateway_messages.relayed_fields import DriveFields, StopFields, TickFields
 from talaia.wire.message import Message
 
 __all__ = [
@@ -61,39 +62,20 @@ class LeaseState(Message, frozen=True, kw_only=True, tag="lease"):
     forceable: bool = False
 
 
-class ControlTick(Message, frozen=True, kw_only=True, tag="tick"):
+class ControlTick(TickFields, frozen=True, kw_only=True, tag="tick"):
     """The gateway's own time mark, sent at 20 Hz while any lease is held; drivers echo it."""
 
-    tick: Count
 
-
-class DriveState(Message, frozen=True, kw_only=True, tag="drive_state"):
+class DriveState(DriveFields, frozen=True, kw_only=True, tag="drive_state"):
     """What the robot is being told: velocities (m/s, rad/s), speed cap (0 to 1), loop time.
 
     ``sent``: to a robot that is driven by characters, those since its last ``s``; its velocities
     are then what these add up to, and NaN where that is not described.
     """
 
-    device: Name
-    linear: float
-    angular: float
-    cap: float
-    loop_ms: float = 0.0
-    accepted: Count = 0
-    refused: Count = 0
-    why: Sentence = ""
-    sent: Word = ""
 
-
-class StopState(Message, frozen=True, kw_only=True, tag="stop_state"):
+class StopState(StopFields, frozen=True, kw_only=True, tag="stop_state"):
     """STOP (software): latched at the gateway; confirmed once the robot itself stands still."""
-
-    device: Name
-    latched: bool
-    confirmed: bool = False
-    who: Sentence = ""
-    time_us: Micros = 0
-    id: Word = ""
 
 
 class ResetToken(Message, frozen=True, kw_only=True, tag="reset_token"):

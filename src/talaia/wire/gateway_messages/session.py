@@ -16,6 +16,7 @@ from talaia.wire.gateway_messages.field_types import (
     Sentence,
     Word,
 )
+from talaia.wire.gateway_messages.relayed_fields import EventFields
 from talaia.wire.message import PROTOCOL, Message
 
 __all__ = [
@@ -54,15 +55,8 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
     accepts: Word = ""
 
 
-class Event(Message, frozen=True, kw_only=True, tag="event"):
+class Event(EventFields, frozen=True, kw_only=True, tag="event"):
     """Something worth writing down: adapter lost or back, drive started or ended, a refusal."""
-
-    kind: Name
-    device: Word = ""
-    message: Sentence = ""
-    who: Sentence = ""
-    time_us: Micros = 0
-    good: bool = True
 
 
 class DeviceState(Message, frozen=True, kw_only=True, tag="device_state"):

@@ -11,6 +11,7 @@ from talaia.clock import MS, SECOND
 from talaia.hub.auth.permissions import sees_signal
 from talaia.hub.live.pages.interlock_news import interlock_news
 from talaia.wire import browser as page, frames
+from talaia.wire.browser_messages.relay import relay_message
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -72,9 +73,9 @@ class RobotEvents:
             for device in live.current.leases:
                 browser.send_message(self._lease_news(live, device, browser))
             for stop in live.retained.stops.values():
-                browser.send_message(_stop_news(live, stop))
+                browser.send_message(relay_message(page.StopUpdate, stop, live.name))
             for drive in live.current.drives.values():
-                browser.send_message(_drive_news(live, drive))
+                browser.send_message(relay_message(page.DriveUpdate, drive, live.name))
             self.greet_interlocks(live, browser)
             for device in live.current.unreached:
                 browser.send_message(_device_news(live, device))
@@ -105,14 +106,14 @@ class RobotEvents:
             case frames.LeaseState():
                 self._lease(live, told)
             case frames.ControlTick():
-                news = page.TickUpdate(site=live.name, tick=told.tick)
+                news = relay_message(page.TickUpdate, told, live.name)
                 for session in {state.session for state, _ in live.current.leases.values()}:
                     browser = self._browsers.get(session)
                     if browser is not None:
                         browser.send_message(news)
             case frames.DriveState():
                 live.current.drives[told.device] = told
-                self._browsers.broadcast_message(_drive_news(live, told))
+                self._browsers.broadcast_message(relay_message(page.DriveUpdate, told, live.name))
             case frames.StopState():
                 self._stop(live, told)
             case frames.ResetToken():
@@ -309,7 +310,7 @@ class RobotEvents:
     def _stop(self, live: LiveSite, state: frames.StopState) -> None:
         before = live.retained.stops.get(state.device)
         live.retained.stops[state.device] = state
-        self._browsers.broadcast_message(_stop_news(live, state))
+        self._browsers.broadcast_message(relay_message(page.StopUpdate, state, live.name))
         said = (state.latched, state.confirmed)
         if said != ((before.latched, before.confirmed) if before else (False, False)):
             what = "stop released"
@@ -373,43 +374,5 @@ def _command_news(
     live: LiveSite, state: frames.CommandState, who: str, later_s: float = 0.0
 ) -> page.CommandUpdate:
     """Give what pages are told; ``later_s`` after it was heard."""
-    return page.CommandUpdate(
-        site=live.name,
-        device=state.device,
-        command=state.command,
-        id=state.id,
-        phase=state.phase,
-        message=state.message,
-        progress=state.progress,
-        who=who,
-        blocked_by=state.blocked_by,
-        acting=state.acting,
-        acting_s=state.acting_s + later_s if state.acting else 0.0,
-    )
-
-
-def _stop_news(live: LiveSite, state: frames.StopState) -> page.StopUpdate:
-    return page.StopUpdate(
-        site=live.name,
-        device=state.device,
-        latched=state.latched,
-        confirmed=state.confirmed,
-        who=state.who,
-        time_us=state.time_us,
-        id=state.id,
-    )
-
-
-def _drive_news(live: LiveSite, state: frames.DriveState) -> page.DriveUpdate:
-    return page.DriveUpdate(
-        site=live.name,
-        device=state.device,
-        linear=state.linear,
-        angular=state.angular,
-        cap=state.cap,
-        loop_ms=state.loop_ms,
-        accepted=state.accepted,
-        refused=state.refused,
-        why=state.why,
-        sent=state.sent,
-    )
+    acting_s = state.acting_s + later_s if state.acting else 0.0
+    return relay_message(page.CommandUpdate, state, live.name, who=who, acting_s=acting_s)
