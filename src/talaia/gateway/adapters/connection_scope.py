@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.model.connection import Connection
     from talaia.model.site import Device, Site
 
-__all__ = ["ConnectionScope", "scopes_of"]
+__all__ = ["ConnectionScope", "connection_names", "scopes_of"]
 
 
 class ConnectionScope(NamedTuple):
@@ -38,6 +38,11 @@ class ConnectionScope(NamedTuple):
     guarded: frozenset[str]
 
 
+def connection_names(site: Site) -> dict[str, str]:
+    """Name the connection of each device of a site; empty for one that has none."""
+    return {device: site.connection_of(device) for device in site.devices}
+
+
 def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[ConnectionScope]:
     """Cut a site into what each of its connections serves, in the order of the description.
 
@@ -45,7 +50,7 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
     """
     first = (numbering or ChannelNumbering(site)).numbers(site)
     guarded = site.guarded()
-    of = {device: site.connection_of(device) for device in site.devices}
+    of = connection_names(site)
     scopes = []
     for name, connection in site.links().items():
         devices = {

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.gateway.adapters.catalog import adapter_of
-from talaia.gateway.adapters.connection_scope import scopes_of
+from talaia.gateway.adapters.connection_scope import connection_names, scopes_of
 from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.assembly.part import GatewayPart
@@ -56,9 +56,9 @@ class AdaptersPart(GatewayPart):
         """
         self._base, self._description = base, description
         self.answers: dict[str, str] = {}
-        self.reachability = DeviceReachability(
-            description.connection_of, base.clock, base.lanes.send
-        )
+        # Only for the start: `ConnectionExchange` gives both the names of another description.
+        of = connection_names(description.site)
+        self.reachability = DeviceReachability(of, base.clock, base.lanes.send)
         self._context = AdapterContext(
             clock=base.clock,
             samples=samples.sink,
@@ -75,7 +75,7 @@ class AdaptersPart(GatewayPart):
         scopes = scopes_of(description.site, description.numbering)
         self.by_connection = {scope.name: self.make_adapter(scope) for scope in scopes}
         self.adapter = MultiAdapter(
-            of=description.connection_of,
+            of=of,
             adapters=dict(self.by_connection),
             reach=self.reachability,
             events=base.events,

@@ -30,7 +30,6 @@ class DescriptionPart(GatewayPart):
         current: what counts now.
         numbering: of channels, which stays while the gateway runs.
         restart: ends this gateway in favour of another, with a new description.
-        connection_of: by device: the name of its connection, or an empty one.
 
     """
 
@@ -42,7 +41,6 @@ class DescriptionPart(GatewayPart):
         self.current = CurrentDescription(prepared(site, text))
         self.numbering = ChannelNumbering(site)
         self.restart = GatewayRestart(base.settings.data, self.current)
-        self.connection_of = {device: site.connection_of(device) for device in site.devices}
         if notice := unguarded_notice(site):
             log.warning("%s", notice)
             base.events.report_event("nothing_closes", notice)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.connection_scope import scopes_of
+from talaia.gateway.adapters.connection_scope import connection_names, scopes_of
 from talaia.model.description_follower import DescriptionFollower
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class ConnectionExchange:
 
     def redescribe(self, after: Site) -> None:
         """Serve another description; connections that stay as they were go on undisturbed."""
-        of = {name: after.connection_of(name) for name in after.devices}
+        of = connection_names(after)
         self._reachability.redescribe(of)
         adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
         scopes = {scope.name: scope for scope in scopes_of(after, self._numbering)}

@@ -23,7 +23,7 @@ import msgspec
 from talaia.clock import SECOND, SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway.adapters.catalog import adapter_of
-from talaia.gateway.adapters.connection_scope import scopes_of
+from talaia.gateway.adapters.connection_scope import connection_names, scopes_of
 from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.notices.settings import NoticeSettings  # noqa: TC001 - msgspec reads it
@@ -197,7 +197,7 @@ class Closing:
         self._site = site
         self._recorder, self._notices = recorder, notices
         loop = asyncio.get_running_loop()
-        of = {name: site.connection_of(name) for name in site.devices}
+        of = connection_names(site)
         reach = DeviceReachability(of, clock, lambda _state: None)
         nothing = _NoSamples()
         context = AdapterContext(
