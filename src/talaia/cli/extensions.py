@@ -1,15 +1,17 @@
-"""``talaia extensions``: list what other packages bring, with its keys, and what is broken."""
+"""``talaia extensions``: list what packages and a folder of tiles bring, and what is broken."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.extend import API_VERSION
 from talaia.extensions.declared import AdapterExtension, DetectorExtension, NotifierExtension
 from talaia.extensions.installed import installed
 from talaia.extensions.shown import keys_shown
+from talaia.extensions.tile_folder import TileFolder, read_tiles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -20,13 +22,25 @@ __all__ = ["main"]
 
 
 def main(argv: Sequence[str]) -> int:
-    """List them; 0 when all can be used, 1 when one is broken."""
-    argparse.ArgumentParser(
+    """List them; 0 when all can be used, 1 when one is broken, 2 without the folder of tiles."""
+    parser = argparse.ArgumentParser(
         "talaia extensions",
         description="List the adapters, detectors, notifiers and importers that packages beside"
-        " this one bring, with the keys that each takes; and what of them is broken, with the"
-        " reason.",
-    ).parse_args(argv)
+        " this one bring, with the keys that each takes, and the tiles of a hub's folder; and what"
+        " of them is broken, with the reason.",
+    )
+    parser.add_argument(
+        "--extensions",
+        type=Path,
+        metavar="FOLDER",
+        help="also list the tiles in this folder, as the hub would read it",
+    )
+    folder: Path | None = parser.parse_args(argv).extensions
+    try:
+        tiles = TileFolder() if folder is None else read_tiles(folder)
+    except OSError as error:
+        print(f"{folder} cannot be read: {error.strerror or error}", file=sys.stderr)
+        return 2
     found = installed()
     every = found.every()
     for extension in every:
@@ -39,11 +53,15 @@ def main(argv: Sequence[str]) -> int:
                 must = "required" if key.required else f"default {key.default or 'empty'}"
                 about = f": {key.about}" if key.about else ""
                 print(f"  {title}{key.name} ({key.type}, {must}){about}")
-    if not every:
+    for tile in tiles.tiles:
+        print(f"tile {tile.name}: {tile.manifest.title} (can be used)")
+    if not every and not tiles.tiles:
         print(f"no extensions are installed here (talaia.extend version {API_VERSION})")
     for broken in found.broken():
         print(broken, file=sys.stderr)
-    return 1 if found.broken() else 0
+    for broken_tile in tiles.broken:
+        print(f"tile {broken_tile.name}: broken: {broken_tile.problem}", file=sys.stderr)
+    return 1 if found.broken() or tiles.broken else 0
 
 
 def _key_sets(declared: Declared) -> Iterator[tuple[str, type[ExtensionKeys]]]:

@@ -7,7 +7,6 @@ tile that cannot be used is named with the reason; it takes no other with it.
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -32,8 +31,6 @@ __all__ = [
     "TileManifest",
     "read_tiles",
 ]
-
-_LOG = logging.getLogger(__name__)
 
 TILE_API_VERSION: Final = 1
 """Of the keys in ``tile.json`` and of what a component is given; the pages know the same."""
@@ -139,7 +136,7 @@ class _TileProblem(Exception):
 
 
 def read_tiles(folder: Path) -> TileFolder:
-    """Read every tile of a folder into memory; name those that cannot be used in the log.
+    """Read every tile of a folder into memory; those that cannot be used are given with the reason.
 
     Raises:
         OSError: the folder cannot be listed.
@@ -158,7 +155,6 @@ def read_tiles(folder: Path) -> TileFolder:
         except (_TileProblem, OSError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             broken.append(BrokenTile(entry.name, reason))
-            _LOG.error("the tile %r cannot be used: %s", entry.name, reason)
     return TileFolder(tuple(tiles), tuple(broken))
 
 

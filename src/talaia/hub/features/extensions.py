@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from talaia.extensions.tile_folder import TileFolder, read_tiles
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from talaia.hub.settings import Settings
 
 __all__ = ["ExtensionsFeature", "tiles_of"]
+
+_LOG = logging.getLogger(__name__)
 
 
 class ExtensionsFeature(Feature):
@@ -34,7 +37,7 @@ class ExtensionsFeature(Feature):
 
 
 def tiles_of(settings: Settings) -> TileFolder:
-    """Read the folder of tiles that the settings name.
+    """Read the folder of tiles that the settings name; the log names those that are broken.
 
     Raises:
         CannotStart: it is not there, cannot be read, or is where uploads are kept.
@@ -49,9 +52,13 @@ def tiles_of(settings: Settings) -> TileFolder:
             "choose a folder that only the administrator of this machine fills",
         )
     try:
-        return read_tiles(chosen)
+        found = read_tiles(chosen)
     except OSError as error:
         raise CannotStart(
             f"--extensions {chosen} cannot be read: {error.strerror or error}",
             "name a folder that has a folder for each tile",
         ) from error
+    # Named here, too: on the page only admins see it, and nobody before somebody signs in.
+    for tile in found.broken:
+        _LOG.error("the tile %r in %s cannot be used: %s", tile.name, chosen, tile.problem)
+    return found
