@@ -36,11 +36,14 @@ class _Stopped(NullAdapter):
         self.devices.append(device)
 
 
+class _Events:
+    def report_event(self, kind: str, message: str = "", **about: object) -> None:
+        """Nobody listens."""
+
+
 async def test_a_device_that_moves_to_another_connection_is_told_and_lost_by_that_one() -> None:
-    before, after = (
-        load_site(BEFORE),
-        load_site(BEFORE.replace("connection: left", "connection: right")),
-    )
+    before = load_site(BEFORE)
+    after = load_site(BEFORE.replace("connection: left", "connection: right"))
     numbering, made, said = ChannelNumbering(before), {}, []
     of = connection_names(before)
     reachability = DeviceReachability(of, SystemClock(), said.append)
@@ -52,7 +55,7 @@ async def test_a_device_that_moves_to_another_connection_is_told_and_lost_by_tha
         )
 
     adapters = {scope.name: make(scope) for scope in scopes_of(before, numbering)}
-    adapter = MultiAdapter(of=of, adapters=dict(adapters), reach=reachability, events=None)
+    adapter = MultiAdapter(of=of, adapters=dict(adapters), reach=reachability, events=_Events())
     exchange = ConnectionExchange(
         site=before,
         numbering=numbering,
