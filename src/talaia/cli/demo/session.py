@@ -8,7 +8,6 @@ import shlex
 import shutil
 import tempfile
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -32,9 +31,6 @@ __all__ = [
 ]
 
 ROLES = ("admin", "operator", "guest")
-# bcrypt's cost makes up for passwords that people choose. These are 48 random bits, are printed on
-# the terminal, and three of them at the usual cost kept a demo from starting for most of a second.
-_PASSWORD_COST = 8
 
 
 class Login(NamedTuple):
@@ -60,7 +56,6 @@ def data_folder(kept: Path | None, prefix: str) -> Iterator[Path]:
 async def make_logins(settings: Settings) -> list[Login]:
     """Make a person of each role; in a kept folder the same people get new passwords."""
     logins = [Login(role, secrets.token_urlsafe(6), role) for role in ROLES]
-    settings = replace(settings, password_cost=_PASSWORD_COST)
     for login in logins:
         try:
             await accounts.create_user(settings, *login)
