@@ -17,8 +17,8 @@ import stack
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from talaia.cli.parts import Part, end_all, start_talaia
-from talaia.sim import domain
+from talaia.cli.child_processes import ChildProcess, end_all, start_talaia
+from talaia.sim import ros_domain
 from talaia.wire import frames
 
 if TYPE_CHECKING:
@@ -115,8 +115,8 @@ async def seen(seconds: float = 20) -> Seen:
 async def _gateway(port: int) -> AsyncIterator[stack.Stack]:
     with tempfile.TemporaryDirectory(prefix="talaia-bench-") as name:
         folder = Path(name)
-        world = domain.reserve().domain
-        here = domain.environment(world)
+        world = ros_domain.reserve().domain
+        here = ros_domain.environment(world)
         (folder / "key").write_text("nobody-asks-for-it")
         (folder / "site.yaml").write_text(stack.site_text(1, camera=True, detect=DETECT))
         words = [
@@ -124,7 +124,7 @@ async def _gateway(port: int) -> AsyncIterator[stack.Stack]:
             "--allow-plain", "--key-file", str(folder / "key"),
             "--data", str(folder / "gateway"), "--ros-domain", str(world),
         ]  # fmt: skip
-        gateway: Part = await start_talaia("gateway", words, folder / "gateway.log", here)
+        gateway: ChildProcess = await start_talaia("gateway", words, folder / "gateway.log", here)
         try:
             await gateway.says("linked to", 30)
             yield stack.Stack(folder, port, gateway, gateway, here)

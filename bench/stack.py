@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import psutil
 
-from talaia.cli.parts import Part, end_all, start_talaia
+from talaia.cli.child_processes import ChildProcess, end_all, start_talaia
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
-from talaia.sim import domain
+from talaia.sim import ros_domain
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
@@ -31,8 +31,8 @@ class Stack(NamedTuple):
 
     folder: Path
     port: int
-    hub: Part
-    gateway: Part
+    hub: ChildProcess
+    gateway: ChildProcess
     environment: dict[str, str]
 
     @property
@@ -90,8 +90,8 @@ async def running(
     with tempfile.TemporaryDirectory(prefix="talaia-bench-") as name:
         folder = Path(name)
         port = free_port()
-        world = domain.reserve().domain
-        here = domain.environment(world)
+        world = ros_domain.reserve().domain
+        here = ros_domain.environment(world)
         settings = Settings(data=folder, host="127.0.0.1", port=port)
         await accounts.create_user(settings, "admin", PASSWORD, "admin")
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
@@ -148,7 +148,7 @@ def context(stack: Stack) -> ssl.SSLContext:
     return trust
 
 
-async def cpu_percent(part: Part, seconds: float) -> float:
+async def cpu_percent(part: ChildProcess, seconds: float) -> float:
     """Measure a process's use of one core over some seconds, in percent."""
     process = psutil.Process(part.process.pid)
     before = process.cpu_times()

@@ -14,7 +14,7 @@ from patience import PATIENCE_S
 from segments import segments_of, write_crash_row
 
 from talaia.shared_memory import Removed, remove_dead_segments
-from talaia.sim import domain
+from talaia.sim import ros_domain
 
 # `make proofs` kills a hundred.
 KILLS = 100 if "TALAIA_PROOF_TABLE" in os.environ else 4
@@ -127,8 +127,8 @@ def end(process: subprocess.Popen[bytes], number: int) -> None:
 @pytest.mark.skipif(not importlib.util.find_spec("rclpy"), reason="ROS 2 (rclpy) is missing")
 @pytest.mark.timeout(60 + KILLS * 10)
 def test_a_crash_loop_of_ros_nodes_leaves_nothing_and_a_living_one_is_spared() -> None:
-    with domain.reserve() as reserved:
-        environment = domain.environment(reserved.domain)
+    with ros_domain.reserve() as reserved:
+        environment = ros_domain.environment(reserved.domain)
         living = start_node(environment)
         try:
             spared, dead = segments_of(living.pid), dict[Path, int]()

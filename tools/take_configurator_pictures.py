@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 os.environ["QT_QPA_PLATFORM"] = "offscreen"
 
-from talaia.configurator.places import with_value
+from talaia.configurator.description_paths import with_value
 from talaia.configurator.qt.app import make_application
 from talaia.configurator.qt.palette import DARK, LIGHT
 from talaia.configurator.qt.window import Means, Window

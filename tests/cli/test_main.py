@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from talaia.cli.main import COMMANDS, main
-from talaia.objects import here
+from talaia.objects import availability
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
 
@@ -73,7 +73,7 @@ def test_check_tells_whether_this_machine_could_see_objects(
         "detect: {classes: [nut], model: ours}}}}}\n"
     )
     own = tmp_path / "nanodet.onnx"
-    monkeypatch.setattr(here, "OWN_FILE", own)
+    monkeypatch.setattr(availability, "OWN_FILE", own)
     assert main(["check", str(path)]) == 0
     said = capsys.readouterr().out
     assert f"c/one: objects cannot be seen on this machine: {own} is missing; create it:" in said

@@ -8,10 +8,10 @@ import msgspec
 import pytest
 from hypothesis import given, strategies as st
 
+from talaia.configurator.description_paths import find_spot, remove_value, value_at, with_value
 from talaia.configurator.document import MAX_STEPS, Document
 from talaia.configurator.edits import new_site
 from talaia.configurator.errors import NoSuchPlace
-from talaia.configurator.places import spot_of, take_out, value_at, with_value
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
@@ -127,7 +127,7 @@ def test_each_problem_leads_to_the_thing_and_its_field(
 def test_a_key_with_dots_in_it_is_found_all_the_same() -> None:
     site = load_site(AGV)
     odd = with_value(site, ("devices", "a.b [c]"), site.devices["power"])
-    spot = spot_of(odd, "$.devices.a.b [c].signals.charge.unit")
+    spot = find_spot(odd, "$.devices.a.b [c].signals.charge.unit")
     assert spot.node == ("devices", "a.b [c]", "signals", "charge")
     assert spot.field == ("unit",)
 
@@ -137,7 +137,7 @@ def test_a_place_that_is_not_there_is_told_with_its_path() -> None:
     with pytest.raises(NoSuchPlace, match=r"\$\.devices\.base\.signals\.sped"):
         value_at(site, ("devices", "base", "signals", "sped", "unit"))
     with pytest.raises(NoSuchPlace):
-        take_out(site, ("devices", "nowhere"))
+        remove_value(site, ("devices", "nowhere"))
 
 
 def test_devices_of_a_command_file_are_checked_but_not_saved(tmp_path: Path) -> None:

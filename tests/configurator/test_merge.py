@@ -5,8 +5,8 @@ from __future__ import annotations
 import msgspec
 
 from talaia.configurator import edits
+from talaia.configurator.description_paths import with_value
 from talaia.configurator.merge import merge_findings
-from talaia.configurator.places import with_value
 from talaia.configurator.presets import SENSORS
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.probe_report import FieldFound, Found, ServiceFound, TopicFound

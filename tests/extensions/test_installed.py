@@ -17,7 +17,7 @@ import talaia.extend.detector
 import talaia.extend.importer
 import talaia.extend.notifier
 from talaia.extend import API_VERSION
-from talaia.extensions.declared import NotifierExtension
+from talaia.extensions.declarations import NotifierExtension
 from talaia.extensions.installed import installed
 
 from .broken_packages import DETECTOR, write_package

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 from patience import PATIENCE_S
 
-from talaia.sim.domain import reserve
+from talaia.sim.ros_domain import reserve
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # test modules are imported by path; their shared parts by name

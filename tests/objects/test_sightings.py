@@ -3,16 +3,16 @@
 import pytest
 from hypothesis import given, strategies as st
 
+from talaia.objects.detection import Detection
 from talaia.objects.sightings import GONE_US, ObjectSighting, Sightings
-from talaia.objects.things import Thing
 
 pytestmark = pytest.mark.pure
 
 STEP = 100_000
 
 
-def box(label: str, score: float = 0.8) -> Thing:
-    return Thing(label, score, 0.1, 0.1, 0.2, 0.2)
+def box(label: str, score: float = 0.8) -> Detection:
+    return Detection(label, score, 0.1, 0.1, 0.2, 0.2)
 
 
 def watching() -> Sightings:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import talaia
-from talaia.sim.domain import environment, reserve
+from talaia.sim.ros_domain import environment, reserve
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

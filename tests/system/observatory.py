@@ -15,7 +15,7 @@ from ports import free_port
 
 from talaia.gateway.watchdog.feeding import dismiss
 from talaia.model.yaml_text.load import dump_site, load_site
-from talaia.sim import domain
+from talaia.sim import ros_domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
 
 from .stack import SOURCE, Process, until
@@ -38,8 +38,8 @@ class Observatory:
         self._roof = roof
         self.folder = folder
         self._ros1 = ["--ros1"] if ros1 else []
-        self._world = domain.reserve()
-        self.environment = domain.environment(self._world.domain)
+        self._world = ros_domain.reserve()
+        self.environment = ros_domain.environment(self._world.domain)
         if ros1:
             uri = f"http://127.0.0.1:{free_port()}"
             self.environment = {

@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, expect
 from talaia.model.checks.site_checks import check
 from talaia.model.connection import RosSource, Source
 from talaia.model.yaml_text.load import read_site
-from talaia.sim import domain
+from talaia.sim import ros_domain
 
 from .conftest import missing
 from .pages import sign_in
@@ -30,8 +30,8 @@ def robot() -> Iterator[dict[str, str]]:
     """The unknown robot, running; gives the environment that reaches it."""
     if not importlib.util.find_spec("rclpy"):
         missing("rclpy")
-    place = domain.reserve()
-    here = {**os.environ, **domain.environment(place.domain), "PYTHONUNBUFFERED": "1"}
+    place = ros_domain.reserve()
+    here = {**os.environ, **ros_domain.environment(place.domain), "PYTHONUNBUFFERED": "1"}
     script = Path(__file__).with_name("unknown_robot.py")
     process = subprocess.Popen(
         [sys.executable, str(script)], env=here, stdout=subprocess.PIPE, text=True

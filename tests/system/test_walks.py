@@ -25,7 +25,7 @@ from indi_server import server_of
 
 from talaia.model.checks.site_checks import check
 from talaia.model.yaml_text.load import read_site
-from talaia.sim import domain
+from talaia.sim import ros_domain
 
 from .conftest import missing
 from .walk import stored, talaia, until_stored, up, walked
@@ -54,8 +54,8 @@ def ros2_world() -> Iterator[tuple[dict[str, str], int]]:
     for module in ("rclpy", "mujoco"):
         if not importlib.util.find_spec(module):
             missing(module)
-    with domain.reserve() as place:
-        here = {**os.environ, **domain.environment(place.domain), "PYTHONUNBUFFERED": "1"}
+    with ros_domain.reserve() as place:
+        here = {**os.environ, **ros_domain.environment(place.domain), "PYTHONUNBUFFERED": "1"}
         here.pop("ROS_MASTER_URI", None)
         yield here, place.domain
 

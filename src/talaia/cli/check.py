@@ -11,14 +11,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.extensions.declared import AdapterExtension, DetectorExtension
+from talaia.extensions.declarations import AdapterExtension, DetectorExtension
 from talaia.extensions.installed import installed
 from talaia.model.checks.site_checks import check
 from talaia.model.connection import ExtensionConnection
 from talaia.model.errors import DescriptionError
 from talaia.model.interlocks.unguarded import unguarded_notice
 from talaia.model.yaml_text.load import read_site
-from talaia.objects.here import sight_here
+from talaia.objects.availability import detection_availability
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -55,7 +55,7 @@ def main(argv: Sequence[str]) -> int:
                 print(f"{path}: note: {notice}")
             for line in _not_judged(site):
                 print(f"{path}: note: {line}")
-            for sight in sight_here(site, path.parent):
+            for sight in detection_availability(site, path.parent):
                 print(f"{path}: {sight.said}")
     for broken in installed().broken():
         print(broken, file=sys.stderr)

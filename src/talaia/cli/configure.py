@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError, PartMissing
-from talaia.cli.places import has_screen, open_page, zone_here
+from talaia.cli.local_machine import has_screen, open_page, zone_here
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

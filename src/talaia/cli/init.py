@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
-from talaia.cli.places import zone_here
+from talaia.cli.local_machine import zone_here
 from talaia.cli.probe import add_options, probe_robot
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.generate_description import propose

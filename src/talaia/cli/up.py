@@ -9,10 +9,10 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.cli.child_processes import ChildProcess, run_together, start_talaia
 from talaia.cli.errors import CliError
 from talaia.cli.keys import is_good, make_key
-from talaia.cli.parts import Part, run_together, start_talaia
-from talaia.cli.places import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
+from talaia.cli.local_machine import DEFAULT_PORT, data_folder, free_port, has_screen, open_page
 from talaia.gateway.change_policy import AcceptedChanges
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.key_file import KeyFile
@@ -90,7 +90,7 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
 
 
 async def _start_and_greet(
-    options: argparse.Namespace, site: Site, data: Path, parts: list[Part], *, began: float
+    options: argparse.Namespace, site: Site, data: Path, parts: list[ChildProcess], *, began: float
 ) -> None:
     up = await _start_parts(options, site, data, parts)
     _print_greeting(up, site, data, time.monotonic() - began)
@@ -99,7 +99,7 @@ async def _start_and_greet(
 
 
 async def _start_parts(
-    options: argparse.Namespace, site: Site, data: Path, parts: list[Part]
+    options: argparse.Namespace, site: Site, data: Path, parts: list[ChildProcess]
 ) -> _Up:
     plain = is_loopback(options.host)
     port = free_port(options.port, options.host)

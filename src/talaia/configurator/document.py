@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from talaia.configurator.places import Spot, spot_of
+from talaia.configurator.description_paths import Spot, find_spot
 from talaia.model.checks.site_checks import check
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.save import save_into_text
@@ -160,7 +160,7 @@ class Document:
         if self._checked is None or self._checked[0] is not site:
             whole = msgspec.structs.replace(site, devices={**self._elsewhere, **site.devices})
             found = tuple(
-                Problem(*finding, spot_of(site, finding.where)) for finding in check(whole)
+                Problem(*finding, find_spot(site, finding.where)) for finding in check(whole)
             )
             self._checked = (site, found)
         return self._checked[1]

@@ -12,8 +12,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
+from talaia.configurator.description_paths import (
+    Path,
+    new_source,
+    remove_value,
+    value_at,
+    with_value,
+)
 from talaia.configurator.errors import ConfiguratorError, WordTaken
-from talaia.configurator.places import Path, new_source, take_out, value_at, with_value
 from talaia.model.ai_services import AiServices
 from talaia.model.connection import ROS_KINDS, RosSource, kind_of, source_as
 from talaia.model.discovery.ros_units import word_of
@@ -336,7 +342,7 @@ def without_things(site: Site, paths: Iterable[Path]) -> Site:
     """Take things out, what driving looked at among them, and devices that this leaves empty."""
     paths = list(paths)
     for path in paths:
-        site = take_out(site, path)
+        site = remove_value(site, path)
     gone = {f"{path[1]}/{path[3]}" for path in paths if len(path) == 4 and path[0] == "devices"}
     for word in driven_devices(site):
         site = with_value(site, ("devices", word, "drive"), _drive_without(site, word, gone))
@@ -344,7 +350,7 @@ def without_things(site: Site, paths: Iterable[Path]) -> Site:
         device = site.devices.get(word)
         bare = device and not (device.signals or device.streams or device.commands or device.indi)
         if bare and device and device.drive is None and device.frames is None:
-            site = take_out(site, ("devices", word))
+            site = remove_value(site, ("devices", word))
     return site
 
 

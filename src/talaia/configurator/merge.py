@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
+from talaia.configurator.description_paths import Path, value_at, with_value
 from talaia.configurator.edits import free_word
-from talaia.configurator.places import Path, value_at, with_value
 from talaia.model.checks.site_checks import check
 from talaia.model.connection import kind_of
 from talaia.model.discovery.generate_description import propose

@@ -7,6 +7,6 @@ one `API_VERSION`: it may get more, and nothing goes or means something else. Ho
 
 from __future__ import annotations
 
-from talaia.extensions.declared import API_VERSION, ExtensionKeys
+from talaia.extensions.declarations import API_VERSION, ExtensionKeys
 
 __all__ = ["API_VERSION", "ExtensionKeys"]

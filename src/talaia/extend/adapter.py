@@ -11,7 +11,7 @@ from talaia.extensions.adapter_host import (
     ExtensionCommand,
     WantedSignal,
 )
-from talaia.extensions.declared import AdapterExtension, ExtensionKeys
+from talaia.extensions.declarations import AdapterExtension, ExtensionKeys
 
 __all__ = [
     "AdapterExtension",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from talaia.extensions.declared import DetectorExtension, ExtensionKeys
+from talaia.extensions.declarations import DetectorExtension, ExtensionKeys
 from talaia.hub.anomaly.base import AnomalyDetector
 
 __all__ = ["AnomalyDetector", "DetectorExtension", "ExtensionKeys"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from talaia.extensions.declared import (
+from talaia.extensions.declarations import (
     ImportedSample,
     ImporterExtension,
     ImportProblem,

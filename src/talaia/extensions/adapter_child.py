@@ -28,20 +28,20 @@ from talaia.extensions.adapter_host import (
     ExtensionCommand,
     WantedSignal,
 )
-from talaia.extensions.adapter_words import (
-    ActWords,
+from talaia.extensions.adapter_messages import (
+    ActMessage,
     AdapterJob,
-    CancelWords,
-    DeviceWords,
-    DoneWords,
-    EndWords,
-    ReportWords,
-    UpWords,
-    ValueWords,
+    CancelMessage,
+    DoneMessage,
+    EndMessage,
+    ReachableMessage,
+    ReportMessage,
+    UpMessage,
+    ValueMessage,
     read_to_adapter,
     write_message,
 )
-from talaia.extensions.declared import ExtensionKeys
+from talaia.extensions.declarations import ExtensionKeys
 from talaia.extensions.installed import installed
 from talaia.model.checks.extension_rules import keys_fit
 
@@ -49,8 +49,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from talaia.extensions.adapter_host import ExtensionAdapter
-    from talaia.extensions.adapter_words import FromAdapter
-    from talaia.extensions.declared import AdapterExtension
+    from talaia.extensions.adapter_messages import FromAdapter
+    from talaia.extensions.declarations import AdapterExtension
     from talaia.model.checks.identifiers import Finding
 
 __all__ = ["main"]
@@ -83,7 +83,7 @@ class _Host:
         self._writer = writer
 
     def connected(self) -> None:
-        self.send(UpWords())
+        self.send(UpMessage())
 
     def publish(self, address: str, value: float | str, time_us: int | None = None) -> None:
         if address not in self._known:
@@ -94,13 +94,13 @@ class _Host:
         if isinstance(value, float) and not math.isfinite(value):
             # JSON has no such number.
             value = str(value)
-        self.send(ValueWords(address, value, None if time_us is None else int(time_us)))
+        self.send(ValueMessage(address, value, None if time_us is None else int(time_us)))
 
     def device_reachable(self, device: str, *, reachable: bool, why: str = "") -> None:
-        self.send(DeviceWords(device, reachable, why[:_MAX_SAID]))
+        self.send(ReachableMessage(device, reachable, why[:_MAX_SAID]))
 
     def report(self, kind: str, message: str) -> None:
-        self.send(ReportWords(kind[:100], message[:_MAX_SAID]))
+        self.send(ReportMessage(kind[:100], message[:_MAX_SAID]))
 
     def send(self, words: FromAdapter) -> None:
         self._writer.write(write_message(words))
@@ -114,34 +114,34 @@ class _Session:
         # Commands under way, by the gateway's number; the gateway may cancel one by it.
         self._acts: dict[int, asyncio.Task[None]] = {}
 
-    async def serve(self, reader: asyncio.StreamReader) -> EndWords:
+    async def serve(self, reader: asyncio.StreamReader) -> EndMessage:
         running = asyncio.ensure_future(self._run_adapter())
         hearing = asyncio.ensure_future(self._hear(reader))
         try:
             await asyncio.wait([running, hearing], return_when=asyncio.FIRST_COMPLETED)
-            return running.result() if running.done() else EndWords("the gateway has gone away")
+            return running.result() if running.done() else EndMessage("the gateway has gone away")
         finally:
             tasks = [running, hearing, *self._acts.values()]
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _run_adapter(self) -> EndWords:
+    async def _run_adapter(self) -> EndMessage:
         try:
             await self._adapter.run()
         except ConnectionLost as error:
-            return EndWords(str(error)[:_MAX_SAID])
+            return EndMessage(str(error)[:_MAX_SAID])
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
             return _end_of_broken(error)
-        return EndWords("its run ended by itself", broken=True)
+        return EndMessage("its run ended by itself", broken=True)
 
     async def _hear(self, reader: asyncio.StreamReader) -> None:
         while line := await reader.readline():
             match read_to_adapter(line):
-                case ActWords() as act:
+                case ActMessage() as act:
                     task = self._acts[act.number] = asyncio.ensure_future(self._run_command(act))
                     task.add_done_callback(partial(self._forget_task, act.number))
-                case CancelWords(number=number):
+                case CancelMessage(number=number):
                     if number in self._acts:
                         self._acts[number].cancel()
                 case AdapterJob():
@@ -150,21 +150,21 @@ class _Session:
     def _forget_task(self, number: int, _task: asyncio.Task[None]) -> None:
         self._acts.pop(number, None)
 
-    async def _run_command(self, act: ActWords) -> None:
-        done = DoneWords(act.number, "unknown", "it was cancelled; check the device")
+    async def _run_command(self, act: ActMessage) -> None:
+        done = DoneMessage(act.number, "unknown", "it was cancelled; check the device")
         try:
             # Without commands there are no keys that fit.
             keys = msgspec.convert(act.keys, self._declared.command or ExtensionKeys)
             said = await self._adapter.execute(ExtensionCommand(act.device, act.command, keys))
-            done = DoneWords(act.number, "succeeded", str(said or "")[:_MAX_SAID])
+            done = DoneMessage(act.number, "succeeded", str(said or "")[:_MAX_SAID])
         except (CommandRefused, msgspec.ValidationError) as error:
-            done = DoneWords(act.number, "refused", str(error)[:_MAX_SAID])
+            done = DoneMessage(act.number, "refused", str(error)[:_MAX_SAID])
         except ExecutionFailed as error:
-            done = DoneWords(act.number, "failed", str(error)[:_MAX_SAID])
+            done = DoneMessage(act.number, "failed", str(error)[:_MAX_SAID])
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
             traceback.print_exc()
             said = f"the extension failed: {type(error).__name__}: {error}"
-            done = DoneWords(act.number, "unknown", said[:_MAX_SAID])
+            done = DoneMessage(act.number, "unknown", said[:_MAX_SAID])
         finally:
             self._host.send(done)
 
@@ -199,7 +199,7 @@ async def _exchange_messages(connection: socket.socket) -> None:
 
 async def _serve_gateway(
     job: AdapterJob, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-) -> EndWords:
+) -> EndMessage:
     declared = installed().adapters().get(job.extension)
     if declared is None:
         said = [
@@ -207,9 +207,9 @@ async def _serve_gateway(
             for broken_extension in installed().broken()
             if broken_extension.name == job.extension
         ]
-        return EndWords("; ".join(said) or "it is not installed here", broken=True)
+        return EndMessage("; ".join(said) or "it is not installed here", broken=True)
     if findings := [str(finding) for finding in _job_findings(job, declared)]:
-        return EndWords("; ".join(findings)[:_MAX_SAID], broken=True)
+        return EndMessage("; ".join(findings)[:_MAX_SAID], broken=True)
     try:
         host = _Host(job, declared, writer)
         adapter = declared.make(msgspec.convert(job.keys, declared.connection), host)
@@ -226,9 +226,9 @@ def _job_findings(job: AdapterJob, declared: AdapterExtension) -> Iterator[Findi
         yield from keys_fit(where, declared.source, wanted.keys)
 
 
-def _end_of_broken(error: Exception) -> EndWords:
+def _end_of_broken(error: Exception) -> EndMessage:
     traceback.print_exception(error)
-    return EndWords(f"{type(error).__name__}: {error}"[:_MAX_SAID], broken=True)
+    return EndMessage(f"{type(error).__name__}: {error}"[:_MAX_SAID], broken=True)
 
 
 if __name__ == "__main__":

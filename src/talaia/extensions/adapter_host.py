@@ -14,7 +14,7 @@ from talaia.errors import TalaiaError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from talaia.extensions.declared import ExtensionKeys
+    from talaia.extensions.declarations import ExtensionKeys
 
 __all__ = [
     "AdapterHost",

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 
-from talaia.extensions.declared import (
+from talaia.extensions.declarations import (
     API_VERSION,
     AdapterExtension,
     Declared,

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from talaia.clock import Clock
-    from talaia.gateway.assembly.part import GatewayPart
+    from talaia.gateway.assembly.gateway_part import GatewayPart
     from talaia.gateway.reload.description_file import DescriptionFile
     from talaia.gateway.settings import GatewaySettings
     from talaia.model.site import Site

@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from talaia.objects.detection import LABEL_LETTERS
 from talaia.objects.detector import Detector, OutputFormat, Setting
 from talaia.objects.errors import DetectorError
-from talaia.objects.things import LABEL_LETTERS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

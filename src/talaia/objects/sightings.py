@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.objects.things import Thing
+    from talaia.objects.detection import Detection
 
 __all__ = ["ObjectSighting", "Sightings"]
 
@@ -78,7 +78,7 @@ class Sightings:
         self._at_us: int | None = None
         self.fresh: frozenset[str] = frozenset()
 
-    def add_picture(self, things: Sequence[Thing], at_us: int) -> list[ObjectSighting]:
+    def add_picture(self, things: Sequence[Detection], at_us: int) -> list[ObjectSighting]:
         """Take what is on a picture, in order of time.
 
         Returns:

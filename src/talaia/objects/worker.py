@@ -29,9 +29,9 @@ import numpy as np
 
 from talaia.model.coco_classes import COCO
 from talaia.objects.child import HEAD, LONGEST_LOAD_S, LONGEST_LOOK_S
+from talaia.objects.detection import Detection
 from talaia.objects.detector import NANODET
 from talaia.objects.errors import DetectorError
-from talaia.objects.things import Thing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -115,7 +115,7 @@ class Worker:
         if model in self._running:
             self._end(model)
 
-    async def seen(self, model: str, rgb: NDArray[np.uint8], least: float) -> list[Thing]:
+    async def seen(self, model: str, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
         """Find things on a picture.
 
         Pictures for one detector take turns in the order in which they are given.
@@ -191,7 +191,7 @@ class _Running:
         self._failed_at = 0.0
         self._closed = False
 
-    async def seen(self, rgb: NDArray[np.uint8], least: float) -> list[Thing]:
+    async def seen(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
         """See `Worker.seen`."""
         async with self._turn:
             if self._closed:
@@ -250,7 +250,7 @@ class _Child:
         self._words: deque[str] = deque(maxlen=20)
         self.closed = False
 
-    def ask(self, rgb: NDArray[np.uint8], least: float) -> list[Thing]:
+    def ask(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
         """Show a picture; blocks.
 
         Raises:
@@ -264,7 +264,7 @@ class _Child:
         told = self._told_of(HEAD.pack(*shown.shape[:2], least), shown.data.cast("B"))
         try:
             return [
-                Thing(str(box[0]), *(min(max(float(one), 0.0), 1.0) for one in box[1:]))
+                Detection(str(box[0]), *(min(max(float(one), 0.0), 1.0) for one in box[1:]))
                 for box in told["things"]
             ]
         except (KeyError, ValueError, TypeError, IndexError) as error:

@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from talaia.configurator.looking import LookPhase
+from talaia.configurator.robot_discovery import DiscoveryPhase
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.probe_report import FieldFound, Found, TopicFound
 
@@ -41,7 +41,7 @@ def scripted(tmp_path: Path, make_window: Callable[..., Any]) -> Callable[[str],
 
 
 def finished(dialog: Any) -> bool:
-    return dialog.look.phase not in (LookPhase.RUNNING, LookPhase.CANCELLING)
+    return dialog.look.phase not in (DiscoveryPhase.RUNNING, DiscoveryPhase.CANCELLING)
 
 
 def test_what_is_found_fills_the_description_as_one_step(scripted: Any, qt: Any) -> None:
@@ -72,7 +72,7 @@ def test_a_cancelled_look_ends_its_process_and_changes_nothing(scripted: Any, qt
     wait(qt, lambda: dialog.bar.value() > 5)
     dialog.close_button.click()
     wait(qt, lambda: finished(dialog))
-    assert dialog.look.phase is LookPhase.CANCELLED
+    assert dialog.look.phase is DiscoveryPhase.CANCELLED
     assert "nothing was changed" in dialog.told.text()
     assert dialog.isVisible()
     assert not window.editor.document.is_changed
@@ -97,7 +97,7 @@ def test_a_bad_host_is_told_before_anything_is_run(window: Any) -> None:
         dialog.host.setText(host)
         dialog.start_button.click()
         assert "not a computer's name" in dialog.problem.text()
-        assert dialog.look.phase is LookPhase.IDLE
+        assert dialog.look.phase is DiscoveryPhase.IDLE
     dialog.close()
 
 
@@ -119,7 +119,7 @@ def test_over_ssh_the_words_are_arguments_and_no_shell_sees_them(
     dialog.program.setText("/opt/talaia/bin/talaia")
     dialog.start()
     wait(qt, lambda: finished(dialog))
-    assert dialog.look.phase is LookPhase.DONE
+    assert dialog.look.phase is DiscoveryPhase.DONE
     assert (tmp_path / "given").read_text().splitlines() == [
         "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10", "-p", "2222", "--",
         "ana@robot.local", "/opt/talaia/bin/talaia", "probe", "--json", "--seconds", "5",

@@ -20,9 +20,9 @@ pytest.importorskip("playwright.sync_api")
 
 from playwright.sync_api import expect, sync_playwright
 
-from talaia.configurator.running import RunPhase
+from talaia.configurator.program_run import ProgramPhase
 from talaia.model.yaml_text.load import read_site
-from talaia.sim import domain
+from talaia.sim import ros_domain
 
 from ..conftest import answer, type_file, wait
 
@@ -51,8 +51,8 @@ def robot(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The founding robot, running; what this process starts then reaches it."""
     if not importlib.util.find_spec("rclpy"):
         missing("rclpy")
-    with domain.reserve() as place:
-        for key, value in domain.environment(place.domain).items():
+    with ros_domain.reserve() as place:
+        for key, value in ros_domain.environment(place.domain).items():
             monkeypatch.setenv(key, value)
         script = Path(__file__).with_name("founding_robot.py")
         process = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True)
@@ -101,8 +101,8 @@ def test_from_an_empty_window_to_live_charts_in_a_browser(
     answer(qt, type_file(file))
     window.generate.start_button.click()
     run = window.generate.run
-    wait(qt, lambda: run.phase is not RunPhase.STARTING, 90)
-    assert run.phase is RunPhase.UP, "\n".join(run.lines)
+    wait(qt, lambda: run.phase is not ProgramPhase.STARTING, 90)
+    assert run.phase is ProgramPhase.UP, "\n".join(run.lines)
     site = read_site(file)
     assert site.services is not None
     assert site.services.anomaly_detection
@@ -139,4 +139,4 @@ def test_from_an_empty_window_to_live_charts_in_a_browser(
         browser.close()
     window.generate.stop_button.click()
     wait(qt, lambda: not run.is_alive, 30)
-    assert run.phase is RunPhase.ENDED
+    assert run.phase is ProgramPhase.ENDED

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from talaia.configurator.places import value_at
+from talaia.configurator.description_paths import value_at
 from talaia.model.ai_services import AiServices
 from talaia.model.checks.site_checks import check
 from talaia.model.yaml_text.load import load_site, read_site

@@ -31,7 +31,7 @@ import talaia
 from talaia.model.discovery.command_file import site_of
 from talaia.model.site import Argument, ArgumentType, Command, CommandKind
 from talaia.model.yaml_text.load import dump_site, read_site
-from talaia.sim import domain
+from talaia.sim import ros_domain
 from talaia.wire.frames import (
     CommandPhase,
     CommandRequest,
@@ -85,8 +85,8 @@ def ros(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iter
         warnings.simplefilter("ignore", DeprecationWarning)
         for name in ("rclpy.node", "lark"):
             importlib.import_module(name)
-    with domain.reserve() as reservation:
-        for name, value in domain.environment(reservation.domain).items():
+    with ros_domain.reserve() as reservation:
+        for name, value in ros_domain.environment(reservation.domain).items():
             monkeypatch.setenv(name, value)
         yield "ros2"
 

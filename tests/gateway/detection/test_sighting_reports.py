@@ -18,10 +18,10 @@ from talaia.gateway.detection.sighting_reports import MOST_KEPT, DetectionReport
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
-from talaia.gateway.uplink.lanes import SendLanes
+from talaia.gateway.uplink.send_lanes import SendLanes
 from talaia.model.derived_signals import with_counts
 from talaia.model.yaml_text.load import load_site
-from talaia.objects.eyes import Told
+from talaia.objects.camera_objects import SightingNews
 from talaia.objects.sightings import ObjectSighting
 from talaia.wire.frames import LINK_FROM_GATEWAY, InterlockState, SightingReport
 
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 JPEG = b"\xff\xd8" + bytes(1000)
 
 
-def told(began_us: int, ended_us: int | None = None, thumbnail: bytes = JPEG) -> Told:
-    return Told(ObjectSighting("person", 2, 0.75, began_us, ended_us), thumbnail)
+def told(began_us: int, ended_us: int | None = None, thumbnail: bytes = JPEG) -> SightingNews:
+    return SightingNews(ObjectSighting("person", 2, 0.75, began_us, ended_us), thumbnail)
 
 
 class Bench:

@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 
 from talaia.clock import MS, SECOND, HandClock
 from talaia.gateway.safety.supervision import Supervision
-from talaia.gateway.watchdog.silence import Silence, WatchdogTask
+from talaia.gateway.watchdog.silence_timer import SilenceTimer, WatchdogTask
 
 
 class _NoHeartbeats:
@@ -55,7 +55,7 @@ def test_where_there_is_nothing_to_judge_the_loop_alone_counts() -> None:
 
 
 def test_silence_closes_and_a_beat_ends_that() -> None:
-    silence = Silence(0.0)
+    silence = SilenceTimer(0.0)
     silence.after_s = 10.0
     now = 0.0
     while (task := silence.judge(now)) is WatchdogTask.WAIT:
@@ -67,7 +67,7 @@ def test_silence_closes_and_a_beat_ends_that() -> None:
 
 
 def test_a_dead_gateway_is_waited_for_until_all_is_closed() -> None:
-    silence = Silence(0.0)
+    silence = SilenceTimer(0.0)
     silence.after_s = 2.0
     silence.hear_end()
     assert [silence.judge(each / 4) for each in range(8)] == [WatchdogTask.WAIT] * 8
@@ -77,7 +77,7 @@ def test_a_dead_gateway_is_waited_for_until_all_is_closed() -> None:
 
 
 def test_a_machine_that_stood_still_is_not_taken_for_a_dead_gateway() -> None:
-    silence = Silence(0.0)
+    silence = SilenceTimer(0.0)
     silence.after_s = 10.0
     assert silence.judge(3600.0) is WatchdogTask.WAIT
     silence.hear_beat()
@@ -86,7 +86,7 @@ def test_a_machine_that_stood_still_is_not_taken_for_a_dead_gateway() -> None:
 
 @given(st.lists(st.sampled_from(["beat", "look", "end", "closed"]), max_size=60))
 def test_after_a_goodbye_nothing_is_closed_whatever_comes(words: list[str]) -> None:
-    silence, now = Silence(0.0), 0.0
+    silence, now = SilenceTimer(0.0), 0.0
     silence.after_s = 2.0
     silence.hear_goodbye()
     for word in words:

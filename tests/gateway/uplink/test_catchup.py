@@ -14,7 +14,7 @@ from talaia.gateway.spool.sizes import USUAL, SpoolSizes
 from talaia.gateway.spool.spool_thread import SpoolThread
 from talaia.gateway.uplink import catchup
 from talaia.gateway.uplink.catchup import CatchUp
-from talaia.gateway.uplink.lanes import SendLanes
+from talaia.gateway.uplink.send_lanes import SendLanes
 from talaia.wire.columns import Columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch, StopState
 

@@ -28,7 +28,7 @@ from talaia.gateway.uplink.backoff import Backoff
 from talaia.gateway.uplink.catchup import as_old
 from talaia.gateway.uplink.dialling import OutageLog
 from talaia.gateway.uplink.heartbeat import HeartbeatMonitor, reply_to
-from talaia.gateway.uplink.lanes import SendLanes
+from talaia.gateway.uplink.send_lanes import SendLanes
 from talaia.wire.frames import LINK_FROM_GATEWAY, ControlTick, Event, SampleBatch, StopState
 
 if TYPE_CHECKING:

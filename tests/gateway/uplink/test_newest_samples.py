@@ -14,8 +14,8 @@ from talaia.gateway.spool.journal import SegmentHead, Spool
 from talaia.gateway.spool.sizes import SpoolSizes
 from talaia.gateway.spool.spool_thread import SpoolThread
 from talaia.gateway.uplink.catchup import CatchUp
-from talaia.gateway.uplink.lanes import SendLanes
 from talaia.gateway.uplink.newest_samples import NewestSamplesSender
+from talaia.gateway.uplink.send_lanes import SendLanes
 from talaia.wire.columns import Columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, NewestBatch, SampleBatch
 from talaia.wire.newest import newest_of

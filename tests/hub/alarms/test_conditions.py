@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
+from talaia.hub.alarms.condition_watch import ConditionTurn, ConditionWatch
 from talaia.hub.alarms.conditions import (
     AlarmCondition,
     ConditionReading,
@@ -18,7 +19,9 @@ from talaia.hub.alarms.conditions import (
     Truth,
     format_number,
 )
-from talaia.hub.alarms.machine import (
+from talaia.hub.alarms.preview import Track, preview
+from talaia.hub.alarms.rules import Rule, due_us, wants
+from talaia.hub.alarms.state_machine import (
     Acknowledge,
     Assign,
     Clear,
@@ -33,9 +36,6 @@ from talaia.hub.alarms.machine import (
     What,
     step,
 )
-from talaia.hub.alarms.preview import Track, preview
-from talaia.hub.alarms.rules import Rule, due_us, wants
-from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 from talaia.hub.notify.address_policy import may_reach
 from talaia.model.alarms.alarm import Alarm, AlarmKind, Severity
 from talaia.model.checks.alarm_checks import Addresses

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from talaia.clock import SECOND
+from talaia.hub.alarms.condition_watch import ConditionTurn, ConditionWatch
 from talaia.hub.alarms.conditions import AlarmCondition, ConditionReading
-from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 from talaia.model.checks.alarm_checks import Addresses
 from talaia.model.yaml_text.load import read_site
 from talaia.sim.observatory.models.weather import Weather

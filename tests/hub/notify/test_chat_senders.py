@@ -13,8 +13,8 @@ from urllib.parse import unquote
 import pytest
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.alarms.machine import Raise, State, step
 from talaia.hub.alarms.rules import Rule
+from talaia.hub.alarms.state_machine import Raise, State, step
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.notify.delivery_worker import DeliveryWorker
 from talaia.hub.notify.message import AlarmMessage

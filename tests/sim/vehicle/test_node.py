@@ -16,7 +16,7 @@ from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 from talaia.model.detection import DetectionSource
 from talaia.model.yaml_text.load import read_site
-from talaia.sim.domain import reserve
+from talaia.sim.ros_domain import reserve
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -17,9 +17,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, XMLPullParser, tostring
 
-from talaia.sim.observatory.ledger import Ledger
+from talaia.sim.observatory.control_pipe import ControlPipe, act_on
 from talaia.sim.observatory.models.ticket import Ticket
-from talaia.sim.observatory.orders import Orders, act_on
+from talaia.sim.observatory.request_log import RequestLog
 from talaia.sim.observatory.servers.base import Server, Stamped
 from talaia.sim.observatory.servers.catalog import make_server
 from talaia.sim.observatory.servers.dome import DomeServer
@@ -51,7 +51,7 @@ VALUES = ("clouds", "rain", "wind", "gust", "humidity", "dew_point", "temperatur
 class Device:
     """One device, as INDI sees it."""
 
-    def __init__(self, server: Server, ledger: Ledger) -> None:
+    def __init__(self, server: Server, ledger: RequestLog) -> None:
         """Take the model and where to write down."""
         self.server = server
         self.name = NAMES[server.name]
@@ -168,7 +168,7 @@ class Device:
             self._waiting.append((what, ticket))
 
     def obey(self, words: str) -> None:
-        """Do an order; see `talaia.sim.observatory.orders`."""
+        """Do an order; see `talaia.sim.observatory.control_pipe`."""
         name = self.server.name
         ticket = act_on(self.server, words)
         if ticket is None:
@@ -204,9 +204,9 @@ def _on(yes: bool) -> str:  # noqa: FBT001 - a switch's value
 
 def main(ledger: str, orders_file: str, speed: str, state: str) -> None:
     """Run until the server ends."""
-    kept, orders = Path(state), Orders(Path(orders_file))
+    kept, orders = Path(state), ControlPipe(Path(orders_file))
     beside = kept.with_suffix(".new")
-    book = Ledger(Path(ledger))
+    book = RequestLog(Path(ledger))
     devices = [
         Device(make_server(x, seed=1, unix_s=time.time(), call=lambda *_: Ticket.refused("")), book)
         for x in NAMES

@@ -210,7 +210,7 @@ class World(Observatory):
     # ── what is done to it ──
 
     def order(self, words: str) -> None:
-        """Tell the simulator a fault or a foreign hand; see `talaia.sim.observatory.orders`."""
+        """Tell the simulator a fault; see `talaia.sim.observatory.control_pipe`."""
         os.write(self._orders, f"{words}\n".encode())
 
     async def fault_at(self, words: str) -> int:

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from talaia.cli.child_processes import ChildProcess, run_together, start_program, start_talaia
 from talaia.cli.demo.session import data_folder, find_example, make_logins, print_greeting
 from talaia.cli.errors import CliError
-from talaia.cli.parts import Part, run_together, start_program, start_talaia
-from talaia.cli.places import free_port, has_screen, open_page
+from talaia.cli.local_machine import free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.yaml_text.load import dump_site, read_site
@@ -95,7 +95,7 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
 
 
 async def _start_parts(
-    options: argparse.Namespace, data: Path, parts: list[Part], began: float
+    options: argparse.Namespace, data: Path, parts: list[ChildProcess], began: float
 ) -> None:
     port, indi = free_port(options.port), _any_port()
     # Drivers keep their settings in a home of their own, gone with the demo.

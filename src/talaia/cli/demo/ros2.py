@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
 
+from talaia.cli.child_processes import ChildProcess, run_together, start_talaia
 from talaia.cli.demo.session import (
     data_folder,
     find_example,
@@ -21,15 +22,14 @@ from talaia.cli.demo.session import (
     write_description,
 )
 from talaia.cli.errors import PartMissing
-from talaia.cli.parts import Part, run_together, start_talaia
-from talaia.cli.places import DEFAULT_PORT, free_port, has_screen, open_page
+from talaia.cli.local_machine import DEFAULT_PORT, free_port, has_screen, open_page
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.model.detection import DetectionSource
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
 from talaia.model.yaml_text.save import save_into_text
-from talaia.objects.here import sight_here
-from talaia.sim import domain
+from talaia.objects.availability import detection_availability
+from talaia.sim import ros_domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
 
 
 async def _start_robots(
-    options: argparse.Namespace, data: Path, parts: list[Part], began: float
+    options: argparse.Namespace, data: Path, parts: list[ChildProcess], began: float
 ) -> None:
     port = free_port(options.port)
     address = f"http://localhost:{port}"
@@ -106,7 +106,9 @@ async def _start_robots(
     )
     changed = [robot.description for robot in robots if robot.changed]
     blind = [
-        sight for sight in sight_here(read_site(robots[0].description), data) if not sight.well
+        sight
+        for sight in detection_availability(read_site(robots[0].description), data)
+        if not sight.well
     ]
     print_greeting(
         address,
@@ -137,7 +139,7 @@ class _Robot(NamedTuple):
 
 
 def _start_vehicle(options: argparse.Namespace, data: Path) -> _Robot:
-    world = domain.reserve().domain  # kept until this process ends
+    world = ros_domain.reserve().domain  # kept until this process ends
     words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "actuations.jsonl")]
     words += ["--no-camera"] if options.no_camera else []
@@ -149,7 +151,7 @@ def _start_vehicle(options: argparse.Namespace, data: Path) -> _Robot:
         # Without them its gateway would not start: what is to be recorded must be.
         text += RECORDING if find_spec("mcap") and find_spec("av") else ""
         write_description(description, _without_detections(text) if options.no_camera else text)
-    here = domain.environment(world)
+    here = ros_domain.environment(world)
     return _Robot(VEHICLE, description, changed, "vehicle", words, "sim.log", world, here)
 
 
@@ -180,7 +182,7 @@ def _without_detections(text: str) -> str:
 
 def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
     # A domain of its own: two robots in one would be one robot.
-    world = domain.reserve().domain
+    world = ros_domain.reserve().domain
     words = ["sim", "observatory", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "observatory.jsonl"), "--fits", str(data / "fits")]
     # It observes by night only, and somewhere it is night.
@@ -195,7 +197,7 @@ def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
         write_description(
             description, dump_site(at_night(read_site(find_example(OBSERVATORY)), now))
         )
-    here = domain.environment(world)
+    here = ros_domain.environment(world)
     return _Robot(
         OBSERVATORY, description, changed, "observatory", words, "observatory.log", world, here
     )

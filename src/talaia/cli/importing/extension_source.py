@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.cli.errors import BadFile
 from talaia.cli.importing.source import Findings, Piece
-from talaia.extensions.declared import ImporterExtension, ImportProblem, ImportRequest
+from talaia.extensions.declarations import ImporterExtension, ImportProblem, ImportRequest
 from talaia.extensions.installed import installed
 from talaia.gateway.adapters.topic_readers import SampleBuffer
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
     from pathlib import Path
 
-    from talaia.extensions.declared import ImportedSample
+    from talaia.extensions.declarations import ImportedSample
     from talaia.model.site import Site
 
 __all__ = ["ExtensionImportSource", "importer_of"]

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from talaia.configurator.description_paths import with_value
 from talaia.configurator.edits import ai_services, with_services
-from talaia.configurator.places import with_value
+from talaia.configurator.form_rows import Row, rows_at
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.widgets import Card, Page, Switch, make_label
-from talaia.configurator.rows import Row, rows_at
 
 if TYPE_CHECKING:
-    from talaia.configurator.places import Path
+    from talaia.configurator.description_paths import Path
     from talaia.configurator.qt.editor import Editor
 
 __all__ = ["AiPage"]

@@ -20,18 +20,18 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from talaia.configurator.description_paths import value_at, with_value
 from talaia.configurator.edits import Group, groups_at, with_thing, without_things
 from talaia.configurator.errors import ConfiguratorError, NoSuchPlace
-from talaia.configurator.places import value_at, with_value
+from talaia.configurator.form_rows import Row, rows_at, stored_value
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import Card, Inner, Page, make_button, make_label, make_row
-from talaia.configurator.rows import Row, rows_at, stored_value
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from talaia.configurator.places import Path
+    from talaia.configurator.description_paths import Path
     from talaia.configurator.qt.editor import Editor
     from talaia.model.site import Site
 

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from talaia.configurator.description_paths import Path as Place
     from talaia.configurator.document import Document
-    from talaia.configurator.places import Path as Place
     from talaia.model.site import Site
 
 __all__ = ["Editor"]

@@ -19,7 +19,6 @@ from PySide6.QtWidgets import (
 )
 
 from talaia.configurator.errors import BadHost
-from talaia.configurator.looking import SECONDS, Look, LookPhase, probe_command
 from talaia.configurator.merge import merge_findings
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.process import Process
@@ -30,6 +29,12 @@ from talaia.configurator.qt.widgets import (
     make_output_label,
     make_row,
     mark_wrong,
+)
+from talaia.configurator.robot_discovery import (
+    SECONDS,
+    DiscoveryPhase,
+    RobotDiscovery,
+    probe_command,
 )
 
 if TYPE_CHECKING:
@@ -52,7 +57,7 @@ class FindDialog(QDialog):
         self.setWindowTitle("Find on robot")
         self.setMinimumWidth(560)
         self._editor, self._talaia = editor, tuple(talaia)
-        self.look = Look()
+        self.look = RobotDiscovery()
         self._process = Process(self, together=False)
         self._process.ended.connect(self._on_ended)
         self._process.not_started.connect(self._not_started)
@@ -149,16 +154,16 @@ class FindDialog(QDialog):
 
     def cancel(self) -> None:
         """End the look; nothing is changed."""
-        if self.look.phase is LookPhase.RUNNING:
+        if self.look.phase is DiscoveryPhase.RUNNING:
             self.look.cancel()
             self._process.stop()
             self._show_phase()
 
     def reject(self) -> None:
         """Cancel on Escape while looking; close else."""
-        if self.look.phase is LookPhase.RUNNING:
+        if self.look.phase is DiscoveryPhase.RUNNING:
             self.cancel()
-        elif self.look.phase is not LookPhase.CANCELLING:
+        elif self.look.phase is not DiscoveryPhase.CANCELLING:
             super().reject()
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802 - Qt's name
@@ -184,9 +189,9 @@ class FindDialog(QDialog):
     def _finish_search(self) -> None:
         self._tick.stop()
         self._show_phase()
-        if self.look.phase is LookPhase.CANCELLED:
+        if self.look.phase is DiscoveryPhase.CANCELLED:
             self._show_message("Cancelled; nothing was changed.", "")
-        elif self.look.phase is LookPhase.FAILED:
+        elif self.look.phase is DiscoveryPhase.FAILED:
             self._show_message("", self.look.problem)
         elif self.look.found is not None:
             result = merge_findings(self._editor.site, self.look.found)
@@ -197,7 +202,7 @@ class FindDialog(QDialog):
             self.close_button.setFocus()
 
     def _show_phase(self) -> None:
-        busy = self.look.phase in (LookPhase.RUNNING, LookPhase.CANCELLING)
+        busy = self.look.phase in (DiscoveryPhase.RUNNING, DiscoveryPhase.CANCELLING)
         over = self.there.isChecked()
         self._choices.setEnabled(not busy)
         self.host.setEnabled(over)

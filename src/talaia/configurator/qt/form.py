@@ -16,9 +16,9 @@ from PySide6.QtWidgets import (
 )
 
 from talaia.configurator.errors import BadValue
+from talaia.configurator.form_rows import Row, RowKind, parse_text, shown_text, value_of
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import ComboBox, Switch, make_label, mark_wrong
-from talaia.configurator.rows import Row, RowKind, parse_text, shown_text, value_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -17,6 +17,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from talaia.configurator.program_run import (
+    MAX_LINES,
+    ProgramPhase,
+    ProgramRun,
+    deploy_command,
+    up_command,
+)
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.process import Process
 from talaia.configurator.qt.widgets import (
@@ -27,13 +34,6 @@ from talaia.configurator.qt.widgets import (
     make_label,
     make_output_label,
     make_row,
-)
-from talaia.configurator.running import (
-    MAX_LINES,
-    Run,
-    RunPhase,
-    deploy_command,
-    up_command,
 )
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class GeneratePage(Page):
         super().__init__("Generate", "Save the description and start everything that it needs.")
         self._editor, self._talaia, self._save = editor, tuple(talaia), save
         self._open_page, self._data = open_page, data
-        self.run, self.made = Run(), Run()
+        self.run, self.made = ProgramRun(), ProgramRun()
         self._site = self._connect_process(self.run)
         self._deploy = self._connect_process(self.made)
         self.body.addWidget(self._make_run_card())
@@ -90,7 +90,7 @@ class GeneratePage(Page):
         editor.changed.connect(self.show_state)
         self.show_state()
 
-    def _connect_process(self, run: Run) -> Process:
+    def _connect_process(self, run: ProgramRun) -> Process:
         process = Process(self, together=True)
         process.said.connect(lambda line: self._show_line(run, line))
         process.ended.connect(lambda code, _out, _errors: self._on_ended(run, code))
@@ -170,7 +170,7 @@ class GeneratePage(Page):
 
     def stop(self) -> None:
         """End hub and gateway; stored data is kept."""
-        if self.run.phase in (RunPhase.STARTING, RunPhase.UP):
+        if self.run.phase in (ProgramPhase.STARTING, ProgramPhase.UP):
             self.run.stop()
             self._site.stop()
             self.show_state()
@@ -179,7 +179,7 @@ class GeneratePage(Page):
         """End hub and gateway before the window goes."""
         for run, process in ((self.run, self._site), (self.made, self._deploy)):
             if run.is_alive:
-                if run.phase is not RunPhase.STOPPING:
+                if run.phase is not ProgramPhase.STOPPING:
                     run.stop()
                     process.stop()
                 process.wait()
@@ -207,16 +207,16 @@ class GeneratePage(Page):
 
     def open_dashboard(self) -> None:
         """Open the browser, at the first admin's page where there is nobody yet."""
-        if self.run.phase is RunPhase.UP:
+        if self.run.phase is ProgramPhase.UP:
             self._open_page(self.run.page)
 
-    def _begin_run(self, run: Run, process: Process, words: list[str]) -> None:
+    def _begin_run(self, run: ProgramRun, process: Process, words: list[str]) -> None:
         run.start(words)
         self.log.appendPlainText(f"$ {run.lines[0]}")
         process.start(words)
         self.show_state()
 
-    def _show_line(self, run: Run, line: str) -> None:
+    def _show_line(self, run: ProgramRun, line: str) -> None:
         before = run.phase
         run.line(line)
         if line.strip():
@@ -227,11 +227,11 @@ class GeneratePage(Page):
                 self.open_button.setFocus()
                 self.open_dashboard()
 
-    def _on_ended(self, run: Run, code: int) -> None:
+    def _on_ended(self, run: ProgramRun, code: int) -> None:
         run.ended(code)
         self.show_state()
 
-    def _not_started(self, run: Run) -> None:
+    def _not_started(self, run: ProgramRun) -> None:
         run.not_started(self._talaia[0])
         self.show_state()
 
@@ -248,9 +248,9 @@ class GeneratePage(Page):
         phase = self.run.phase
         self.start_button.setEnabled(not problems and not self.run.is_alive)
         self.make_button.setEnabled(not problems and not self.made.is_alive)
-        self.stop_button.setEnabled(phase in (RunPhase.STARTING, RunPhase.UP))
-        self.open_button.setEnabled(phase is RunPhase.UP)
-        self.bar.setVisible(phase in (RunPhase.STARTING, RunPhase.STOPPING))
+        self.stop_button.setEnabled(phase in (ProgramPhase.STARTING, ProgramPhase.UP))
+        self.open_button.setEnabled(phase is ProgramPhase.UP)
+        self.bar.setVisible(phase in (ProgramPhase.STARTING, ProgramPhase.STOPPING))
         if problems and not self.run.is_alive:
             few = "1 problem stands" if problems == 1 else f"{problems} problems stand"
             self.state.setText(f"{few} in the way; they are listed below.")
@@ -260,21 +260,23 @@ class GeneratePage(Page):
         self._show_problem(self.made_problem, self.made)
         self.made_state.setText(
             f"Written to {self.folder.text().strip()}; README.md there says how to start."
-            if self.made.phase is RunPhase.ENDED
+            if self.made.phase is ProgramPhase.ENDED
             else ""
         )
         self.made_state.setVisible(bool(self.made_state.text()))
 
-    def _show_problem(self, where: QLabel, run: Run) -> None:
-        where.setText(run.problem if run.phase is RunPhase.FAILED else "")
+    def _show_problem(self, where: QLabel, run: ProgramRun) -> None:
+        where.setText(run.problem if run.phase is ProgramPhase.FAILED else "")
         where.setVisible(bool(where.text()))
 
 
 _TOLD = {
-    RunPhase.IDLE: "",
-    RunPhase.STARTING: "Starting the hub and the gateway …",
-    RunPhase.UP: "Running: {}. To apply changes of the description, press Stop and then Generate.",
-    RunPhase.STOPPING: "Stopping …",
-    RunPhase.ENDED: "Stopped. Stored data is kept.",
-    RunPhase.FAILED: "It is not running.",
+    ProgramPhase.IDLE: "",
+    ProgramPhase.STARTING: "Starting the hub and the gateway …",
+    ProgramPhase.UP: (
+        "Running: {}. To apply changes of the description, press Stop and then Generate."
+    ),
+    ProgramPhase.STOPPING: "Stopping …",
+    ProgramPhase.ENDED: "Stopped. Stored data is kept.",
+    ProgramPhase.FAILED: "It is not running.",
 }

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QWidget
 
 from talaia.configurator import edits
+from talaia.configurator.description_paths import value_at, with_value
 from talaia.configurator.errors import BadValue
-from talaia.configurator.places import value_at, with_value
+from talaia.configurator.form_rows import parse_text, rows_of
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.widgets import (
     Card,
@@ -20,13 +21,12 @@ from talaia.configurator.qt.widgets import (
     make_row,
     mark_wrong,
 )
-from talaia.configurator.rows import parse_text, rows_of
 from talaia.model.site import Drive, DriveMessage
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.configurator.places import Path
+    from talaia.configurator.description_paths import Path
     from talaia.configurator.qt.editor import Editor
     from talaia.model.site import Site
 

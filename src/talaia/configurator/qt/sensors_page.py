@@ -18,8 +18,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from talaia.configurator.description_paths import value_at, with_value
 from talaia.configurator.edits import NewSensor, free_number, with_sensor, without_things
-from talaia.configurator.places import value_at, with_value
+from talaia.configurator.form_rows import Row, rows_at
 from talaia.configurator.presets import OTHERS, SENSORS, SensorKind
 from talaia.configurator.qt.form import Form
 from talaia.configurator.qt.palette import SPACE
@@ -34,11 +35,10 @@ from talaia.configurator.qt.widgets import (
     make_label,
     make_row,
 )
-from talaia.configurator.rows import Row, rows_at
 from talaia.model.units.unit import UNITS
 
 if TYPE_CHECKING:
-    from talaia.configurator.places import Path
+    from talaia.configurator.description_paths import Path
     from talaia.configurator.qt.editor import Editor
 
 __all__ = ["SensorsPage"]

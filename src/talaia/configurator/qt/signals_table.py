@@ -16,7 +16,7 @@ from PySide6.QtCore import (
 from talaia.model.connection import IndiSource, ProcessSource, RosSource
 
 if TYPE_CHECKING:
-    from talaia.configurator.places import Path
+    from talaia.configurator.description_paths import Path
     from talaia.model.site import Signal as SiteSignal, Site, Source
 
 __all__ = ["REMOVE", "SignalsTable"]

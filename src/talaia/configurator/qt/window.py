@@ -43,7 +43,7 @@ from talaia.model.errors import DescriptionError
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from talaia.configurator.places import Path as Place
+    from talaia.configurator.description_paths import Path as Place
     from talaia.configurator.qt.palette import Colours
 
 __all__ = ["Means", "Window"]

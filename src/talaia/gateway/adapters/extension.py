@@ -21,25 +21,25 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.extensions.adapter_child import MAX_LINE
-from talaia.extensions.adapter_words import (
-    ActWords,
+from talaia.extensions.adapter_messages import (
+    ActMessage,
     AdapterJob,
-    CancelWords,
-    DeviceWords,
-    DoneWords,
-    EndWords,
-    ReportWords,
-    SignalWords,
-    UpWords,
-    ValueWords,
+    CancelMessage,
+    DoneMessage,
+    EndMessage,
+    ReachableMessage,
+    ReportMessage,
+    SignalMessage,
+    UpMessage,
+    ValueMessage,
     read_from_adapter,
     write_message,
 )
-from talaia.extensions.declared import AdapterExtension
+from talaia.extensions.declarations import AdapterExtension
 from talaia.extensions.installed import installed
-from talaia.gateway.adapters.outlast import outlast_cancellation
+from talaia.gateway.adapters.outlast_cancellation import outlast_cancellation
 from talaia.gateway.adapters.topic_readers import SampleBuffer
-from talaia.gateway.adapters.undriven import UndrivenAdapter
+from talaia.gateway.adapters.undriven_adapter import UndrivenAdapter
 from talaia.gateway.errors import AdapterLost, SettingsError
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
@@ -50,7 +50,7 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from talaia.extensions.adapter_words import FromAdapter, ToAdapter
+    from talaia.extensions.adapter_messages import FromAdapter, ToAdapter
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.ports import AdapterContext, AdapterStatus
     from talaia.model.site import Signal
@@ -143,7 +143,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
 
     def _job(self) -> AdapterJob:
         signals = tuple(
-            SignalWords(
+            SignalMessage(
                 address,
                 address.partition("/")[0],
                 str(signal.type),
@@ -184,7 +184,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
                 words = read_from_adapter(line)
             except msgspec.MsgspecError as error:
                 return f"what its process says cannot be read: {error}"
-            if isinstance(words, EndWords):
+            if isinstance(words, EndMessage):
                 why = words.why
                 if words.broken:
                     why = f"the extension {self._name!r} failed: {why}"
@@ -194,23 +194,23 @@ class ExtensionAdapterProcess(UndrivenAdapter):
 
     def _dispatch_message(self, words: FromAdapter) -> None:
         match words:
-            case UpWords():
+            case UpMessage():
                 self._status.up()
-            case ValueWords():
+            case ValueMessage():
                 self._value(words)
-            case DeviceWords():
+            case ReachableMessage():
                 if words.device in self._scope.devices:
                     self._status.device(words.device, there=words.reachable, why=words.why[:200])
-            case ReportWords():
+            case ReportMessage():
                 said = f"{self._scope.name}: {words.message}"
                 self._context.events.report_event(words.kind, said)
-            case DoneWords():
+            case DoneMessage():
                 phase = _PHASES.get(words.phase, CommandPhase.UNKNOWN)
                 self._done(words.number, CommandOutcome(phase, words.message))
-            case EndWords():
+            case EndMessage():
                 pass
 
-    def _value(self, words: ValueWords) -> None:
+    def _value(self, words: ValueMessage) -> None:
         signal = self._signals.get(words.address)
         if signal is None:
             return
@@ -235,7 +235,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
         if self._flushing is None:
             self._flushing = asyncio.get_running_loop().call_later(_FLUSH_S, self._flush)
 
-    def _complain(self, words: ValueWords) -> None:
+    def _complain(self, words: ValueMessage) -> None:
         if words.address in self._unreadable:
             return
         self._unreadable.add(words.address)
@@ -297,11 +297,11 @@ class ExtensionAdapterProcess(UndrivenAdapter):
         number = next(self._numbers)
         self._acts[number] = done
         keys = {"target": described.target, **fields}
-        self._send(ActWords(number, device, command, keys))
+        self._send(ActMessage(number, device, command, keys))
         loop = asyncio.get_running_loop()
 
         def cancel() -> None:
-            loop.call_soon_threadsafe(self._send, CancelWords(number))
+            loop.call_soon_threadsafe(self._send, CancelMessage(number))
 
         return cancel
 

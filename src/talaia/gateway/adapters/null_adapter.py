@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.undriven import UndrivenAdapter
+from talaia.gateway.adapters.undriven_adapter import UndrivenAdapter
 from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 

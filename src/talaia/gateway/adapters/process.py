@@ -19,9 +19,9 @@ import shlex
 import signal as signals
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.gateway.adapters.outlast import outlast_cancellation
+from talaia.gateway.adapters.outlast_cancellation import outlast_cancellation
 from talaia.gateway.adapters.topic_readers import SampleBuffer
-from talaia.gateway.adapters.undriven import UndrivenAdapter
+from talaia.gateway.adapters.undriven_adapter import UndrivenAdapter
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.samples.rate_limit import Sampler, rule_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.gateway.actuation import Actuation
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping

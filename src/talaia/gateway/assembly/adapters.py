@@ -9,7 +9,7 @@ from talaia.gateway.adapters.catalog import adapter_of
 from talaia.gateway.adapters.connection_scope import connection_names, scopes_of
 from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.ports import AdapterContext
 from talaia.gateway.uplink.output_router import OutputRouter
 

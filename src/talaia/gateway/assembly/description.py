@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.reload.current_description import CurrentDescription, prepared
 from talaia.gateway.reload.restart import GatewayRestart
 from talaia.gateway.samples.channel_numbering import ChannelNumbering

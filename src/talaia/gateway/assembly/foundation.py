@@ -9,11 +9,11 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.assembly.signal import ThreadSafeSignal
 from talaia.gateway.persistence import locked
 from talaia.gateway.uplink.event_reporter import EventReporter
-from talaia.gateway.uplink.lanes import SendLanes
+from talaia.gateway.uplink.send_lanes import SendLanes
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -6,7 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.errors import SettingsError
 from talaia.gateway.recording.recorders import TriggeredRecorder
 from talaia.gateway.recording.recording_store import FILM, RecordingStore

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from typing import TYPE_CHECKING
 
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.reload.apply import DescriptionReload
 from talaia.gateway.reload.connection_exchange import ConnectionExchange
 from talaia.gateway.reload.requests import ChangeRequests

@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.freeze_watchdog import watch_stalls
 from talaia.gateway.legacy.messages import NewestValues
 from talaia.gateway.samples.absence_gaps import NOT_HEARD, NOT_RUNNING, absence, watch_first_heard

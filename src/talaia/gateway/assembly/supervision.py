@@ -7,7 +7,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from talaia.clock import SECOND
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.safety.supervision import Heartbeats, Supervision
 from talaia.gateway.watchdog.feeding import WatchdogClient
 from talaia.model.yaml_text.load import dump_site

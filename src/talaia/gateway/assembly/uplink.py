@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from talaia.gateway.assembly.part import GatewayPart
+from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.uplink.files import FileLane
 from talaia.gateway.uplink.links import HubConnection, keep_files, keep_link, keep_media
 from talaia.gateway.uplink.message_dispatcher import MessageDispatcher

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.assembly.part import GatewayPart
-from talaia.gateway.fits.frame_taker import FrameTaker
+from talaia.gateway.assembly.gateway_part import GatewayPart
+from talaia.gateway.fits.frame_writer import FitsFrameWriter
 from talaia.gateway.fits.outbox import ArchiveOutbox
 from talaia.gateway.fits.whole_files import WholeFiles
 from talaia.gateway.uplink.pictures import PictureUplink
@@ -41,7 +41,7 @@ class VideoPart(GatewayPart):
         self.outbox = ArchiveOutbox(
             settings.data / "outbox", settings.outbox_bytes, base.announce_file
         )
-        self.frame_taker = FrameTaker(
+        self.frame_taker = FitsFrameWriter(
             folder=settings.data / "taking",
             outbox=self.outbox,
             events=base.events,

@@ -22,9 +22,9 @@ from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
 from talaia.model.connection import DetectionSource, source_as
 from talaia.model.derived_signals import counts_of, detecting, detection_setup_of
 from talaia.model.detection import DetectAt
+from talaia.objects.camera_objects import CameraObjects, least_of
 from talaia.objects.errors import DetectorError
-from talaia.objects.eyes import Eyes, least_of
-from talaia.objects.steady import SteadyCounts
+from talaia.objects.steady_counts import SteadyCounts
 from talaia.wire.columns import Columns
 from talaia.wire.frames import DetectedBoxes, DetectedObject
 
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import CameraFrame, CameraFrames, EventSink, ReadingSource, SampleSink
     from talaia.model.detection import Detect
     from talaia.model.site import Signal, Site
-    from talaia.objects.eyes import Told
-    from talaia.objects.things import Thing as Found
+    from talaia.objects.camera_objects import SightingNews
+    from talaia.objects.detection import Detection as Found
     from talaia.objects.worker import Worker
 
 __all__ = ["DetectionOutputs", "ObjectDetection", "ReadingsWithDetections"]
@@ -67,7 +67,7 @@ class DetectionOutputs(NamedTuple):
 
     samples: SampleSink
     boxes: Callable[[DetectedBoxes], None]
-    sightings: Callable[[str, Told], None]
+    sightings: Callable[[str, SightingNews], None]
     events: EventSink
 
 
@@ -243,7 +243,7 @@ class ObjectDetection:
             DetectedBoxes(stream=look.stream, seq=look.seq, time_us=look.time_us, things=told)
         )
 
-    def report_sightings(self, name: str, news: Sequence[Told]) -> None:
+    def report_sightings(self, name: str, news: Sequence[SightingNews]) -> None:
         """Take news of sightings."""
         for sighting in news:
             self._outlet.sightings(name, sighting)
@@ -259,7 +259,7 @@ class _Camera:
         self._seeing = seeing
         self._counted: Mapping[str, _Counted] = {}
         self._samplers: dict[str, Sampler] = {}
-        self._eyes = Eyes(detect, {})
+        self._eyes = CameraObjects(detect, {})
         self._steady = SteadyCounts(detect)
         self._wait_s = FIRST_WAIT_S
         self.recount(counted)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
     from pathlib import Path
 
-    from talaia.objects.eyes import Told
+    from talaia.objects.camera_objects import SightingNews
     from talaia.wire.frames import FromGateway
 
 __all__ = ["MOST_KEPT", "DetectionReporter", "ReportTimes", "SightingUplink"]
@@ -39,7 +39,7 @@ _ENDING = ".seen"
 
 
 class SightingUplink(Protocol):
-    """The way to the hub; see `talaia.gateway.uplink.lanes.SendLanes`."""
+    """The way to the hub; see `talaia.gateway.uplink.send_lanes.SendLanes`."""
 
     @property
     def seen_waiting(self) -> int:
@@ -116,7 +116,7 @@ class DetectionReporter:
         self._complained = False
         self._kept = {_key(sighting): _Kept(sighting) for sighting in _left(folder)}
 
-    def report_sighting(self, stream: str, told: Told) -> None:
+    def report_sighting(self, stream: str, told: SightingNews) -> None:
         """Take news of a sighting on a stream (``device/stream``)."""
         sighting = told.sighting
         key = _Key(stream, sighting.label, sighting.began_us)

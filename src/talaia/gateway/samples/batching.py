@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.gateway.samples.absence_gaps import FirstHeard
+from talaia.gateway.samples.monotonic_times import MonotonicTimes
 from talaia.gateway.samples.newest_samples import RunNewest
-from talaia.gateway.samples.rising_times import RisingTimes
 from talaia.gateway.spool.segment import SampleRecord
 from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part, renumbered
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
@@ -129,7 +129,7 @@ class Batcher:
         self._ripe = 0.0
         self._dropped = 0
         self._dropped_us = (0, 0)
-        self._times = RisingTimes()
+        self._times = MonotonicTimes()
         self._newest = RunNewest()
         self.first_heard = FirstHeard(time.monotonic_ns())
         self._order: NDArray[np.int64] | None = None

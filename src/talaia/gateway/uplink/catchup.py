@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.spool.journal import StoredRecord
     from talaia.gateway.spool.spool_thread import SpoolThread
-    from talaia.gateway.uplink.lanes import SendLanes
+    from talaia.gateway.uplink.send_lanes import SendLanes
 
 __all__ = ["CatchUp", "as_old"]
 

@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.settings import GatewaySettings
-    from talaia.gateway.uplink.lanes import SendLanes
     from talaia.gateway.uplink.pictures import PictureUplink
+    from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.gateway.uplink.tls import HubTrust
     from talaia.wire.frames import FromHub
 

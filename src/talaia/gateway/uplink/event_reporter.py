@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import asyncio
 
     from talaia.clock import Clock
-    from talaia.gateway.uplink.lanes import SendLanes
+    from talaia.gateway.uplink.send_lanes import SendLanes
 
 __all__ = ["EventReporter"]
 

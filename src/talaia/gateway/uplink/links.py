@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from talaia.gateway.settings import GatewaySettings
     from talaia.gateway.spool.spool_thread import SpoolThread
     from talaia.gateway.uplink.files import FileLane
-    from talaia.gateway.uplink.lanes import SendLanes
     from talaia.gateway.uplink.message_dispatcher import MessageDispatcher
     from talaia.gateway.uplink.pictures import PictureUplink
+    from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.gateway.uplink.tls import HubTrust
     from talaia.wire.frames import FileOffer, FilmOffer, Hello, Welcome
 

@@ -36,9 +36,9 @@ if TYPE_CHECKING:
     from talaia.gateway.recording.recorders import TriggeredRecorder
     from talaia.gateway.reload.requests import ChangeRequests
     from talaia.gateway.spool.spool_thread import SpoolThread
-    from talaia.gateway.uplink.lanes import SendLanes
     from talaia.gateway.uplink.output_router import OutputRouter
     from talaia.gateway.uplink.pictures import PictureUplink
+    from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.wire.frames import FromHub, Welcome
 
 __all__ = ["MessageDispatcher"]

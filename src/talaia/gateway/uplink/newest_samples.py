@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.spool.former_runs import FormerNewest
     from talaia.gateway.spool.spool_thread import SpoolThread
-    from talaia.gateway.uplink.lanes import SendLanes
+    from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.wire.newest import NewestSamples
 
 __all__ = ["NewestSamplesSender"]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.ports import CommandTarget
     from talaia.gateway.recording.recorders import TriggeredRecorder
-    from talaia.gateway.uplink.lanes import SendLanes
+    from talaia.gateway.uplink.send_lanes import SendLanes
     from talaia.wire.frames import FromGateway
 
 __all__ = ["OutputRouter"]

@@ -20,7 +20,7 @@ import subprocess
 import sys
 import time
 
-from talaia.gateway.watchdog.silence import Silence, WatchdogTask
+from talaia.gateway.watchdog.silence_timer import SilenceTimer, WatchdogTask
 
 __all__ = ["ALREADY", "main"]
 
@@ -71,7 +71,7 @@ class WatchdogProcess:
         os.set_blocking(line, False)
         self._line: int | None = line
         self._waiting = b""
-        self._silence = Silence(time.monotonic())
+        self._silence = SilenceTimer(time.monotonic())
         self._job: object = None
         self._closing: subprocess.Popen[bytes] | None = None
         self._begin_s, self._again_s = 0.0, FIRST_AGAIN_S

@@ -29,7 +29,7 @@ from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.notices.settings import NoticeSettings  # noqa: TC001 - msgspec reads it
 from talaia.gateway.ports import AdapterContext, Filming
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.gateway.watchdog.needed import GONE_WORDS, closing_site
+from talaia.gateway.watchdog.closing_site import GONE_WORDS, closing_site
 from talaia.gateway.watchdog.notices import WatchdogNotices
 from talaia.model.arguments import fields_of
 from talaia.model.yaml_text.load import load_site

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.clock import SECOND
+from talaia.hub.alarms.condition_watch import ConditionTurn, ConditionWatch
 from talaia.hub.alarms.conditions import AlarmCondition, ConditionReading, Truth
-from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

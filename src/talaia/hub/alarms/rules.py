@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
-from talaia.hub.alarms.machine import What
+from talaia.hub.alarms.state_machine import What
 
 if TYPE_CHECKING:
-    from talaia.hub.alarms.machine import Happened
+    from talaia.hub.alarms.state_machine import Happened
     from talaia.model.alarms.alarm import Severity
 
 __all__ = ["DAY_MIN", "Rule", "due_us", "wants"]

@@ -12,7 +12,7 @@ from talaia.hub.anomaly.base import AnomalyDetector
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.extensions.declared import DetectorExtension
+    from talaia.extensions.declarations import DetectorExtension
     from talaia.model.alarms.anomaly import Watch
 
 __all__ = ["MOST_FAILURES", "SLOW_S", "GuardedDetector", "extension_detector"]

@@ -16,7 +16,7 @@ from talaia.model.alarms.anomaly import DetectorKind
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from talaia.extensions.declared import DetectorExtension
+    from talaia.extensions.declarations import DetectorExtension
     from talaia.hub.anomaly.base import AnomalyDetector
     from talaia.model.alarms.anomaly import Watch
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.extensions.declared import DetectorExtension
+from talaia.extensions.declarations import DetectorExtension
 from talaia.extensions.installed import installed
 from talaia.hub.anomaly.base import AnomalyDetector, keep, wake
 from talaia.hub.anomaly.baseline import Quartiles

@@ -313,7 +313,7 @@ def _push(job: Job, left: _Left) -> Outcome:
 
 
 def _extension(job: Job, left: _Left) -> Outcome:
-    from talaia.extensions.declared import NotDelivered, NotifierMessage
+    from talaia.extensions.declarations import NotDelivered, NotifierMessage
     from talaia.extensions.installed import installed
 
     name = job["extension"]

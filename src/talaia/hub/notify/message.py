@@ -6,7 +6,7 @@ import datetime as dt
 from typing import TYPE_CHECKING, NamedTuple
 from zoneinfo import ZoneInfo
 
-from talaia.hub.alarms.machine import What
+from talaia.hub.alarms.state_machine import What
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

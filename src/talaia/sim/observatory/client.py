@@ -15,7 +15,7 @@ import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from talaia.sim.observatory.words import PROGRAMS, Request, WordsWrong, parse_request
+from talaia.sim.observatory.client_requests import PROGRAMS, InvalidRequest, Request, parse_request
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -46,7 +46,7 @@ def main(argv: Sequence[str]) -> int:
         return serve([*(["--ros1"] if ros1 else []), "--only", device, *rest[1:]])
     try:
         request = parse_request(device, rest[1:])
-    except WordsWrong as error:
+    except InvalidRequest as error:
         sys.stdout.write(f" {error}\n")
         return 1
     if ros1:

@@ -11,7 +11,7 @@ import rospy
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from talaia.sim.observatory.words import Request, parse_request
+from talaia.sim.observatory.client_requests import Request, parse_request
 
 __all__ = ["main"]
 

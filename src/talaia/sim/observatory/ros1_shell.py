@@ -28,9 +28,9 @@ from sensor_msgs.msg import Image, Temperature
 from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
 from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 
-from talaia.sim.observatory.ledger import Ledger
+from talaia.sim.observatory.control_pipe import ControlPipe, act_on
 from talaia.sim.observatory.models.ticket import Ticket
-from talaia.sim.observatory.orders import Orders, act_on
+from talaia.sim.observatory.request_log import RequestLog
 from talaia.sim.observatory.servers.base import Ask, Server, Stamped, Value
 from talaia.sim.observatory.servers.catalog import DEVICES, ENCLOSURES, MONTSEC, make_server
 
@@ -68,7 +68,7 @@ def main(argv: list[str]) -> int:
     try:
         name = f"{names[0]}_server" if len(names) == 1 else "observatory_servers"
         rospy.init_node(name, disable_signals=True, disable_rosout=True)
-        ledger = Ledger(options.log)
+        ledger = RequestLog(options.log)
         shells = [
             _Shell(
                 make_server(
@@ -92,7 +92,7 @@ def main(argv: list[str]) -> int:
             "seconds": round(time.monotonic() - began, 2),
         }
         print(json.dumps(line), flush=True)  # noqa: T201 - the one line whoever started us reads
-        orders = Orders(options.orders)
+        orders = ControlPipe(options.orders)
         _run_loop(shells, options.speed, ended, orders)
         orders.close()
         rospy.signal_shutdown("ended")
@@ -133,7 +133,9 @@ def _make_message(value: Value) -> Any:  # noqa: ANN401 - rospy ships no types
     return message
 
 
-def _run_loop(shells: list[_Shell], speed: float, ended: threading.Event, orders: Orders) -> None:
+def _run_loop(
+    shells: list[_Shell], speed: float, ended: threading.Event, orders: ControlPipe
+) -> None:
     tick, before = 0, time.monotonic()
     while not ended.wait(STEP_S):
         now = time.monotonic()
@@ -164,7 +166,7 @@ def _call_service(device: str, what: str) -> Ticket:
 class _Shell:
     """One server's topics and services."""
 
-    def __init__(self, server: Server, options: argparse.Namespace, ledger: Ledger) -> None:
+    def __init__(self, server: Server, options: argparse.Namespace, ledger: RequestLog) -> None:
         self._server, self._fits, self._ledger = server, options.fits, ledger
         # rospy calls back from threads of its own; the server is touched under this lock only.
         self._lock = threading.RLock()

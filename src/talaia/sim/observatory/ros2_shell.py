@@ -21,8 +21,8 @@ from sensor_msgs.msg import Image, Temperature
 from std_msgs.msg import Bool, Float64, String, UInt8, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
 
+from talaia.sim.observatory.control_pipe import ControlPipe, act_on
 from talaia.sim.observatory.models.ticket import Ticket
-from talaia.sim.observatory.orders import Orders, act_on
 from talaia.sim.observatory.servers.base import Stamped
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from talaia.sim.observatory.ledger import Ledger
+    from talaia.sim.observatory.request_log import RequestLog
     from talaia.sim.observatory.servers.base import Ask, ImageFrame, Server, Value
 
 __all__ = ["Shells", "kind_of", "message_of", "values_of"]
@@ -112,13 +112,13 @@ class Shells:
     def __init__(
         self,
         fits: Path | None,
-        ledger: Ledger,
+        ledger: RequestLog,
         speed: float = 1.0,
-        orders: Orders | None = None,
+        orders: ControlPipe | None = None,
     ) -> None:
         """Take where FITS files are kept, where it writes down, how fast time goes, and orders."""
         self._speed = speed
-        self._orders = orders or Orders(None)
+        self._orders = orders or ControlPipe(None)
         self._fits = fits
         self._ledger = ledger
         self._shells: list[_Shell] = []
@@ -192,7 +192,7 @@ class _Waiting(NamedTuple):
 class _Shell:
     """One server as a node."""
 
-    def __init__(self, server: Server, fits: Path | None, ledger: Ledger) -> None:
+    def __init__(self, server: Server, fits: Path | None, ledger: RequestLog) -> None:
         self._server = server
         self._fits = fits
         self._ledger = ledger

@@ -8,10 +8,10 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from talaia.sim.observatory.ledger import Ledger
-from talaia.sim.observatory.orders import Orders
+from talaia.sim.observatory.control_pipe import ControlPipe
+from talaia.sim.observatory.request_log import RequestLog
 from talaia.sim.observatory.servers.catalog import DEVICES, ENCLOSURES, MONTSEC, make_server
-from talaia.sim.starting import Start, join_ros, needing_ros, run_robot
+from talaia.sim.startup import Start, join_ros, needing_ros, run_robot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -98,10 +98,10 @@ def _run_servers(options: argparse.Namespace, start: Start) -> None:
     names: list[str] = options.only or list(DEVICES)
     if options.fits is not None:
         options.fits.mkdir(parents=True, exist_ok=True)
-    ledger = Ledger(options.log)
+    ledger = RequestLog(options.log)
     start.stack.callback(ledger.close)
     join_ros(start.stack)
-    orders = Orders(options.orders)
+    orders = ControlPipe(options.orders)
     start.stack.callback(orders.close)
     shells = Shells(options.fits, ledger, options.speed, orders)
     start.stack.callback(shells.close)

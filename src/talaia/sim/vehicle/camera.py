@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from talaia.sim.errors import NoRenderer
-from talaia.sim.vehicle.stage import LOOK_GROUP
+from talaia.sim.vehicle.scene import LOOK_GROUP
 from talaia.sim.vehicle.vehicle import CAMERA, CAMERA_FIELD
 
 if TYPE_CHECKING:

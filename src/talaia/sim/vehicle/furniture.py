@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from talaia.sim.vehicle.stage import Finish, FloorPose
+from talaia.sim.vehicle.scene import Finish, FloorPose
 from talaia.sim.vehicle.textures import book_row, cloth, fur, photograph, rug, tiles, view, wood
 
 __all__ = [

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from talaia.sim.vehicle import furniture, living
-from talaia.sim.vehicle.stage import Finish, FloorPose, Hull, Stage
+from talaia.sim.vehicle import furniture, occupants
+from talaia.sim.vehicle.scene import Finish, FloorPose, Hull, SceneBuilder
 from talaia.sim.vehicle.textures import Picture, parquet, plaster, shade, tiles
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ ROOMS = (
 )
 
 
-def build(stage: Stage, layout: np.random.Generator) -> None:
+def build(stage: SceneBuilder, layout: np.random.Generator) -> None:
     """Build it all.
 
     Args:
@@ -120,7 +120,7 @@ def build(stage: Stage, layout: np.random.Generator) -> None:
             _floor_and_ceiling(stage, room)
 
 
-def _add_walls(stage: Stage, room: Room) -> None:
+def _add_walls(stage: SceneBuilder, room: Room) -> None:
     """Four walls from the inside: for each a place in the corner whose y runs along the wall."""
     (x0, y0), (x1, y1) = room.low, room.high
     # Standing before each wall and looking into the room: where y starts, and which way it runs.
@@ -181,7 +181,7 @@ def _door_frame(place: FloorPose, low: float, high: float) -> None:
     place.box("white wood", (-0.01, low, DOOR - 0.03), (WALL + 0.015, high, DOOR + 0.04), 0.008)
 
 
-def _furnish_living_room(stage: Stage, layout: np.random.Generator) -> None:
+def _furnish_living_room(stage: SceneBuilder, layout: np.random.Generator) -> None:
     def near(x: float, y: float, yaw: float, by: float = 0.05) -> FloorPose:
         dx, dy, turn = layout.uniform(-by, by, 3)
         return stage.at(x + dx, y + dy, yaw + 3 * turn)
@@ -200,12 +200,12 @@ def _furnish_living_room(stage: Stage, layout: np.random.Generator) -> None:
     furniture.painting(stage.at(2.4, 1 - WALL, -up), "cat", width=0.9, height=0.6, z=0.95)
     if stage.looks:
         stage.at(0.9, -2.2).box("rug", (-1.35, -0.9, 0.0), (1.35, 0.9, 0.012), 0.004)
-    living.person(near(3.3, 0.62, math.pi + 0.2, 0.02))
+    occupants.person(near(3.3, 0.62, math.pi + 0.2, 0.02))
     # Where both are in sight of the vehicle's start, and a detector takes them for what they are.
-    living.dog(near(2.3, -0.9, 1.13, 0.03))
+    occupants.dog(near(2.3, -0.9, 1.13, 0.03))
 
 
-def _furnish_kitchen(stage: Stage, layout: np.random.Generator) -> None:
+def _furnish_kitchen(stage: SceneBuilder, layout: np.random.Generator) -> None:
     up = math.pi / 2
     furniture.counter(stage.at(7.1, -3.62, up), 3.6)
     furniture.cupboards(stage.at(7.1, -3.76, up), 3.6)
@@ -220,7 +220,7 @@ def _furnish_kitchen(stage: Stage, layout: np.random.Generator) -> None:
     furniture.plant(stage.at(8.6, -0.9), 0.8)
 
 
-def _furnish_others(stage: Stage, layout: np.random.Generator) -> None:
+def _furnish_others(stage: SceneBuilder, layout: np.random.Generator) -> None:
     up = math.pi / 2
     furniture.painting(
         stage.at(9 - WALL, 0.25, math.pi), "astronaut", width=1.0, height=1.0, z=1.05
@@ -261,7 +261,7 @@ def _add_outline(hull: Hull) -> list[tuple[float, float]]:
     return [(x + c * u - s * v, y + s * u + c * v) for u, v in corners]
 
 
-def _floor_and_ceiling(stage: Stage, room: Room) -> None:
+def _floor_and_ceiling(stage: SceneBuilder, room: Room) -> None:
     (x0, y0), (x1, y1) = room.low, room.high
     size = (x1 - x0, y1 - y0)
     standing = [

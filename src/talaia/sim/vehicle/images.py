@@ -31,7 +31,7 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from talaia.sim.errors import NoRenderer
 from talaia.sim.vehicle.camera import HEIGHT, WIDTH, Camera
-from talaia.sim.vehicle.eye import POSE
+from talaia.sim.vehicle.camera_process import POSE
 from talaia.sim.vehicle.vehicle import CAMERA_FIELD
 from talaia.sim.vehicle.world import World
 

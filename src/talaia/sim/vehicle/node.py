@@ -13,7 +13,7 @@ from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
 from talaia.sim.vehicle.base import Base, Change, Ramp
-from talaia.sim.vehicle.reports import RELIABLE, Reports
+from talaia.sim.vehicle.publishers import RELIABLE, VehiclePublishers
 from talaia.sim.vehicle.sensors import Battery
 from talaia.sim.vehicle.wander import Wander
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.sim.vehicle.actuation_log import ActuationLog
-    from talaia.sim.vehicle.eye import CameraProcess
+    from talaia.sim.vehicle.camera_process import CameraProcess
     from talaia.sim.vehicle.world import World
 
 __all__ = ["TICK_S", "Inputs", "Loop"]
@@ -152,7 +152,7 @@ class Loop:
         self._lock = lock
         self._log = log
         self._clock = clock
-        self._reports = Reports(node, world)
+        self._reports = VehiclePublishers(node, world)
         self._ramp = Ramp()
         self._wander = Wander(seed)
         self._battery = Battery()

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
-from talaia.sim.starting import Start, join_ros, needing_ros, run_robot
+from talaia.sim.startup import Start, join_ros, needing_ros, run_robot
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,7 +69,7 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
         from talaia.sim.vehicle import node as shell
         from talaia.sim.vehicle.actuation_log import ActuationLog
         from talaia.sim.vehicle.base import Base
-        from talaia.sim.vehicle.eye import CameraProcess
+        from talaia.sim.vehicle.camera_process import CameraProcess
         from talaia.sim.vehicle.world import World
 
     clock = SystemClock()

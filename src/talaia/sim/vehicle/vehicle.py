@@ -6,7 +6,7 @@ import math
 
 import mujoco
 
-from talaia.sim.vehicle.stage import HULL_GROUP, Finish, Stage
+from talaia.sim.vehicle.scene import HULL_GROUP, Finish, SceneBuilder
 
 __all__ = ["BODY", "CAMERA", "CAMERA_FIELD", "LIDAR_HEIGHT", "RADIUS", "add_vehicle"]
 
@@ -23,7 +23,7 @@ OWN_GROUP = 1
 """The vehicle's own parts, which its camera does not draw."""
 
 
-def add_vehicle(stage: Stage) -> None:
+def add_vehicle(stage: SceneBuilder) -> None:
     """Add the vehicle at the origin: three planar joints, a force-bounded motor for each."""
     spec = stage.spec
     body = spec.worldbody.add_body(name=BODY)
@@ -70,7 +70,7 @@ def add_vehicle(stage: Stage) -> None:
         _add_visuals(stage, body)
 
 
-def _add_visuals(stage: Stage, body: object) -> None:
+def _add_visuals(stage: SceneBuilder, body: object) -> None:
     stage.finish("vehicle", Finish(colour=(0.12, 0.12, 0.13), shine=0.3))
     stage.finish("tyre", Finish(colour=(0.05, 0.05, 0.05), shine=0.1))
     stage.finish("lidar", Finish(colour=(0.20, 0.22, 0.26), shine=0.7))

@@ -18,8 +18,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from talaia.sim.vehicle import furniture, house, living
-from talaia.sim.vehicle.stage import HULL_GROUP, Stage
+from talaia.sim.vehicle import furniture, house, occupants
+from talaia.sim.vehicle.scene import HULL_GROUP, SceneBuilder
 from talaia.sim.vehicle.vehicle import BODY, CAMERA_FIELD, LIDAR_HEIGHT, RADIUS, add_vehicle
 
 __all__ = ["STEP_S", "Motion", "World"]
@@ -82,7 +82,7 @@ class World:
         """Build the model and put the vehicle at its start."""
         layout, paint, noise = (np.random.default_rng([seed, part]) for part in range(3))
         spec = _empty_model()
-        stage = Stage(spec, paint, furniture.FINISHES | living.FINISHES, looks=looks)
+        stage = SceneBuilder(spec, paint, furniture.FINISHES | occupants.FINISHES, looks=looks)
         house.build(stage, layout)
         add_vehicle(stage)
         self.model: Any = spec.compile()

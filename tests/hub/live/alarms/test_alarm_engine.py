@@ -29,8 +29,8 @@ from hypothesis.stateful import (
 from sqlalchemy import select
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.alarms.machine import Acknowledge, NotNow, Shelve
 from talaia.hub.alarms.rules import Rule
+from talaia.hub.alarms.state_machine import Acknowledge, NotNow, Shelve
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.live.alarms.alarm_engine import AlarmEngine
 from talaia.hub.live.pages.page_connections import Browsers

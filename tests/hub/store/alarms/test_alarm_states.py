@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from talaia.clock import HandClock
-from talaia.hub.alarms.machine import Acknowledge, Clear, Raise, State, What, step
 from talaia.hub.alarms.rules import Rule
+from talaia.hub.alarms.state_machine import Acknowledge, Clear, Raise, State, What, step
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.errors import NameTaken
 from talaia.hub.store.accounts.people import People

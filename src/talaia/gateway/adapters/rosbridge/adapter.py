@@ -22,7 +22,7 @@ from talaia.gateway.adapters.rosbridge.outgoing_frames import OutgoingFrames, Se
 from talaia.gateway.adapters.rosbridge.pending_calls import PendingCalls
 from talaia.gateway.adapters.rosbridge.protocol import frame, nested, read
 from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
-from talaia.gateway.adapters.unreadable import UnreadableReports
+from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError
 from talaia.gateway.ports import CommandOutcome

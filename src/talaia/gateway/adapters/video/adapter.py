@@ -16,7 +16,7 @@ from urllib.parse import quote, urlsplit, urlunsplit
 import av
 import numpy as np
 
-from talaia.gateway.adapters.undriven import UndrivenAdapter
+from talaia.gateway.adapters.undriven_adapter import UndrivenAdapter
 from talaia.gateway.adapters.video.relay import CameraRefused, CameraRelay
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import ChannelReading, CommandOutcome

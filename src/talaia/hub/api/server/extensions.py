@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter
 
-from talaia.extensions.declared import (
+from talaia.extensions.declarations import (
     AdapterExtension,
     Declared,
     DetectorExtension,
@@ -14,7 +14,7 @@ from talaia.extensions.declared import (
     NotifierExtension,
 )
 from talaia.extensions.installed import installed
-from talaia.extensions.shown import keys_shown
+from talaia.extensions.key_descriptions import keys_shown
 from talaia.extensions.tile_folder import TILE_GROUP
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.extension_schemas import (

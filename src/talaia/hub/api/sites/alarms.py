@@ -9,7 +9,8 @@ import msgspec
 from fastapi import APIRouter, Query, Request
 
 from talaia.hub.alarms.conditions import AlarmCondition
-from talaia.hub.alarms.machine import (
+from talaia.hub.alarms.preview import Track, preview
+from talaia.hub.alarms.state_machine import (
     Acknowledge,
     Assign,
     Comment,
@@ -18,7 +19,6 @@ from talaia.hub.alarms.machine import (
     Shelve,
     Unshelve,
 )
-from talaia.hub.alarms.preview import Track, preview
 from talaia.hub.api.access import address_of, known_live_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem

@@ -20,7 +20,7 @@ import msgspec
 
 from talaia.clock import SECOND
 from talaia.hub.alarms.conditions import DetectedThing
-from talaia.hub.alarms.machine import Event, NotNow, Phase, Retire, State, What, step
+from talaia.hub.alarms.state_machine import Event, NotNow, Phase, Retire, State, What, step
 from talaia.hub.errors import StoreDown
 from talaia.hub.live.alarms.alarm_state import LiveAlarm, alarm_news, event_news, ghost
 from talaia.hub.live.alarms.site_alarms import SiteAlarms
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.hub.alarms.machine import Happened
+    from talaia.hub.alarms.state_machine import Happened
     from talaia.hub.live.pages.page_connections import Browser, Browsers
     from talaia.hub.live.sites import LiveSite, Sites
     from talaia.hub.ports import AnomalyReport, SightingEvent

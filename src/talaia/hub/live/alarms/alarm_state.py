@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from talaia.hub.alarms.machine import Phase, State, What
-from talaia.hub.alarms.reminding import Reminding
-from talaia.hub.alarms.watch import ConditionWatch
+from talaia.hub.alarms.condition_watch import ConditionWatch
+from talaia.hub.alarms.reminders import Reminding
+from talaia.hub.alarms.state_machine import Phase, State, What
 from talaia.hub.store.alarms.notification_outbox import About
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.checks.alarm_checks import signals_of
@@ -15,7 +15,7 @@ from talaia.wire import browser as page
 
 if TYPE_CHECKING:
     from talaia.hub.alarms.conditions import AlarmCondition
-    from talaia.hub.alarms.machine import Happened
+    from talaia.hub.alarms.state_machine import Happened
     from talaia.hub.live.sites import LiveSite
     from talaia.model.checks.alarm_checks import Addresses
 

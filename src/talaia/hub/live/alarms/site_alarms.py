@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.clock import SECOND
+from talaia.hub.alarms.condition_watch import ConditionTurn, ConditionWatch
 from talaia.hub.alarms.conditions import (
     AlarmCondition,
     ConditionReading,
@@ -18,9 +19,8 @@ from talaia.hub.alarms.conditions import (
     DetectedThing,
     Truth,
 )
-from talaia.hub.alarms.machine import Clear, Raise, State, Unshelve
-from talaia.hub.alarms.reminding import first_told
-from talaia.hub.alarms.watch import ConditionTurn, ConditionWatch
+from talaia.hub.alarms.reminders import first_told
+from talaia.hub.alarms.state_machine import Clear, Raise, State, Unshelve
 from talaia.hub.live.alarms.alarm_state import LiveAlarm, device_of
 from talaia.hub.live.pages.conflate import conflate, pick
 from talaia.hub.store.alarms.notification_outbox import About
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
-    from talaia.hub.alarms.machine import Event
+    from talaia.hub.alarms.state_machine import Event
     from talaia.hub.live.sites import LiveSite
     from talaia.model.alarms.alarm import Alarm
     from talaia.wire.columns import Columns

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Protocol
 
 from talaia.hub.live.pictures.jpeg_decoder import Unreadable
 from talaia.model.connection import DetectionSource, source_as
+from talaia.objects.camera_objects import CameraObjects
 from talaia.objects.errors import DetectorError
-from talaia.objects.eyes import Eyes
 from talaia.wire.frames import PictureForm
 
 if TYPE_CHECKING:
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite
     from talaia.model.detection import Detect
     from talaia.model.site import Signal
-    from talaia.objects.eyes import Told
-    from talaia.objects.things import Thing as Found
+    from talaia.objects.camera_objects import SightingNews
+    from talaia.objects.detection import Detection as Found
     from talaia.wire.frames import PictureFrame
 
 __all__ = ["CameraDetection", "DetectionHost"]
@@ -68,7 +68,7 @@ class DetectionHost(Protocol):
         """Give what is on a picture to the pages that want to know."""
         ...
 
-    def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
+    def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[SightingNews]) -> None:
         """Take news of sightings."""
         ...
 
@@ -108,7 +108,7 @@ class CameraDetection:
 
         """
         self._around, self._live, self._name, self._detect = around, live, name, detect
-        self._eyes = Eyes(detect, {})
+        self._eyes = CameraObjects(detect, {})
         self._counted: Mapping[str, Signal] = {}
         # What was said of each signal last: when, and the count.
         self._said: dict[str, tuple[int, float]] = {}

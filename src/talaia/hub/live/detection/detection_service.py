@@ -28,7 +28,7 @@ from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.pictures.jpeg_decoder import pixels_of
 from talaia.model.derived_signals import counts_of, detecting, detection_setup_of
 from talaia.model.detection import DetectAt
-from talaia.objects.eyes import least_of
+from talaia.objects.camera_objects import least_of
 from talaia.wire.columns import Columns
 from talaia.wire.frames import DetectedBoxes, DetectedObject, PictureForm, SightingReport
 
@@ -47,8 +47,8 @@ if TYPE_CHECKING:
     from talaia.model.derived_signals import DetectionSetup
     from talaia.model.detection import Detect, ObjectModel
     from talaia.model.site import Signal
-    from talaia.objects.eyes import Told
-    from talaia.objects.things import Thing as Found
+    from talaia.objects.camera_objects import SightingNews
+    from talaia.objects.detection import Detection as Found
     from talaia.objects.worker import Worker
     from talaia.wire.frames import PictureFrame
 
@@ -296,7 +296,7 @@ class DetectionService:
             )
             self._media.boxes(live.name, said)
 
-    def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[Told]) -> None:
+    def publish_sightings(self, live: LiveSite, camera: str, news: Sequence[SightingNews]) -> None:
         """Take news of sightings."""
         for sighting, thumbnail in news:
             seen = SightingReport(

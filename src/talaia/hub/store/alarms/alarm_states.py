@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import delete, insert, select, update
 
-from talaia.hub.alarms.machine import Happened, Phase, State, What
+from talaia.hub.alarms.state_machine import Happened, Phase, State, What
 from talaia.hub.store.alarm_tables import alarm_definitions, alarm_history, alarm_states
 from talaia.hub.store.alarms.notification_outbox import add_notices
 from talaia.hub.store.audit import AuditEntry, append

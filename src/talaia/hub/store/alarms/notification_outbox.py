@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import and_, func, insert, or_, select, true, update
 
-from talaia.hub.alarms.machine import What
 from talaia.hub.alarms.rules import Rule, due_us, wants
+from talaia.hub.alarms.state_machine import What
 from talaia.hub.auth.permissions import ANY, Right
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.store.accounts.permission_grants import OF_ROLES, grants_of
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy.ext.asyncio import AsyncConnection
 
-    from talaia.hub.alarms.machine import Happened
+    from talaia.hub.alarms.state_machine import Happened
     from talaia.hub.store.database import Database
 
 __all__ = [

@@ -1,0 +1,21 @@
+"""What a detector told of a picture, in the names of its classes. Values only."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["LABEL_LETTERS", "Detection"]
+
+# What the wire takes of a name.
+LABEL_LETTERS = 200
+
+
+class Detection(NamedTuple):
+    """One thing on a picture; places are parts of its width and height, from the upper left."""
+
+    label: str
+    score: float
+    left: float
+    top: float
+    right: float
+    bottom: float
