@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = ["DriveController"]
 
+# A page draws no faster, and a report per frame (25 a second) would crowd the control lane.
 REPORT_NS = 100 * MS
+# For this long after STOP its message goes with every zero, afterwards once in `STOP_SELDOM_NS`.
 STOP_OFTEN_NS = SECOND
 # Discovery takes a robot a few seconds; what is published before it listens is lost.
 HALT_UNKNOWN_S = 10.0
@@ -50,9 +52,10 @@ class DriveController:
         stopped: LatchedStop | None,
     ) -> None:
         """Start with no lease and nothing moving; STOP as it was kept on disk."""
-        self.device = device
+        self.device = device  # Name in the description; every message carries it.
+        # The description's `drive`; never changed: another rule makes another controller.
         self.rule = rule
-        self._output = output
+        self._output = output  # Robot, hub and record, see `ControlOutput`.
         lease_ns = round(rule.lease * SECOND)
         self.lease_protocol = LeaseProtocol(
             device=device,
@@ -66,6 +69,7 @@ class DriveController:
         self._keys = KeyCounter(rule) if rule.message is DriveMessage.KEYS else None
         # What such a robot says of its own motion, where the description names that.
         self.measured: tuple[float, float] = (math.nan, math.nan)
+        # Outlives this controller on disk: a restarted gateway begins stopped where it was stopped.
         self.latch = StopLatch(rule.stop.below, stopped)
         # Between two messages to the robot at the control rate.
         self._period_ns = round(SECOND / rule.rate)
@@ -78,6 +82,7 @@ class DriveController:
         self._driver = ""
         # What the hub was last told, and when: only changes are told, and not at every frame.
         self._told: tuple[VelocityDemand, float, str, str] | None = None
+        # Long enough ago that the first report goes out at once.
         self._reported_ns = -REPORT_NS
         # Why the last frame was refused; empty when it was accepted.
         self._why = ""
@@ -111,6 +116,7 @@ class DriveController:
         self._end(now_ns, why)
         self._why = ""
         self._noted_refusal = False
+        # While STOP is on the zeros come from `_step_stopped`, and no pause has to be added.
         if over and self.latch.latched is None:
             self.driving.halt(now_ns)
             self.driving.demand_pause(now_ns + BETWEEN_DRIVERS_NS)
@@ -120,6 +126,7 @@ class DriveController:
 
     def on_drive(self, frame: DriveFrame, age_ns: int, now_ns: int) -> None:
         """Take one frame; a wish that is accepted is published before this returns."""
+        # The order of these tests is the safety rule: STOP, then interlocks, then the lease.
         held = self.lease.holder(now_ns)
         if self.latch.latched is not None:
             self.driving.demand_rest(now_ns)
@@ -130,6 +137,7 @@ class DriveController:
             why = self._barred
         elif held is None:
             why = "nobody holds the lease"
+        # By session, not by person: two pages of one person must not drive in turns.
         elif held.session != frame.session:
             why = f"{held.who} holds the lease"
         else:
@@ -145,6 +153,7 @@ class DriveController:
                     self._publish(now_ns)
                 self._report(now_ns)
                 return
+        # What `offer` refused it has counted itself; these never reached it.
         if why in {"STOP is on", self._barred} or held is None or held.session != frame.session:
             self.driving.refused += 1
         self._refuse(why, "" if held is None else held.who)
@@ -234,6 +243,7 @@ class DriveController:
 
     def on_stop(self, latched: LatchedStop, now_ns: int) -> bool:
         """Stop now and answer; tell whether it was open before, so that it is kept on disk."""
+        # Zeros first, then disk and record: nothing may stand before stopping.
         fresh = self.latch.ask(latched, now_ns)
         self._end(now_ns, "STOP")
         if fresh:
@@ -248,6 +258,7 @@ class DriveController:
         return fresh
 
     def on_reset(self, who: str, now_ns: int) -> None:
+        # Only the latch opens here; the caller has checked token and disk (`DriveService.reset`).
         """Release STOP, after token and disk; nothing moves by this."""
         self.latch.open()
         self.driving.halt(now_ns)
@@ -285,6 +296,7 @@ class DriveController:
         self.lease_protocol.vacate()
         was_moving = self.driving.moving
         self._end(now_ns, why)
+        # Somebody who moved has had zeros from `_end`; this is for a robot nobody drove.
         if stop_robot and not was_moving:
             self.driving.halt(now_ns)
             self._publish(now_ns)
@@ -296,6 +308,7 @@ class DriveController:
             times += [self._zero_ns + self._period_ns]
         elif (turn := self.driving.due_ns()) is not None:
             times.append(turn)
+        # A report held back by `REPORT_NS` still has to go out when frames cease.
         if self._told is not None and self._told[0] != self.driving.output:
             times.append(self._reported_ns + REPORT_NS)
         if (until := self.lease.until_ns()) is not None:
@@ -316,6 +329,7 @@ class DriveController:
     def _step_stopped(
         self, now_ns: int, proofs: Callable[[], list[StandstillProof | None]]
     ) -> None:
+        # The zeros keep the control rate: a robot's own watchdog must see them as from a driver.
         if now_ns - self._zero_ns >= self._period_ns:
             self._say_zero(now_ns)
             self.driving.step(now_ns)

@@ -45,10 +45,13 @@ class KeyCounter:
         """Begin as after an ``s``."""
         self._drive = drive
         keys = drive.keys
+        # Robots of this mode move only while a character keeps coming; nothing is counted for them.
         self._repeats = keys.mode is KeyMode.REPEAT
+        # m/s and rad/s that one character adds; None where the description does not know.
         self._steps = (keys.speed_step, keys.turn_step)
         # Characters since the last ``s``, by axis: positive for ``w`` and ``a``.
         self._counts = [0, 0]
+        # The newest character sent, "" before the first; what `sent` shows when nothing adds up.
         self._last = ""
 
     @property
@@ -58,6 +61,7 @@ class KeyCounter:
             count * step if step is not None else (math.nan if count else 0.0)
             for count, step in zip(self._counts, self._steps, strict=True)
         )
+        # A robot that repeats chooses its velocity itself; no sum of ours would be true.
         if self._repeats and self._last not in ("", HALT):
             return math.nan, math.nan
         return speed, turn
@@ -89,12 +93,14 @@ class KeyCounter:
 
         """
         if self._repeats:
+            # Sent each time it is asked for: this robot takes silence for letting go.
             self._last = strongest_key(self._drive, *wished)
             return self._last
         targets = [
             self._target(axis, wish, share, measured[axis]) for axis, wish in enumerate(wished)
         ]
         key = self._key_towards(targets)
+        # "s" sets both axes to zero at the robot, so both counts as well.
         if key == HALT:
             self._counts = [0, 0]
         elif key:
@@ -106,11 +112,13 @@ class KeyCounter:
     def _key_towards(self, targets: list[int]) -> str:
         if targets == [0, 0]:
             # Said again each time: of all characters it is the one that must arrive.
+            # Speed before turn: of two axes that both lag, one character at a time can be sent.
             return HALT
         for axis, target in enumerate(targets):
             count = self._counts[axis]
             if count == target:
                 continue
+            # Going back towards zero, or past it.
             back = abs(target) < abs(count) or target * count < 0
             if back and self._steps[axis] is None:
                 # Whether one ``x`` undoes one ``w`` is not known of this robot.
@@ -128,12 +136,14 @@ class KeyCounter:
             return sign if share > 0.0 else 0
         limit = self._limit(axis, sign) * share
         # A press moves it by one step even when less was asked for, if that is allowed at all.
+        # ROUNDING: 0.3 / 0.1 is 2.999… in floating point; floor would lose a step.
         count = min(
             math.floor(limit / step + ROUNDING), max(1, math.floor(abs(wish) / step + ROUNDING))
         )
         if math.isfinite(measured) and measured * sign + step > limit + step * ROUNDING:
             # It goes as fast as it may already, whatever was counted.
             count = min(count, max(0, self._counts[axis] * sign))
+            # Half a step over is more than noise of the measurement: come back to rest.
             if measured * sign > limit + step / 2:
                 count = 0
         return sign * count

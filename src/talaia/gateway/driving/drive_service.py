@@ -68,10 +68,10 @@ class DriveService:
             interlocks: say when a device may not be driven; kept in time with the rest.
 
         """
-        self._clock = clock
-        self._output = output
-        self._stops = stops
-        self._interlocks = interlocks
+        self._clock = clock  # Monotonic for each decision; wall time only in records.
+        self._output = output  # Where every message to hub and robot goes.
+        self._stops = stops  # STOP latches on disk; may lag behind memory, never ahead of it.
+        self._interlocks = interlocks  # None where the site has no interlocks.
         self._next_epoch = next_epoch
         self._motion = MotionReadings(site, readings)
         # Sent while anybody holds a lease; drivers echo them.
@@ -82,6 +82,7 @@ class DriveService:
         self._away: set[str] = set()
         # Devices whose description is about to change: nobody drives them until it has.
         self._changing: frozenset[str] = frozenset()
+        # By device. Replaced by `redescribe`; a controller of an unchanged rule is carried over.
         self.controllers = {
             name: DriveController(
                 device=name,
@@ -121,6 +122,7 @@ class DriveService:
             self._output.send(controller.lease_state(now, ask.session, refused))
             return
         held = controller.lease.holder(now)
+        # Not on a renewal: only a new epoch has a driver who has seen no tick yet.
         if held is not None and (before is None or before.epoch != held.epoch):
             # So that the new driver need not wait for a tick to echo.
             self._tick(now)
@@ -164,6 +166,8 @@ class DriveService:
         if held is None or held.session != ask.session or held.epoch != ask.epoch:
             refused = "only who holds the lease may reset STOP"
         elif not ask.token:
+            # Two steps: a token first, which the page shows as a second press. 16 bytes cannot be
+            # guessed, and no other session can send it.
             token = secrets.token_urlsafe(16)
             refused = controller.latch.offer_token(ask.session, token, now)
         else:
@@ -174,10 +178,12 @@ class DriveService:
         await self._release(controller, ask)
 
     async def _release(self, controller: DriveController, ask: ResetRequest) -> None:
+        # Disk before memory: after a crash between the two it must be stopped, never released.
         was = controller.latch.latched
         if refused := await self._stops.write_release(controller.device):
             self._answer_reset(ask, "", refused)
             return
+        # While the disk wrote, somebody may have stopped it again; that STOP stays.
         if controller.latch.latched is was:
             controller.on_reset(ask.who, self._clock.monotonic_ns())
 

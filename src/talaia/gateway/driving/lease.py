@@ -54,7 +54,8 @@ class DeviceLease:
             next_epoch: gives a number higher than every one before, also across restarts.
 
         """
-        self._duration_ns = duration_ns
+        self._duration_ns = duration_ns  # From the description, ns.
+        # Shared by all devices, kept on disk; raises OSError where no number can be reserved.
         self._next_epoch = next_epoch
         # May be overdue: only `holder` says whether there is one.
         self._holder: LeaseHolder | None = None
@@ -65,6 +66,8 @@ class DeviceLease:
 
     def holder(self, now_ns: int) -> LeaseHolder | None:
         """Give the holder, or none."""
+        # `>=`: a lease of 2 s is over at 2 s, so that nobody can hold it at the instant another
+        # gets it.
         if self._holder is not None and now_ns >= self._holder.until_ns:
             self._holder = None
             self._in_vain.clear()
@@ -74,6 +77,8 @@ class DeviceLease:
         """Give who asks the holder for it, or none."""
         rival = self._rival
         if rival is not None and now_ns >= rival.until_ns:
+            # Silence counts as no. Who asked may force from the moment the answer was due, not from
+            # when somebody looked.
             self._rival = None
             if self.holder(now_ns) is not None:
                 self._in_vain[rival.session] = rival.until_ns + FORCE_NS
@@ -82,6 +87,7 @@ class DeviceLease:
     def may_force(self, session: str, now_ns: int) -> bool:
         """Tell whether ``session`` asked the present holder in vain, not long ago."""
         self.rival(now_ns)
+        # `get(…, now_ns)`: for one who never asked the comparison is false.
         return self.holder(now_ns) is not None and now_ns < self._in_vain.get(session, now_ns)
 
     def take_lease(self, session: str, who: str, now_ns: int) -> str:
@@ -97,6 +103,7 @@ class DeviceLease:
         held, rival = self.holder(now_ns), self.rival(now_ns)
         if held is not None and held.session != session:
             return f"{held.who} is driving"
+        # Free, but asked for: the one who waited gets it by `pass_on`, not whoever is quicker now.
         if held is None and rival is not None and rival.session != session:
             return f"{rival.who} has asked for it first"
         self._grant(session, who, now_ns)
@@ -115,6 +122,8 @@ class DeviceLease:
         if rival is not None and rival.session != session:
             return f"{rival.who} has asked for it already"
         if rival is None:
+            # A new ask gives the holder a new chance to answer; the right to force from the last is
+            # gone.
             self._in_vain.pop(session, None)
             self._rival = LeaseRival(session, who, now_ns + ANSWER_NS)
         return ""
@@ -178,6 +187,7 @@ class DeviceLease:
             return "the lease has ended; take it again"
         if held.session != session:
             return f"{held.who} is driving"
+        # Only the end moves: renewing keeps the epoch, so frames on their way stay valid.
         self._holder = held._replace(until_ns=now_ns + self._duration_ns)
         return ""
 
@@ -209,10 +219,12 @@ class DeviceLease:
         self._rival = None
 
     def _grant(self, session: str, who: str, now_ns: int) -> None:
+        # The number first: when the disk refuses, nothing below has changed yet.
         before, epoch = self._holder, self._next_epoch()
         self._holder = LeaseHolder(session, who, epoch, now_ns + self._duration_ns)
         if self._rival is not None and self._rival.session == session:
             self._rival = None
+        # The same session took it anew: who was refused by it was refused by this very holder.
         if before is not None and before.session == session:
             return
         # Another holder was asked nothing yet: who still waits asks this one, with all its time.

@@ -43,9 +43,11 @@ class LeaseProtocol:
         changed: OnHolderChange,
     ) -> None:
         """Start with nobody. For ``duration_ns`` and ``next_epoch`` see `DeviceLease`."""
+        # All decisions; this class only speaks of them.
         self.lease = DeviceLease(duration_ns, next_epoch)
         self._device = device
         self._output = output
+        # The controller's: brings the vehicle to rest when the holder changes.
         self._changed = changed
         # Who was last told to have it, and to ask for it: what time alone has changed since is
         # found by comparing.
@@ -63,6 +65,8 @@ class LeaseProtocol:
         self.settle(now_ns)
         refused = self._act(ask, now_ns)
         if refused:
+            # A renewal that came too late is told, not recorded: each page does that once when it
+            # wakes.
             taking = isinstance(ask, LeaseForceRequest) or ask.op is not LeaseOp.RENEW
             if taking:
                 self._record_event("lease_refused", refused, ask.who)
@@ -95,6 +99,8 @@ class LeaseProtocol:
             case LeaseOp.FREE:
                 if lease.free(ask.session, now_ns):
                     self._record_event("lease_freed", "", ask.who)
+                # Who freed it may have been the one who asked; that ask is withdrawn, not
+                # unanswered.
                 self._asks = lease.rival(now_ns)
                 self.settle(now_ns, "lease given back")
         return ""
@@ -117,6 +123,7 @@ class LeaseProtocol:
     def _denied(self, now_ns: int, rival: LeaseRival | None, who: str) -> None:
         if rival is not None:
             self._asks = None
+            # Set before the states go out, so that `settle` does not tell it again as unanswered.
             self._record_event("lease_denied", f"to {rival.who}", who)
             self._in_vain(now_ns, rival, f"{who} keeps control")
 
@@ -127,10 +134,13 @@ class LeaseProtocol:
     def settle(self, now_ns: int, why: str = "lease ended") -> None:
         """Do what time has decided: a lease that ran out, an ask that nobody answered."""
         lease = self.lease
+        # Read before `holder`: reading the rival is what turns an overdue ask into one in vain.
         asked, self._asks = self._asks, lease.rival(now_ns)
         held = lease.holder(now_ns)
         if held is None and why == "lease ended" and self._had is not None:
             self._record_event("lease_ended", "not renewed", self._had.who)
+        # The only place where time gives a lease to somebody; without the disk they get none, and
+        # the ask is dropped, or each step would try the disk again.
         try:
             passed = lease.pass_on(now_ns)
         except OSError as error:
@@ -149,8 +159,11 @@ class LeaseProtocol:
         """Tell the controller, once, that another has the lease, the same one anew, or nobody."""
         had, held = self._had, self.lease.holder(now_ns)
         self._had = held
+        # By epoch: a session that took its lease anew counts as changed, a renewal does not.
         if (had and had.epoch) == (held and held.epoch):
             return False
+        # `over`: straight from one driver to another, where the vehicle stands for a moment
+        # between.
         over = had is not None and held is not None and had.session != held.session
         self._changed(now_ns, why, over=over)
         if held is not None:
@@ -160,6 +173,8 @@ class LeaseProtocol:
 
     def vacate(self) -> None:
         """End it whoever has it or asks for it; the controller has seen to the vehicle."""
+        # Forgotten as told, too: otherwise `settle` would record an end that the caller has
+        # recorded.
         self.lease.drop()
         self._had = self._asks = None
 
@@ -175,6 +190,7 @@ class LeaseProtocol:
             session=held.session,
             who=held.who,
             epoch=held.epoch,
+            # Remaining time, no moment: page and gateway share no clock.
             remains_ms=max(0, (held.until_ns - now_ns) // MS),
             rival="" if rival is None else rival.session,
             rival_who="" if rival is None else rival.who,

@@ -37,6 +37,7 @@ class MotionReadings:
         """Give what each signal that confirms STOP says; none for one that says nothing."""
         proofs: list[StandstillProof | None] = []
         for address in rule.stop.confirmed_by:
+            # The newest value with the time at which it came; its age is judged by `StopLatch`.
             reading = self._readings.latest(address)
             max_age = self._max_age(address)
             proofs.append(
@@ -51,6 +52,8 @@ class MotionReadings:
         if reading is None:
             return math.nan
         max_age_ns = round(self._max_age(address) * SECOND)
+        # An old speed would let a character through that the robot's true speed forbids; NaN says
+        # unknown.
         return reading.value if now_ns - reading.mono_ns <= max_age_ns else math.nan
 
     def _max_age(self, address: str) -> float:

@@ -39,8 +39,10 @@ class LeaseEpochs:
             SpoolError: the file is damaged.
 
         """
-        self._path = path
+        self._path = path  # A small JSON file with one number: the highest that is reserved.
+        # The file was read; before that no number may be given, or an epoch could come twice.
         self._read = False
+        # Last given out, and last reserved; no number above the second is ever given.
         self._last = self._reserved = 0
         try:
             self._reserve()
@@ -51,6 +53,8 @@ class LeaseEpochs:
         if not self._read:
             self._last = self._reserved = read_whole(self._path, int, lambda: 0)
             self._read = True
+        # On disk before it counts: after a crash the next run begins above everything given out
+        # here.
         write_in_place(self._path, msgspec.json.encode(self._reserved + _BLOCK))
         self._reserved += _BLOCK
 
@@ -61,6 +65,7 @@ class LeaseEpochs:
             OSError: a new block could not be reserved; no number is given out.
 
         """
+        # Not tried again at each grant while numbers are left: a full disk stops nobody yet.
         if self._last >= self._reserved:
             self._reserve()
         self._last += 1
@@ -78,14 +83,17 @@ class PersistentStops:
 
         """
         self._path = path
+        # What stands on disk, by device; replaced whole after each successful write.
         self._stops: dict[str, LatchedStop] = {}
         # What the disk did not take; it is tried again.
         self._waiting: dict[str, LatchedStop] = {}
+        # Who is said to have stopped everything where the file cannot be read; "" where it was.
         self._unread = ""
         try:
             self._stops = read_whole(path, dict[str, LatchedStop], dict)
         except OSError as error:
             log.warning("all that is driven begins with STOP: %s cannot be read: %s", path, error)
+            # Fail-safe: what cannot be read may have held a STOP for any device.
             self._unread = f"the gateway, which cannot read its disk ({error.strerror})"
         with contextlib.suppress(OSError):
             if not path.exists():
@@ -94,6 +102,7 @@ class PersistentStops:
 
     def get(self, device: str) -> LatchedStop | None:
         """Give who stopped a device, or none. Where that cannot be read, the gateway has."""
+        # A waiting one is newer than the disk's.
         kept = self._waiting.get(device) or self._stops.get(device)
         return LatchedStop("", self._unread, 0) if kept is None and self._unread else kept
 
@@ -109,6 +118,7 @@ class PersistentStops:
             OSError: it still does not.
 
         """
+        # A copy: `write` removes from it.
         for device, latched in list(self._waiting.items()):
             self.write(device, latched)
 
@@ -124,10 +134,12 @@ class PersistentStops:
         if latched is None:
             stops.pop(device, None)
         else:
+            # Waits until written, so that the disk's failure leaves it to `write_waiting`.
             stops[device] = self._waiting[device] = latched
         if self._unread:
             # Nothing is written over what may be there yet.
             raise OSError(errno.EIO, f"{self._path} cannot be read; mend the disk, then restart")
         write_in_place(self._path, msgspec.json.encode(stops))
+        # Only now: an exception above leaves what stands on disk.
         self._stops = stops
         self._waiting.pop(device, None)

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LatchedStop", "StandstillProof", "StopLatch"]
 
+# Long enough for a second press, short enough that a page left open cannot release by a stray one.
 TOKEN_NS = 10 * SECOND
 
 
@@ -57,6 +58,7 @@ class StopLatch:
 
     def ask(self, latched: LatchedStop, now_ns: int) -> bool:
         """Latch; tell whether it was open before. The first who asked stays on record."""
+        # A STOP while a reset is being prepared undoes the preparation.
         self._token = None
         if self.latched is not None:
             return False
@@ -74,11 +76,15 @@ class StopLatch:
         seen = list(proofs)
         still = bool(seen) and all(
             proof is not None
+            # All comparisons in one clock; a reading from before STOP shows how it drove, not that
+            # it stands.
             and proof.mono_ns >= self._since_ns
             and now_ns - proof.mono_ns <= proof.max_age_ns
+            # NaN compares false, so it proves nothing.
             and abs(proof.value) <= self._below
             for proof in seen
         )
+        # Readings go on after the reset; they confirm nothing then.
         still = still and self.latched is not None
         changed = still is not self.confirmed
         self.confirmed = still
@@ -93,6 +99,7 @@ class StopLatch:
 
     def check_token(self, session: str, token: str, now_ns: int) -> str:
         """Use up the token; give the reason when it does not open. The latch itself stays."""
+        # Used up by any attempt: a wrong guess costs the token.
         kept, self._token = self._token, None
         if self.latched is None:
             return "STOP is not on"

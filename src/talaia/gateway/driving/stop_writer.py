@@ -35,7 +35,8 @@ class StopWriter:
             output: told when the disk does not take a STOP, and when it does again.
 
         """
-        self._stops = stops
+        self._stops = stops  # Both what is on disk and what waits for it.
+        # One worker thread, in order: a release never overtakes the STOP before it.
         self._on_disk = on_disk
         self._output = output
 
@@ -59,6 +60,7 @@ class StopWriter:
         try:
             await self._on_disk(self._stops.write_waiting)
         except OSError as error:
+            # Recorded once by `write_stop`; each vain attempt since would fill the record.
             log.debug("STOP is not on disk yet: %s", error)
             return
         said = "STOP is on disk now, and will be kept over a restart"
@@ -68,6 +70,7 @@ class StopWriter:
         """Write that STOP is released; say why that cannot be written, if so."""
         try:
             await self._on_disk(lambda: self._stops.write(device, None))
+        # The caller leaves it stopped: a release that a restart would undo is none.
         except OSError as error:
             return f"the gateway cannot write its disk: {error}"
         return ""

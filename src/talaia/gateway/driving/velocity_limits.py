@@ -25,9 +25,11 @@ __all__ = [
     "cap_of_picture",
 ]
 
+# The round trip's steps of the safety rules: full, half and no speed (docs of driving name them).
 FULL_LOOP_MS = 150.0
 HALF_LOOP_MS = 300.0
 NO_LOOP_MS = 500.0
+# The same for the age of the picture that the driver looks at.
 OLD_PICTURE_MS = 500.0
 DEAD_PICTURE_MS = 1000.0
 # After the newest sign that the way to the driver and back was whole (the tick that a frame
@@ -85,13 +87,15 @@ class VelocityLimiter:
 
     def __init__(self, rule: DriveRule) -> None:
         """Start silent: after any restart nothing moves and nothing is said."""
-        self._rule = rule
-        self._ttl_ns = round(rule.ttl * SECOND)
+        self._rule = rule  # Limits of the description; a changed rule makes another limiter.
+        self._ttl_ns = round(rule.ttl * SECOND)  # Longest life of a frame, ns.
+        # Between two messages to the robot in a steady hold, ns.
         self._period_ns = round(SECOND / rule.rate)
+        # m/s backwards; the forward limit where the description names none.
         self._reverse = rule.max_speed if rule.max_reverse is None else rule.max_reverse
         self._phase = OutputPhase.SILENT
-        self._wish = STILL
-        self._output = STILL
+        self._wish = STILL  # What the driver asks for, clamped to the limits; before cap and ramp.
+        self._output = STILL  # What the robot was told last; the ramp starts there.
         # When the phase ends by itself (monotonic, as all times here): driving, or the zeros.
         self._until_ns = 0
         # Until when the last frame counts, from when its driver made it.
@@ -104,6 +108,7 @@ class VelocityLimiter:
         self._credit = CREDIT
         self._credit_ns = 0
         # The highest that was accepted: what a network brings late or twice never counts.
+        # `-1` lets the first frame, number 0, through.
         self._seq = -1
         self._epoch = -1
         # Whoever drives has to let go before anything is accepted again.
@@ -113,9 +118,13 @@ class VelocityLimiter:
         # When a frame last came, accepted or not: a driver who is silent has let go.
         self._offered_ns = 0
         # What the round trip and the age of the picture allow (0 to 1).
-        self._line_cap = 1.0
+        self._line_cap = 1.0  # min of both, set by each accepted frame.
+        # What interlocks and enclosures allow, 0 to 1; set by `DriveController.slow`.
         self.share = 1.0
+        # Round trip of the last accepted frame without the page's own waiting, ms.
         self.loop_ms = 0.0
+        # Frames in this hold (reset when a hold begins) and refused since the last end was
+        # recorded.
         self.accepted = 0
         self.refused = 0
 
@@ -151,6 +160,8 @@ class VelocityLimiter:
 
         """
         why = self._why_not(frame, epoch, age_ns) or self._restless(frame, now_ns)
+        # Refused frames count as well: somebody who holds the key through an interlock is not
+        # silent.
         self._offered_ns = now_ns
         if why:
             self.refused += 1
@@ -160,6 +171,8 @@ class VelocityLimiter:
             self.accepted = 0
         self.accepted += 1
         self._phase = OutputPhase.DRIVING
+        # Whichever is sooner: the driver's frame has aged out, or the way back has been dark too
+        # long.
         self._until_ns = now_ns + min(self._ttl_ns, STOP_BY_NS - age_ns)
         # It may have spent most of its life on the way: then it is not said again.
         self._fresh_until_ns = now_ns + self._ttl_ns - age_ns
@@ -177,10 +190,12 @@ class VelocityLimiter:
 
     def _why_not(self, frame: DriveFrame, epoch: int, age_ns: int) -> str:
         numbers = (frame.linear, frame.angular, frame.held_ms, frame.ttl_ms, frame.picture_ms)
+        # NaN passes every `min` and `max`, and would reach the actuator.
         if not all(map(math.isfinite, numbers)):
             return "a value is not a finite number"
         if frame.epoch != epoch:
             return "the frame belongs to an earlier lease"
+        # Only within an epoch: a page loaded anew counts from zero under a higher one.
         if epoch == self._epoch and frame.seq <= self._seq:
             return "the frame is repeated or out of order"
         if age_ns < 0:
@@ -188,6 +203,7 @@ class VelocityLimiter:
         # A frame may ask for a shorter life than the description gives it, never for a longer.
         ttl_ns = self._ttl_ns
         if frame.ttl_ms > 0:
+            # Bounded before the multiplication: a huge number must not become a negative integer.
             ttl_ns = min(ttl_ns, round(min(frame.ttl_ms, 1e6) * MS))
         if age_ns > ttl_ns or age_ns >= STOP_BY_NS:
             return f"the frame is too old ({age_ns // MS} ms)"
@@ -197,6 +213,7 @@ class VelocityLimiter:
         let_go = frame.linear == 0.0 and frame.angular == 0.0
         if now_ns < self._pause_until_ns and not let_go:
             return "the vehicle comes to rest between two drivers"
+        # Nothing offered for twice a frame's life: the key was up, even if no zero arrived.
         paused = now_ns - self._offered_ns > 2 * self._ttl_ns
         if self._rest and not let_go and not paused:
             return "let go first, then press anew"
@@ -205,6 +222,7 @@ class VelocityLimiter:
 
     def demand_rest(self, now_ns: int) -> None:
         """Let nothing move before the driver has let go: a reset of STOP starts no motion."""
+        # Counted from now: the silence before this is no letting go.
         self._rest, self._offered_ns = True, now_ns
 
     def demand_pause(self, until_ns: int) -> None:
@@ -216,6 +234,7 @@ class VelocityLimiter:
         self._wish = STILL
         self._phase = OutputPhase.ZEROS
         self._until_ns = now_ns + round(max(seconds, self._rule.zeros_for) * SECOND)
+        # None makes `due_ns` say at once; the first zero does not wait for its turn.
         self._said_ns = None
 
     def prompt(self, now_ns: int) -> bool:
@@ -228,6 +247,7 @@ class VelocityLimiter:
         """
         if self._wish == STILL:
             return self._output != STILL
+        # Two turns' worth in a period: the frames' own pace plus what bunches.
         earned = max(0, now_ns - self._credit_ns) / (self._period_ns / 2)
         self._credit = min(CREDIT, self._credit + earned)
         self._credit_ns = now_ns
@@ -246,9 +266,12 @@ class VelocityLimiter:
         if self._phase is OutputPhase.SILENT:
             return None
         if self._said_ns is None:
+            # 0 is long past on the monotonic clock: due at once.
             return min(0, self._until_ns)
         wait = self._period_ns
         if self._phase is OutputPhase.DRIVING:
+            # Half a period where the rate was used up, one and a half where a frame should come
+            # meanwhile.
             wait = self._period_ns // 2 if self._unsaid else self._period_ns * 3 // 2
             if self._wish != STILL and self._said_ns + wait > self._fresh_until_ns:
                 return self._until_ns
@@ -261,6 +284,7 @@ class VelocityLimiter:
         driven = self._phase is OutputPhase.DRIVING and self._wish != STILL
         if driven and now_ns > self._fresh_until_ns:
             # Silence until the zeros, or until a fresh frame: an old wish moves nothing.
+            # -1, so that `due_ns` waits for the end of the hold and does not come back each turn.
             self._fresh_until_ns = -1
             return None
         if self._phase is OutputPhase.ZEROS and now_ns >= self._until_ns:
@@ -268,6 +292,7 @@ class VelocityLimiter:
         if self._phase is OutputPhase.SILENT:
             self._output, self._said_ns = STILL, None
             return None
+        # Zeros are told without a ramp: stopping is the robot's own brake.
         self._output = self._next(now_ns) if self._phase is OutputPhase.DRIVING else STILL
         self._said_ns, self._unsaid = now_ns, False
         return self._output
@@ -281,6 +306,7 @@ class VelocityLimiter:
         turn = rule.max_turn_acceleration * seconds
         angular = _ramp(self._output.angular, self._wish.angular, turn)
         limit = self.cap * (rule.max_speed if linear >= 0 else self._reverse)
+        # The cap cuts after the ramp: when the line gets worse, speed falls at once.
         return VelocityDemand(_within(linear, limit), _within(angular, self.cap * rule.max_turn))
 
 
@@ -288,6 +314,7 @@ def _ramp(now: float, wish: float, step: float) -> float:
     """Move from ``now`` toward ``wish`` by at most ``step``; zero is reached at once."""
     if wish == 0.0:
         return 0.0
+    # Both ways in one line: never past the wish, never more than a step from now.
     return min(max(wish, now - step), now + step)
 
 

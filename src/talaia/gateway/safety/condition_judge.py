@@ -55,14 +55,19 @@ def judge_reading(
 
     """
     max_age = signal.max_age if condition.max_age is None else condition.max_age
+    # Age by when it came, not by its stamp; what stamps add is `ValueValidity`'s.
     fresh = age_ns <= round(max_age * SECOND)
     if reading is None:
+        # Not certain while the signal's first value may still be on its way: it locks, but runs no
+        # sequence.
         return InterlockVerdict(f"{signal.name}: no value yet", certain=not fresh, unknown=True)
+    # A frozen or impossible value is unknown even if it is newer than everything else.
     if problem:
         return InterlockVerdict(problem, unknown=True)
     if not fresh:
         return InterlockVerdict(f"{signal.name}: no value newer than {max_age:g} s", unknown=True)
     value = reading.value
+    # NaN is how robots say that a sensor has nothing; it would be inside every limit.
     if not math.isfinite(value):
         return InterlockVerdict(f"{signal.name}: not a number", unknown=True)
     if signal.type is SignalType.STATE:
@@ -81,13 +86,16 @@ def join_verdicts(parts: Sequence[InterlockVerdict]) -> InterlockVerdict:
     One that is unknown counts as unsafe, as everywhere; it makes the whole uncertain for as long
     as it is itself.
     """
+    # One part that is safe keeps the whole safe: the conditions are joined by "and".
     if not parts or not all(part.why for part in parts):
         return InterlockVerdict()
     why = " and ".join(part.why for part in parts)
+    # Cut, for the wire refuses a longer reason; the first of them says most.
     return InterlockVerdict(why[:LONGEST_WHY], all(part.certain for part in parts))
 
 
 def _state_problem(condition: Condition, signal: Signal, value: float) -> str:
+    # Not a state's number: a newer driver may know states that the description does not.
     if value != int(value) or not 0 <= value < len(signal.states):
         return f"{signal.name}: an unknown state"
     word = signal.states[int(value)]
@@ -118,9 +126,9 @@ class ConditionJudge:
             wall_ns: UTC, for where the Sun stands and for stamps of robots.
 
         """
-        self._site = site
-        self._readings = readings
-        self._losses = losses
+        self._site = site  # Replaced by `redescribe`.
+        self._readings = readings  # The newest value of each guarded signal, by address.
+        self._losses = losses  # Since when the hub is away, for conditions on the link.
         self._wall_ns = wall_ns
         # What makes a value unknown although it arrives.
         self._validity = ValueValidity(readings, wall_ns)
@@ -132,6 +140,7 @@ class ConditionJudge:
     def redescribe(self, site: Site, now_ns: int) -> None:
         """Judge by another description; a signal that means something else is heard anew."""
         before, self._site = self._site, site
+        # Listened to for the first time now: its max_age counts from here.
         had = before.guarded()
         fresh = {
             command
@@ -161,6 +170,7 @@ class ConditionJudge:
         if not self._credit.settling(now_ns):
             return ""
         for condition in [part for outer in rule.when for part in (outer, *outer.all_of)]:
+            # None is no reason here: a signal without a value locks by itself, see `judge_reading`.
             device, _, name = condition.signal.partition("/")
             reading = self._readings.latest(condition.signal) if condition.signal else None
             if reading is None:
@@ -188,6 +198,7 @@ class ConditionJudge:
 
     def sighting_holds(self, sighting: Sighting, now_ns: int) -> bool | None:
         """Tell whether a sensor says so; none when it says nothing."""
+        # A sensor that is invalid says neither closed nor open.
         value = self.fresh_value(sighting.signal, now_ns)
         device, _, signal = sighting.signal.partition("/")
         described = self._site.devices[device].signals[signal]
@@ -203,6 +214,7 @@ class ConditionJudge:
         if condition.all_of:
             return join_verdicts([self.judge_condition(part, now_ns) for part in condition.all_of])
         if condition.link_lost is not None:
+            # Counted with the credit: what this process slept through is no loss of the link.
             lost = self._losses.lost_ns
             if lost is None or self.age_ns(lost, now_ns) < round(condition.link_lost * SECOND):
                 return InterlockVerdict()
@@ -219,6 +231,7 @@ class ConditionJudge:
         alone = Condition(max_age=condition.max_age)
         for address in (condition.signal, other):
             verdict = self._judge_signal(alone, address, now_ns)
+            # `_judge_two` reads both again and may trust them then.
             if verdict.why:
                 return verdict
         return self._judge_two(condition, other)
@@ -242,6 +255,7 @@ class ConditionJudge:
     def _judge_signal(self, condition: Condition, address: str, now_ns: int) -> InterlockVerdict:
         device, _, signal = address.partition("/")
         reading = self._readings.latest(address)
+        # A signal that never spoke is as old as our listening.
         since = self._began_ns[address] if reading is None else reading.mono_ns
         described = self._site.devices[device].signals[signal]
         problem = ""
@@ -266,6 +280,7 @@ def signal_meaning(site: Site, address: str) -> tuple[object, ...] | None:
     signal = None if described is None else described.signals.get(name)
     if signal is None:
         return None
+    # Names are for people: a signal that is only renamed goes on with its dwell times.
     return msgspec.structs.replace(signal, name="", was=""), detection_setup_of(
         site, device, source_as(signal.source, DetectionSource).stream
     )

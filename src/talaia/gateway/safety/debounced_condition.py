@@ -30,21 +30,25 @@ __all__ = ["DebouncedCondition"]
 class BadTimeWindow:
     """For how long something was bad within a window of time. Bounded in memory."""
 
+    # Resolution: a hundredth of the window, so that memory does not grow with the rate of values.
     PARTS = 100
 
     def __init__(self, window_ns: int) -> None:
         """Have seen nothing yet."""
-        self._window_ns = window_ns
+        self._window_ns = window_ns  # Twice `lasting`, ns.
+        # At least 1 ns, for `lasting: 0` makes an empty window.
         self._part_ns = max(1, window_ns // self.PARTS)
         # Stretches of time by number, oldest first, and how long each was bad (ns).
         self._parts: deque[tuple[int, int]] = deque()
-        self._total_ns = 0
+        self._total_ns = 0  # Sum over `_parts`, so that no look has to add a hundred numbers.
+        # Up to when time has been counted; None before the first look.
         self._seen_ns: int | None = None
-        self._bad = False
+        self._bad = False  # How it was at `_seen_ns`, and so until now.
 
     def add(self, now_ns: int, *, bad: bool) -> int:
         """Take in how it is from now on; give for how long it was bad within the window (ns)."""
         if self._seen_ns is not None and self._bad:
+            # After a long standstill only what lies within the window counts.
             self._count(max(self._seen_ns, now_ns - self._window_ns), now_ns)
         self._seen_ns, self._bad = now_ns, bad
         oldest = (now_ns - self._window_ns) // self._part_ns
@@ -56,6 +60,7 @@ class BadTimeWindow:
         while from_ns < to_ns:
             number = from_ns // self._part_ns
             end_ns = min(to_ns, (number + 1) * self._part_ns)
+            # The newest stretch is opened again, for looks come more often than stretches end.
             was = self._parts.pop()[1] if self._parts and self._parts[-1][0] == number else 0
             self._parts.append((number, was + end_ns - from_ns))
             self._total_ns += end_ns - from_ns
@@ -73,7 +78,7 @@ class DebouncedCondition:
     def __init__(self, condition: Condition) -> None:
         """Start as not tripped: the interlock itself begins locked."""
         self.condition = condition
-        self._lasting_ns = round(condition.lasting * SECOND)
+        self._lasting_ns = round(condition.lasting * SECOND)  # 0 trips at once.
         # Once tripped it is judged by the limits at which it lets go.
         self._tripped = msgspec.structs.replace(
             condition,
@@ -95,6 +100,7 @@ class DebouncedCondition:
 
         """
         verdict = judge(self._tripped if self._on else self.condition)
+        # Unknown counts as bad time: what turns out bad afterwards has been bad since nobody knew.
         bad_ns = self._bad_time.add(now_ns, bad=bool(verdict.why)) if self._lasting_ns else 0
         if not verdict.why:
             self._on = False

@@ -29,6 +29,7 @@ def judge_dew_point(
 ) -> InterlockVerdict:
     """Say whether a temperature (°C) is too near to the dew point at a humidity (%)."""
     away = temperature - dew_point(temperature, humidity)
+    # Humidity of 0 % or less has no dew point; that is a broken sensor, not dry air.
     if math.isnan(away):
         air = f"{temperature:g} °C and {humidity:g} %"
         return InterlockVerdict(f"{name}: the air has no dew point at {air}", unknown=True)
@@ -39,6 +40,7 @@ def judge_sun(condition: Condition, place: Place, wall_ns: int) -> InterlockVerd
     """Say whether the Sun is too high, or too low, at a place."""
     jd = astronomy.julian_day(wall_ns / SECOND)
     here = astronomy.Observer(place.latitude, place.longitude, place.elevation)
+    # Refraction is left out: near the horizon half a degree, far below what limits mean.
     altitude = astronomy.altaz(*astronomy.sun(jd), here, jd).alt
     return _judge_limits(condition, "The Sun's altitude", altitude, "°")
 

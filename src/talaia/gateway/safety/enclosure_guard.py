@@ -32,8 +32,12 @@ __all__ = [
 ]
 
 # A command is asked again no sooner, however the sensors stand: first this, then ever longer.
+# A motor that is told "close" every second may begin anew each time; 30 s at the most keep the roof
+# asked.
 FIRST_AGAIN_NS = 2 * SECOND
 LONGEST_AGAIN_NS = 30 * SECOND
+# Parking takes longer than a close to be accepted, and a park asked twice aborts the first at some
+# mounts.
 PARK_AGAIN_NS = 10 * SECOND
 # Before anything moves the exposure is asked to end; a camera that does not answer delays nothing
 # for longer than this.
@@ -81,8 +85,8 @@ class EnclosureGuard:
 
     def __init__(self, name: str, rule: Enclosure) -> None:
         """Want nothing yet."""
-        self._name = name
-        self._rule = rule
+        self._name = name  # For people and labels; the key in the description.
+        self._rule = rule  # Sensors, commands and times; a changed rule makes a new guard.
         # How many commands were asked: part of each label, so that none waits for another.
         self._asked = 0
         # What the last alarm said.
@@ -125,8 +129,10 @@ class EnclosureGuard:
             return []
         if address == self._rule.stop and not self._stopped_by:
             self._stopped_by = who or "somebody"
+            # Who stopped it stands beside it; the alarm is for a roof that nobody attends to.
             self._alarm_ns = None
         elif address == self._rule.close.command and self._stopped_by:
+            # Resumed as if it had just begun: at once, and with short waits again.
             self._stopped_by, self._tries, self._close_ns = "", 0, None
             return [self._event("enclosure_resumed", f"closing resumed by {who}", good=True)]
         return []

@@ -62,10 +62,11 @@ class EnclosureSupervisor:
             run: begins sequences.
 
         """
-        self._site = site
-        self._readings = readings
-        self._judge = judge
-        self._output = output
+        self._site = site  # Replaced by `redescribe`.
+        self._readings = readings  # The newest values; only their times are used here.
+        self._judge = judge  # Says whether a sensor's value counts, and what it says.
+        self._output = output  # Tells the hub and writes the record.
+        # Begins a sequence; one of the same label that still runs is not begun again.
         self._run = run
         # All by the enclosure's name. What is asked of each, and how often already:
         self._guards = {name: EnclosureGuard(name, rule) for name, rule in site.enclosures.items()}
@@ -90,6 +91,8 @@ class EnclosureSupervisor:
         guards, followers, agreements = self._guards, self._followers, self._agreements
         self._guards, self._followers, self._agreements = {}, {}, {}
         for name, rule in site.enclosures.items():
+            # The whole rule is compared: one other end switch makes what was agreed before
+            # worthless.
             same = before.enclosures.get(name) == rule
             self._guards[name] = guards[name] if same else EnclosureGuard(name, rule)
             self._agreements[name] = agreements[name] if same else SensorAgreement(rule)
@@ -98,6 +101,7 @@ class EnclosureSupervisor:
 
     def apply_command(self, device: str, command: str, who: str) -> None:
         """Tell of a person's command that was accepted: it may stop or resume a closing."""
+        # Each guard is asked, for one motor's STOP may belong to several enclosures.
         for guard in self._guards.values():
             self._carry_out(guard.commanded(f"{device}/{command}", who))
 
@@ -107,6 +111,8 @@ class EnclosureSupervisor:
             follow = rule.follow
             if follow is None or f"{device}/{command}" not in follow.before:
                 continue
+            # `None` (a sensor that is silent) counts as standing: it cannot hold up a command for
+            # ever.
             still = not any(self._judge.sighting_holds(sensor, now_ns) for sensor in rule.moving)
             tracks = self._judge.sighting_holds(follow.when, now_ns)
             apart = apart_of(
@@ -124,6 +130,7 @@ class EnclosureSupervisor:
                 closed=still and self._closed_verdict(rule, now_ns).closed is True,
                 moving=follow.moving is not None
                 and self._judge.sighting_holds(follow.moving, now_ns),
+                # No `follow.moving` is no proof of standing; `hold_of` waits by the angle then.
                 apart=0.0 if tracks is False else apart,
             )
             if held is not None:
@@ -140,6 +147,7 @@ class EnclosureSupervisor:
         return reading is None or reading.mono_ns < ended_ns
 
     def read_enclosure(self, name: str, now_ns: int) -> EnclosureReadings:
+        # Equal times count as said since: a value that came with the end tells of the end.
         """Give what the sensors of an enclosure say."""
         rule = self._site.enclosures[name]
         return self._read_sensors(rule, self._closed_verdict(rule, now_ns), now_ns)
@@ -151,6 +159,7 @@ class EnclosureSupervisor:
             self._judge.sighting_holds(sighting, now_ns)
             for sighting in opening_of(self._site, rule)
         )
+        # A roof that certainly opens is not closed, whatever its end switch still says.
         return EnclosureReadings(
             closed=None if closed.closed is None else closed.closed and not opening,
             disagree=closed.disagree,
@@ -167,6 +176,7 @@ class EnclosureSupervisor:
         """Say why an enclosure cannot be supervised now: its sensors, or all of the weather's."""
         rule = self._site.enclosures[name]
         readings = self.read_enclosure(name, now_ns)
+        # Not told to a dome by a heartbeat: it must close by itself then.
         if readings.closed is None:
             return "its sensors disagree" if readings.disagree else "its sensors say nothing"
         conditions = [
@@ -196,6 +206,7 @@ class EnclosureSupervisor:
 
     def keep_closed(self, name: str, why: str, now_ns: int) -> None:
         """Do what keeps an enclosure closed for as long as there is a reason ``why``."""
+        # Disagreement first, so that the record has the reason before what follows from it.
         rule, guard = self._site.enclosures[name], self._guards[name]
         closed = self._closed_verdict(rule, now_ns)
         self._carry_out([*self._agreements[name].compare_sensors(closed, now_ns)])
@@ -224,6 +235,7 @@ class EnclosureSupervisor:
 
     def send_state(self, name: str) -> None:
         """Tell the hub why people are to look at an enclosure, or that they need not."""
+        # The wire's limit for this text.
         why = self._told_problems[name] = self._attention_reason(name)
         self._output.send(EnclosureState(enclosure=name, why=why[:2000]))
 
@@ -251,6 +263,8 @@ class EnclosureSupervisor:
     def _carry_out(self, acts: list[EnclosureAction | EnclosureEvent]) -> None:
         for act in acts:
             if isinstance(act, EnclosureEvent):
+                # The label is part of the act: a park that hangs must not keep a close from being
+                # begun.
                 self._output.record_event(act.kind, "", act.message, "", good=act.good)
             else:
                 self._run(act.label, (act.step,))

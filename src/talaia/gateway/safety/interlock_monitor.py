@@ -65,10 +65,10 @@ class InterlockMonitor:
 
         """
         self.rule: Interlock = site.interlocks[name]
-        self._name = name
-        self._judge = judge
-        self._output = output
-        self._run = run
+        self._name = name  # Its key, as in records and on the wire.
+        self._judge = judge  # Shared by all interlocks of the site.
+        self._output = output  # Tells the hub and writes the record.
+        self._run = run  # Begins the interlock's own sequence.
         # Locked or not, and since when: of the interlock as a whole.
         self._state = InterlockStateMachine(name, self.rule, now_ns)
         self._state.why = why
@@ -112,14 +112,17 @@ class InterlockMonitor:
             run=self._run,
             now_ns=now_ns,
         )
+        # Only the state is carried over; hysteresis and dwell times of its conditions begin anew.
         monitor._state = self._state.redescribed(monitor.rule, now_ns)
         return monitor
 
     def evaluate(self, now_ns: int) -> None:
         """Judge it now; tell what has changed, and begin its sequence when it fires."""
+        # Read before `update_state`, which forgets who it was.
         before, ended = self._state.override, ""
         verdict = self._verdict(now_ns)
         if before is not None and (ended := self._holds.ends(before.condition, now_ns)):
+            # Ends within this very look, for the override's time is now.
             self._state.end_override(now_ns)
         for change in self._state.update_state(verdict, now_ns):
             match change:
@@ -136,6 +139,7 @@ class InterlockMonitor:
                         acts = f"{self._name}: {self.why}"
                         self._record_event("interlock_acts", acts, good=False)
                         self._run(f"interlock {self._name}", self.rule.run)
+                    # A sequence changes nothing that a page shows of the interlock.
                     continue
                 case InterlockChange.TOLD:
                     pass
@@ -143,6 +147,8 @@ class InterlockMonitor:
 
     def override(self, ask: OverrideRequest, now_ns: int) -> None:
         """Override a condition for a time, or end that; who asked is told by the state."""
+        # Judged first: what a person sees may be 100 ms old, and an override must fit what is true
+        # now.
         self.evaluate(now_ns)
         condition = ask.condition or self._holds.locking(now_ns)
         refused = ""
@@ -163,6 +169,7 @@ class InterlockMonitor:
             said = f"{ask.interlock} ({condition}) for {ask.seconds:g} s: {ask.reason.strip()}"
             self._record_event("interlock_overridden", said, who=ask.who, good=False)
             self._output.send(self.state(now_ns))
+        # Once more, so that an end with 0 s takes effect and is recorded now.
         self.evaluate(now_ns)
 
     def state(self, now_ns: int) -> InterlockState:
@@ -202,11 +209,14 @@ class InterlockMonitor:
             for condition in self._conditions
         ]
         self._holds.update_verdicts(judged, now_ns)
+        # All are judged, also after the first that is unsafe: each has a memory of its own to keep.
         verdicts = [verdict for _, verdict in judged if verdict.why]
         if not verdicts:
             return InterlockVerdict()
         own = self.rule.dwell
         longest = max(own if verdict.dwell is None else verdict.dwell for verdict in verdicts)
+        # Certain before unknown: a person should read of the rain, not of the sensor that starts
+        # up.
         first = next((verdict for verdict in verdicts if verdict.certain), verdicts[0])
         return first._replace(dwell=longest)
 

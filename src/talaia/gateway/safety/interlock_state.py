@@ -57,7 +57,8 @@ class InterlockStateMachine:
 
     def __init__(self, name: str, rule: Interlock, now_ns: int) -> None:
         """Start as after a restart: nothing is known, so nothing may be done."""
-        self._name = name
+        self._name = name  # Its key, as on the wire.
+        # Of the description; another rule makes another machine, see `redescribed`.
         self._rule = rule
         # All must be safe for so long; a condition may ask for more than the interlock's own.
         self._dwell_ns = self._own_dwell_ns = round(rule.dwell * SECOND)
@@ -71,12 +72,15 @@ class InterlockStateMachine:
         self._fired = False
         # A condition has asked for a dwell time since it locked.
         self._stretched = False
+        # None while nobody overrides; ends by time, by a person, or when it is released.
         self._override: InterlockOverride | None = None
+        # What was unsafe last; stays while the dwell time runs, cleared on release.
         self.why = "the gateway has just started"
 
     @property
     def locked(self) -> bool:
         """Tell whether it refuses now."""
+        # An override does not unlock: what is unsafe is still shown as unsafe.
         return self._locked and self._override is None
 
     @property
@@ -87,6 +91,7 @@ class InterlockStateMachine:
     @property
     def demands(self) -> bool:
         """Tell whether something was unsafe, is not safe for long enough, and nobody overrides."""
+        # `_fired` and not `_unsafe`: a roof stays wanted closed through the dwell time.
         return self._fired and self._override is None
 
     @property
@@ -102,6 +107,7 @@ class InterlockStateMachine:
         """
         latch = InterlockStateMachine(self._name, rule, now_ns)
         latch.why = self.why or "its description has changed"
+        # A changed sequence has to run for a rain that goes on; an unchanged one is not run twice.
         latch._fired = self._fired and (not self._unsafe or rule.run == self._rule.run)
         return latch
 
@@ -109,7 +115,9 @@ class InterlockStateMachine:
         """Take in what the conditions say; give what follows."""
         changes: list[InterlockChange] = []
         if self._override is not None and now_ns >= self._override.until_ns:
+            # Before the verdict: what is unsafe when it ends locks, and fires, in the same look.
             self._override = None
+            # The sequence that the override held back is due again.
             self._fired = False
             changes.append(InterlockChange.OVERRIDE_ENDED)
         if verdict.why:
@@ -118,13 +126,17 @@ class InterlockStateMachine:
                 changes.append(InterlockChange.LOCKED)
             elif not self._unsafe or verdict.why != self.why:
                 changes.append(InterlockChange.TOLD)
+            # Each look resets the count of safe time, by way of `_unsafe`.
             self._unsafe, self.why = True, verdict.why
             asked = self._own_dwell_ns
             if verdict.dwell is not None:
                 asked = round(verdict.dwell * SECOND)
             # The longest that anything unsafe has asked for since it locked.
+            # The first to be unsafe sets the time, even a shorter one than the interlock's; later
+            # ones only lengthen it.
             self._dwell_ns = max(self._dwell_ns, asked) if self._stretched else asked
             self._stretched = True
+            # Uncertain locks but does not act: a station that is merely starting closes no roof.
             if verdict.certain and not self._fired and self._override is None:
                 self._fired = True
                 changes.append(InterlockChange.FIRED)
@@ -132,6 +144,7 @@ class InterlockStateMachine:
         if self._unsafe:
             self._unsafe, self._safe_ns = False, now_ns
             changes.append(InterlockChange.TOLD)
+        # Monotonic and inclusive: a dwell time of 0 releases in the same look.
         if self._locked and now_ns - self._safe_ns >= self._dwell_ns:
             self._locked = self._fired = self._stretched = False
             self._dwell_ns = self._own_dwell_ns
@@ -146,6 +159,7 @@ class InterlockStateMachine:
     def end_override(self, now_ns: int) -> None:
         """End an override at the next look, whoever gave it."""
         if self._override is not None:
+            # Left to `update_state`, so that its end is told in one place.
             self._override = self._override._replace(until_ns=now_ns)
 
     def due_ns(self) -> int | None:
@@ -161,6 +175,7 @@ class InterlockStateMachine:
         self, *, who: str, reason: str, seconds: float, now_ns: int, condition: str = ""
     ) -> str:
         """Override a condition for a time, or end that with 0 s; give the reason why not."""
+        # Anybody who may override may end it, however long it was for.
         if seconds == 0:
             if self._override is None:
                 return f"{self._rule.name} is not overridden"

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Interlocks"]
 
+# Ten times a second: a tenth of the second in which a roof has to begin to close.
 LOOK_NS = 100 * MS
 
 
@@ -61,10 +62,10 @@ class Interlocks:
             wall_ns: UTC, for where the Sun stands.
 
         """
-        self._site = site
-        self._wall_ns = wall_ns
-        self._output = output
-        self._run = run
+        self._site = site  # Replaced by `redescribe`.
+        self._wall_ns = wall_ns  # UTC; only for the Sun and for robots' stamps.
+        self._output = output  # Tells the hub and writes the record.
+        self._run = run  # Begins sequences of commands by label.
         # Since when there is no hub, and what follows that; asked by conditions, too.
         self._losses = LinkLosses(site, now_ns)
         self.conditions = ConditionJudge(
@@ -93,6 +94,7 @@ class Interlocks:
         its override. All else begins locked, as after a restart.
         """
         before, self._site = self._site, site
+        # Before the monitors, which ask it at once.
         self.conditions.redescribe(site, now_ns)
         former, self._monitors = self._monitors, {}
         for name, rule in site.interlocks.items():
@@ -112,6 +114,7 @@ class Interlocks:
                     why="it has just been described",
                 )
             self._monitors[name] = monitor
+            # Pages hold the former description's state until they are told.
             self._output.send(monitor.state(now_ns))
         self.enclosures.redescribe(site)
         self._losses.redescribe(site)
@@ -123,12 +126,16 @@ class Interlocks:
 
         ``args`` are the command's, by name: where a telescope is pointed is looked at as well.
         """
+        # In the order of the description: the first that refuses is the one people are told.
         for monitor in self._monitors.values():
             rule = monitor.rule
             if f"{device}/{what}" in rule.refuse or f"{device}/*" in rule.refuse:
+                # Not the last look's result: 100 ms are long when a roof begins to open.
                 monitor.evaluate(now_ns)
                 if monitor.locked:
                     return f"{rule.name}: {monitor.why}"
+                # Nothing locks, but nothing was heard either: after a standstill of ours fresh
+                # values come first.
                 if unheard := self.conditions.unheard_problem(rule, now_ns):
                     return f"{rule.name}: {unheard}"
         return self._misdirected(device, what, args or {})
@@ -149,6 +156,7 @@ class Interlocks:
         """Say at which share of its limits a device may be driven now, 0 to 1."""
         target, share = f"{device}/drive", 1.0
         for monitor in self._monitors.values():
+            # Several may slow it: the least counts, and they are not multiplied.
             if target in monitor.rule.slow:
                 monitor.evaluate(now_ns)
                 if monitor.locked:
@@ -159,6 +167,7 @@ class Interlocks:
         described = self._site.devices.get(device)
         if described is None or described.pointing is None or self._site.place is None:
             return ""
+        # Commands that point nowhere are not looked at here.
         pointed = described.pointing.commands.get(what)
         if pointed is None:
             return ""
@@ -189,6 +198,7 @@ class Interlocks:
 
     def link_lost(self, now_ns: int) -> None:
         """Count from now."""
+        # What this process slept through before the loss is not counted as time without a hub.
         self.conditions.mark_running(now_ns)
         self._losses.link_lost(now_ns)
 
@@ -205,8 +215,10 @@ class Interlocks:
 
     def step(self, now_ns: int) -> None:
         """Look at everything."""
+        # `step` is called whenever anything of driving is due; that may be 25 times a second.
         if now_ns - self._looked_ns < LOOK_NS:
             return
+        # Before the work: a look that fails half-way is not tried again at every turn of the loop.
         self._looked_ns = now_ns
         self.conditions.observe_values(now_ns)
         for monitor in self._monitors.values():
@@ -236,6 +248,7 @@ class Interlocks:
         if step is None:
             return
         device, _, command = step.command.partition("/")
+        # A dome follows only as far as a person might turn it; interlocks count for it as well.
         if not self.refusal(device, command, now_ns):
             self._run(f"follow {device}", (step,))
 
@@ -243,6 +256,7 @@ class Interlocks:
         """Say why an enclosure has to be closed; empty when it may be open."""
         for interlock in self._site.enclosures[name].unsafe:
             monitor = self._monitors.get(interlock)
+            # The interlock may be missing while descriptions are exchanged.
             if monitor is not None and (why := monitor.closing_reason):
                 return why
         return self._losses.closing(name)

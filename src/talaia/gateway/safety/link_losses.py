@@ -32,9 +32,10 @@ class LinkLosses:
 
     def __init__(self, site: Site, now_ns: int) -> None:
         """Start without a link."""
+        # From the start: a gateway that never finds its hub is as alone as one that lost it.
         self.lost_ns: int | None = now_ns
-        self._site = site
-        self._policies = _policies(site)
+        self._site = site  # Its enclosures, to know which commands are theirs.
+        self._policies = _policies(site)  # By device; those without a policy are not in it.
         # Devices whose policy has been carried out in this loss: each is, once.
         self._acted: set[str] = set()
         # Why a roof is wanted closed, by enclosure, until the link is back.
@@ -43,6 +44,7 @@ class LinkLosses:
     @property
     def idle(self) -> bool:
         """Whether nothing can become due."""
+        # `lost_ns` None means there is a link: nothing is counted.
         return self.lost_ns is None or not self._policies.keys() - self._acted
 
     def redescribe(self, site: Site) -> None:
@@ -75,6 +77,8 @@ class LinkLosses:
         lost_for, found = age_ns(self.lost_ns), []
         for device, policy in self._policies.items():
             if device not in self._acted and lost_for >= round(policy.after * SECOND):
+                # Marked before it is run: what fails is not begun again by the next look; roofs
+                # have their guards for that.
                 self._acted.add(device)
                 found.append((device, self._without_closing(policy)))
         return found
@@ -90,6 +94,8 @@ class LinkLosses:
             if all(step.command != rule.close.command for step in steps):
                 continue
             self._closing[name] = f"no hub for {policy.after:g} s"
+            # Abort, park and close are what the guard does in its own order; run here as well they
+            # would cross it.
             guards = {rule.close.command, *(step.command for step in rule.abort)}
             if rule.park is not None:
                 guards.add(rule.park.command)

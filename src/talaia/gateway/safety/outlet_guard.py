@@ -50,6 +50,8 @@ def _fed_is_needed(site: Site, fed: str, sighted: Sighted) -> str:
     for need in needs:
         if why := _needed(site.enclosures[need.enclosure], need, sighted):
             return why
+    # No enclosure names it, so no sensor could say that it is safe: refused until somebody
+    # describes that.
     safe = _SAFE.get(site.devices[fed].kind)
     if safe is not None and not needs:
         return f"nothing says when it is {safe}; describe an enclosure that names it"
@@ -59,7 +61,9 @@ def _fed_is_needed(site: Site, fed: str, sighted: Sighted) -> str:
 def _needed(rule: Enclosure, need: Need, sighted: Sighted) -> str:
     """Say why it is needed; empty when it is certainly not."""
     if not need.roof:
+        # None and False count alike: what is not certainly safe still needs its power.
         parked = None if rule.parked is None else sighted(rule.parked)
+        # `closed` has to be said by all sensors; one that is silent keeps the power on.
         return "" if parked else f"it is {_sure(parked)} parked"
     if any(sighted(sensor) for sensor in rule.moving):
         return f"{rule.name} moves"

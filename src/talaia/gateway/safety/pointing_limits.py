@@ -44,6 +44,7 @@ def misdirected(
     for name in (names.ra, names.dec) if names.ra else (names.alt, names.az):
         value = args.get(name)
         if (
+            # bool is an int to Python, but no angle.
             isinstance(value, bool)
             or not isinstance(value, int | float)
             or not math.isfinite(value)
@@ -63,6 +64,7 @@ def misdirected(
             return f"Alt {to.alt:g} °, Az {to.az:g} °: expected -90 to 90 ° and 0 to 360 °"
     if to.alt < rule.horizon:
         return f"the target stands at {to.alt:.1f} °; the horizon limit is {rule.horizon:g} °"
+    # As seen from here, at this moment; a slew of minutes moves the Sun by a degree at most.
     sun = astronomy.altaz(*astronomy.sun(jd), here, jd)
     away = astronomy.separation(to, sun)
     if sun.alt > SUN_DOWN and away < rule.sun:

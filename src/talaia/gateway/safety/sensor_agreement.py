@@ -89,6 +89,8 @@ def closed_by(
     disputes = [(part, part) for part in apart]
     together, shells = _together(whole), _flat(segments)
     verdicts = [_together(one) for one in segments.values()]
+    # Each agrees in itself, but not the whole with its segments: the whole is closed exactly when
+    # all are.
     if segments and together is not None and None not in verdicts and together != all(verdicts):
         apart.append([*whole, *shells])
         disputes.append((whole, shells))
@@ -100,8 +102,10 @@ def closed_by(
     )
     open_parts = tuple(name for name, one in parts.items() if _together(one) is not True)
     said = _sensor_words([*whole, *_flat(parts)])
+    # A part without any sensor cannot be shown to be closed; neither can the roof.
     if disagree or None in said or not all((whole, *parts.values())):
         return ClosedVerdict(None, disagree, open_parts)
+    # While it settles not everything says closed, so this is False and not None.
     return ClosedVerdict(said == {True}, "", open_parts, settling=bool(settling))
 
 
@@ -135,6 +139,8 @@ def _settles(one: Sequence[RoofSensor], other: Sequence[RoofSensor], now_ns: int
         if sensor.closed is not None and sensor.closed != turned.closed
     ]
     recent = now_ns - turned.since_ns <= SETTLE_NS
+    # All of them silent since: one that has spoken again and still contradicts is a true
+    # disagreement.
     return recent and all(sensor.said_ns < turned.since_ns for sensor in against)
 
 
@@ -143,6 +149,7 @@ class SensorTurns:
 
     def __init__(self) -> None:
         """Have heard nobody."""
+        # By sensor: what it says, and when it said so first. A restart begins anew.
         self._turns: dict[Sighting, tuple[bool | None, int]] = {}
 
     def since_ns(self, sighting: Sighting, closed: bool | None, said_ns: int) -> int:  # noqa: FBT001
@@ -158,11 +165,12 @@ class SensorAgreement:
 
     def __init__(self, rule: Enclosure) -> None:
         """Start in agreement."""
-        self._rule = rule
+        self._rule = rule  # For the name and `disagree_after`.
         # Since when they disagree (monotonic): for a moment they may, while a roof moves.
         self._since_ns: int | None = None
         # It has been written down.
         self._said = False
+        # Empty until the disagreement has lasted; cleared when they agree again.
         self._problem = ""
 
     @property
@@ -184,6 +192,7 @@ class SensorAgreement:
             ] * said
         if self._since_ns is None:
             self._since_ns = now_ns
+        # Once per disagreement: the text may change while it lasts, and would fill the record.
         if self._said or now_ns - self._since_ns < round(self._rule.disagree_after * SECOND):
             return []
         self._said = True

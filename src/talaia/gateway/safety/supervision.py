@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["Heartbeats", "Supervision", "SupervisionListener"]
 
 log = logging.getLogger(__name__)
+# A few looks within the shortest watchdog time that a description may ask for.
 LOOK_S = 0.25
 # Interlocks are judged ten times a second; a machine that is busy may take this long.
 LATEST_NS = 2 * SECOND
@@ -48,10 +49,10 @@ class Heartbeats:
         self, site: Site, interlocks: Interlocks, target: CommandTarget, output: ControlOutput
     ) -> None:
         """Take who knows the sensors, who sends, and who writes down."""
-        self._site = site
-        self._interlocks = interlocks
-        self._target = target
-        self._output = output
+        self._site = site  # Replaced by `redescribe`.
+        self._interlocks = interlocks  # Says whether an enclosure is blind now.
+        self._target = target  # Sends the command to the robot.
+        self._output = output  # Told of each change, once.
         # By enclosure. When the last heartbeat was sent (monotonic):
         self._sent_ns: dict[str, int] = {}
         # One at a time: a controller that hangs must not find a heap of old ones later.
@@ -71,6 +72,7 @@ class Heartbeats:
                 continue
             why = self._interlocks.enclosures.blind_reason(name, now_ns)
             self._tell_withheld(name, rule.name, why)
+            # Withheld, so that a dome with a timer of its own closes: it cannot be supervised now.
             if not why:
                 self._send(name, rule.heartbeat, now_ns)
 
@@ -90,24 +92,30 @@ class Heartbeats:
         device, _, command_id = beat.command.partition("/")
         command = self._site.devices[device].commands[command_id]
         began = self._open.get(name)
+        # Still open and within its time: a second one would wait behind it.
         if began is not None and now_ns - began < round(command.timeout * SECOND):
             return
+        # The answer never came; `_open` is overwritten below, so a late one is not counted for the
+        # new.
         if began is not None:
             self._tell_failed(name, device, f"{beat.command}: no answer for {command.timeout:g} s")
         fields = fields_of(command, beat.args)
         if isinstance(fields, str):
             self._tell_failed(name, device, fields)
             return
+        # One time for both: the answer below is known by the moment of sending.
         self._sent_ns[name] = self._open[name] = now_ns
         loop = asyncio.get_running_loop()
 
         def done(outcome: CommandOutcome) -> None:
+            # The loop may have closed while a robot's thread answered.
             with contextlib.suppress(RuntimeError):
                 loop.call_soon_threadsafe(self._ended, name, device, now_ns, outcome)
 
         self._target.act(device, command_id, fields, done)
 
     def _ended(self, name: str, device: str, sent_ns: int, outcome: CommandOutcome) -> None:
+        # Running is no end, and an answer to an older heartbeat is none to this one.
         if outcome.phase is CommandPhase.RUNNING or self._open.get(name) != sent_ns:
             return
         del self._open[name]
@@ -141,10 +149,11 @@ class Supervision:
             heartbeats: sent while it supervises.
 
         """
-        self._clock = clock
+        self._clock = clock  # Monotonic for both questions.
+        # None where there is nothing to judge; then only the process itself is watched.
         self._judged_ns = judged_ns
-        self._watched = watched
-        self._heartbeats = heartbeats
+        self._watched = watched  # systemd and the watchdog process, where there are any.
+        self._heartbeats = heartbeats  # Sent only from here, so that they stop with the judging.
         # When this looked last: a look that comes late means that the whole process stood still.
         self._looked_ns = clock.monotonic_ns()
         # What was found then, so that the log has each change once.
@@ -153,6 +162,7 @@ class Supervision:
     def check_supervision(self) -> bool:
         """Tell everybody if it supervises; give whether it does."""
         now = self._clock.monotonic_ns()
+        # This look itself was late: nobody may be told of a moment in which we did not run.
         late = now - self._looked_ns > LATEST_NS
         self._looked_ns = now
         judged = self._judged_ns()

@@ -42,7 +42,8 @@ class ValueValidity:
             wall_ns: the gateway's clock (UTC), for stamps of robots whose clocks agree with it.
 
         """
-        self._readings = readings
+        self._readings = readings  # The newest value of each guarded signal.
+        # UTC in ns; compared with stamps only where the description says that clocks agree.
         self._wall_ns = wall_ns
         # By address, of signals that can freeze alone.
         self._same: dict[str, _Same] = {}
@@ -51,12 +52,15 @@ class ValueValidity:
         """Note which values have changed since the last look; wants to be called often."""
         for address in site.guarded():
             signal = site.signal(address)
+            # A signal that no longer freezes begins anew if it does so again later.
             if signal is None or signal.frozen_after <= 0:
                 self._same.pop(address, None)
             elif (reading := self._readings.latest(address)) is not None:
                 self._observe(address, reading.value, now_ns)
 
     def _observe(self, address: str, value: float, now_ns: int) -> _Same:
+        # Bits, not numbers: NaN differs from itself, and 0.0 from -0.0; a true sensor wavers in the
+        # last bit.
         bits = struct.pack("<d", value)
         same = self._same.get(address)
         if same is None or same.bits != bits:
@@ -83,6 +87,7 @@ class ValueValidity:
 
         """
         return (
+            # The plainest first, for only one is told.
             range_problem(signal, reading.value)
             or self._stamp_problem(signal, reading, max_age, now_ns)
             or self._frozen_problem(address, signal, reading, now_ns)
@@ -92,15 +97,19 @@ class ValueValidity:
         self, signal: Signal, reading: ChannelReading, max_age: float, now_ns: int
     ) -> str:
         source = signal.source
+        # Only these carry a stamp of the robot's own.
         if not isinstance(source, RosSource | IndiSource) or not source.stamp:
             return ""
         limit_ns = round(max_age * SECOND)
+        # Messages come, but say again and again the time of one measurement: a relay repeats it.
         if now_ns - reading.arrived_ns <= limit_ns < now_ns - reading.mono_ns:
             still = span_of((now_ns - reading.mono_ns) / SECOND)
             return f"{signal.name}: its own time stamp has stood still for {still}"
+        # Without synchronised clocks the difference says nothing.
         if not source.synchronized:
             return ""
         lag_ns = self._wall_ns() - reading.stamp_ns
+        # Ahead counts as well: a stamp from the future makes old values look fresh.
         if abs(lag_ns) <= limit_ns:
             return ""
         side = "behind" if lag_ns > 0 else "ahead of"

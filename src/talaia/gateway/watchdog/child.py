@@ -26,8 +26,11 @@ __all__ = ["ALREADY", "main"]
 
 # Exit status: another watchdog of this data folder runs.
 ALREADY = 3
+# A quarter second, for the shortest `watchdog_after` is seconds.
 LOOK_S = 0.25
+# What closes gets this long to end by itself (end of input, SIGTERM) before it is killed.
 END_S = 2.0
+# s; doubled after each failure.
 FIRST_AGAIN_S, LONGEST_AGAIN_S = 1.0, 30.0
 # A description is at most 4 MiB, escaped.
 MOST_LINE = 16 * 1024 * 1024
@@ -35,6 +38,8 @@ MOST_LINE = 16 * 1024 * 1024
 
 def main(argv: list[str]) -> int:
     """Watch until the gateway says goodbye, or is dead and all is closed."""
+    # flock, not the file's being there: the kernel frees it when a process dies, however that
+    # happens.
     try:
         lock = os.open(argv[0], os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -42,6 +47,7 @@ def main(argv: list[str]) -> int:
         _log(f"cannot be begun: {argv[0]}: {error.strerror}")
         return ALREADY
     # Whose number stood here has ended: it held the lock.
+    # Between here and the second number nobody may be signalled by an old one.
     _write_number(lock, "")
     # Whoever started this waits for the first process; the second one belongs to nobody.
     if os.fork():
@@ -50,6 +56,7 @@ def main(argv: list[str]) -> int:
         os.setsid()
     # Who takes over signals this number while the lock is held; see `feeding.dismiss`.
     _write_number(lock, str(os.getpid()))
+    # Ctrl-C and a closed terminal are meant for the gateway; a broken pipe is read as its end.
     for ignored in (signal.SIGINT, signal.SIGHUP, signal.SIGPIPE):
         signal.signal(ignored, signal.SIG_IGN)
     WatchdogProcess(os.dup(0), argv[0]).run()
@@ -67,14 +74,19 @@ class WatchdogProcess:
 
     def __init__(self, line: int, lock: str) -> None:
         """Listen on a file descriptor; without the file ``lock`` there is no such gateway more."""
+        # Path of the lock file; removed with the data folder, which ends this process.
         self._lock = lock
         os.set_blocking(line, False)
-        self._line: int | None = line
-        self._waiting = b""
-        self._silence = SilenceTimer(time.monotonic())
+        self._line: int | None = line  # The gateway's end of a pipe; None once it has ended.
+        self._waiting = b""  # A line that has not come whole yet.
+        self._silence = SilenceTimer(time.monotonic())  # Judges by beats; see `SilenceTimer`.
+        # What to close, passed on as it came; None before the gateway has said it.
         self._job: object = None
+        # The process that closes, while there is one.
         self._closing: subprocess.Popen[bytes] | None = None
+        # Not before this (monotonic s), and how long to wait after the next failure.
         self._begin_s, self._again_s = 0.0, FIRST_AGAIN_S
+        # Failures in a row and how the last ended: the next one tells people of it.
         self._failures, self._failed = 0, ""
         signal.signal(signal.SIGTERM, lambda *_: self._silence.hear_goodbye())
 
@@ -93,15 +105,19 @@ class WatchdogProcess:
     def _listen(self) -> None:
         if self._line is None:
             time.sleep(LOOK_S)
+            # The gateway is dead and its data folder gone: nothing left that could be closed for
+            # it.
             if not os.path.exists(self._lock):
                 self._silence.hear_goodbye()
             return
+        # Its time-out is the loop's pace: a beat wakes it sooner.
         if not select.select([self._line], [], [], LOOK_S)[0]:
             return
         try:
             data = os.read(self._line, 1 << 20)
         except BlockingIOError:
             return
+        # A broken line is an end like any other.
         except OSError:
             data = b""
         if not data:
@@ -112,12 +128,14 @@ class WatchdogProcess:
         *lines, self._waiting = (self._waiting + data).split(b"\n")
         for line in lines:
             self._read_message(line)
+        # No newline in 16 MiB is no message; keep what follows it readable.
         if len(self._waiting) > MOST_LINE:
             self._waiting = b""
 
     def _read_message(self, line: bytes) -> None:
         try:
             said = json.loads(line)
+        # Half a line from a gateway that died while writing.
         except ValueError:
             return
         if said == "beat":
@@ -144,10 +162,12 @@ class WatchdogProcess:
                 # People are told of it, too.
                 job = {**job, "failures": self._failures, "failed": self._failed}
             with contextlib.suppress(OSError):
+                # It may have died already; `poll` says so at the next look.
                 self._closing.stdin.write(json.dumps(job).encode() + b"\n")  # type: ignore[union-attr]
                 self._closing.stdin.flush()  # type: ignore[union-attr]
             return
         status = self._closing.poll()
+        # Still at work.
         if status is None:
             return
         self._end_closing()

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 __all__ = ["ClosingJob", "WatchdogRecord", "main"]
 
 log = logging.getLogger("talaia.watchdog")
+# Tenths of a second, as a gateway judges its interlocks.
 LOOK_S = 0.1
 # To join the robot's protocol and hear every sensor; then it closes by what it has.
 JOIN_S = 5.0
@@ -96,8 +97,9 @@ class _Recorder:
     """A `ControlOutput` and an `EventSink`: to the log and to the record."""
 
     def __init__(self, path: str, clock: Clock) -> None:
-        self._path = path
-        self._clock = clock
+        self._path = path  # "" writes nowhere but to the log.
+        self._clock = clock  # UTC for the record.
+        # Set by whoever tells people; until then it goes nowhere.
         self.on_enclosure: Callable[[EnclosureState], None] = lambda _state: None
 
     def record_event(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
@@ -117,6 +119,7 @@ class _Recorder:
     def report_event(
         self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
     ) -> None:
+        # The rest is for the hub's record; a gateway that comes back writes its own.
         if kind in ("notice_sent", "notice_failed"):
             self.record_event(kind, device, message, who, good=good)
         else:
@@ -136,6 +139,7 @@ class _Recorder:
 
 
 def _plain(message: str) -> str:
+    # The interlock's words speak of the hub, which matters to nobody here.
     return message.replace(GONE_WORDS, WHY)
 
 
@@ -193,17 +197,20 @@ class Closing:
             TalaiaError: a connection cannot be used here.
 
         """
-        self._clock = clock
-        self._site = site
+        self._clock = clock  # Monotonic for deciding.
+        self._site = site  # Reduced: only what closing needs, see `closing_site`.
+        # Where it is written down, and how people hear of it.
         self._recorder, self._notices = recorder, notices
         loop = asyncio.get_running_loop()
         of = connection_names(site)
         reach = DeviceReachability(of, clock, lambda _state: None)
+        # Samples and pictures go nowhere: there is no hub and no spool.
         nothing = _NoSamples()
         context = AdapterContext(
             clock, nothing, nothing, self._recorder, Path(job.folder), job.domain, site=site.name
         )
         adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
+        # A connection that no enclosure needs is not joined; it could only fail.
         for scope in scopes_of(site):
             if scope.devices:
                 adapters[scope.name] = self._joined(
