@@ -20,7 +20,7 @@ from talaia.gateway.adapters.ros2.participant_number import (
     discovery_port,
     domain_of,
 )
-from talaia.sim.domain import environment, reserve
+from talaia.sim.ros_domain import environment, reserve
 
 numbers = st.sampled_from(list(NUMBERS))
 

@@ -24,7 +24,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
-from talaia.gateway.adapters.arrivals import Arrivals
+from talaia.gateway.adapters.arrival_times import Arrivals
 from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
 from talaia.gateway.adapters.ros2.listening import Ros2Listening
@@ -37,7 +37,7 @@ from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.waitset import WaitThread
 from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
-from talaia.gateway.adapters.unreadable import UnreadableReports
+from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost, TypeMissing
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.worker import PictureWorker

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from talaia.clock import Clock
-    from talaia.gateway.adapters.arrivals import Arrivals
+    from talaia.gateway.adapters.arrival_times import Arrivals
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
-    from talaia.gateway.adapters.unreadable import UnreadableReports
+    from talaia.gateway.adapters.unreadable_reports import UnreadableReports
     from talaia.gateway.ports import FileSink, RawSink
     from talaia.gateway.video.worker import PictureWorker
     from talaia.model.site import Stream
