@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Actuation"]
 
+# s between two tries to write what a full disk refused.
 WRITE_AGAIN_S = 1.0
 
 
@@ -76,6 +77,7 @@ class Actuation:
             SpoolError: the data folder cannot be used.
 
         """
+        # The description that counts; compared with the next for what is touched.
         self._site, self._clock = site, clock
         # Interlocks are made first and the runner of sequences last.
         sequence_due = SequenceSignal()
@@ -129,12 +131,14 @@ class Actuation:
         """Write what the disk did not take as soon as it takes it again, until cancelled."""
         while True:
             await asyncio.sleep(WRITE_AGAIN_S)
+            # Commands first: an accepted command may hang on its line, a STOP is latched already.
             await self.commands.write_waiting()
             await self.driving.write_waiting()
 
     def redescribe(self, site: Site) -> None:
         """Decide by another description."""
         devices, self._site = touched(self._site, site), site
+        # Interlocks first: driving and commands ask them in the same turn.
         self.interlocks.redescribe(site, self._clock.monotonic_ns())
         self.driving.redescribe(site, devices)
         self.commands.redescribe(site)

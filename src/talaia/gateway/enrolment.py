@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 
 __all__ = ["enrol", "main"]
 
+# A hub on a slow line; a person waits at a terminal.
 _WAIT_S = 20.0
+# Bytes of an answer that are read; a hub's is a few hundred.
 _LONGEST = 64 * 1024
 
 
@@ -118,6 +120,7 @@ def enrol(
     hub = HubAddress.checked(
         url if "://" in url else f"https://{url}", ca=ca, allow_plain=allow_plain
     )
+    # The pin is a short hash: the full one is taken from the key itself and used from then on.
     if code.pin and not hub.plain:
         hub = HubAddress(hub.url, _key_hash(hub, code))
     context = asyncio.run(HubTrust(hub).context())
@@ -163,6 +166,7 @@ def _vouched_for(hub: HubAddress) -> bool:
     )
     try:
         connection.connect()
+    # Bounded: whatever answers there may not be a hub.
     except OSError:
         return False
     finally:

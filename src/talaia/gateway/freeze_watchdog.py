@@ -24,6 +24,7 @@ log = logging.getLogger(__name__)
 STOOD = "the gateway stood still"
 # A loaded machine may keep a process waiting for a second; queues hold that.
 _LEAST_NS = 3 * SECOND
+# Six looks within the shortest stall that counts, so that it is measured to half a second.
 _EVERY_S = 0.5
 
 
@@ -32,7 +33,7 @@ class FreezeDetector:
 
     def __init__(self, monotonic_ns: int) -> None:
         """Begin at a moment."""
-        self._monotonic_ns = monotonic_ns
+        self._monotonic_ns = monotonic_ns  # When it was last told the time (monotonic ns).
 
     def at(self, wall_ns: int, monotonic_ns: int) -> tuple[int, int] | None:
         """Give the time of a stall that has just ended (µs UTC, from and to), or none."""
@@ -54,11 +55,12 @@ class FreezeCredit:
     # A look that comes later than this after the last one (they come ten times a second) was late.
     LEAST_NS = SECOND // 2
     SETTLE_NS = 2 * SECOND
+    # Older standstills are beyond every max_age by then.
     KEPT = 64
 
     def __init__(self, now_ns: int) -> None:
         """Begin at a moment (monotonic)."""
-        self._at_ns = now_ns
+        self._at_ns = now_ns  # When it was last known to run (monotonic ns); never goes back.
         # When this process stood still (from, to), oldest first.
         self._stalls: deque[tuple[int, int]] = deque(maxlen=self.KEPT)
 
@@ -66,6 +68,7 @@ class FreezeCredit:
         """Take in that it runs now."""
         if now_ns - self._at_ns >= self.LEAST_NS:
             self._stalls.append((self._at_ns, now_ns))
+        # `max`: two callers may hand in their times in the other order.
         self._at_ns = max(self._at_ns, now_ns)
 
     def settling(self, now_ns: int) -> bool:
@@ -84,6 +87,7 @@ class FreezeCredit:
             first_ns = max(from_ns, since_ns)
             slept_ns += to_ns - first_ns
         ran_ns = now_ns - first_ns - slept_ns
+        # What ran since the first standstill, without the standstills, has had its time to arrive.
         return age_ns - slept_ns if ran_ns <= self.SETTLE_NS else age_ns
 
 

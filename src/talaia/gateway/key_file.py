@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["KeyFile", "KeyPlace", "read_key_file"]
 
+# Bytes; a key file is a few hundred, and whatever else was named is not read whole.
 _LONGEST = 64 * 1024
 
 
@@ -56,6 +57,7 @@ def read_key_file(path: Path) -> KeyFile:
     except (OSError, UnicodeDecodeError) as error:
         raise SettingsError(f"--key-file {path}: {error}") from error
     found = _of_json(path, text) if text.startswith("{") else KeyFile(key=text)
+    # Printable ASCII only: it goes into an HTTP header.
     if not found.key or any(ord(letter) <= 32 or ord(letter) > 126 for letter in found.key):
         raise SettingsError(
             f"--key-file {path}: expected the key on one line, or what talaia gateway enrol writes"
@@ -68,6 +70,7 @@ def _of_json(path: Path, text: str) -> KeyFile:
         said = json.loads(text)
     except ValueError as error:
         raise SettingsError(f"--key-file {path}: {error}; enrol the gateway again") from error
+    # Other names may be a newer version's; they are left alone.
     known = {name: said[name] for name in KeyFile.__slots__ if name in said}
     if "key" not in known or not all(isinstance(value, str) for value in known.values()):
         raise SettingsError(f"--key-file {path}: it holds no key; enrol the gateway again")

@@ -24,19 +24,25 @@ _STEPS: Final[Mapping[CommandPhase, frozenset[CommandPhase]]] = {
 class CommandBook:
     """Every command this gateway knows of, by id; the gate all changes pass."""
 
+    # Beyond this ended ones are forgotten, oldest first; a command that runs never is.
     KEPT = 10_000
 
     def __init__(self, remembered: Iterable[CommandState] = ()) -> None:
         """Take what the journal remembers; what had not ended then is unknown now."""
+        # By id, oldest first; changed only by `open` and `move`.
         self._states: dict[str, CommandState] = {}
+        # What a restart cut off; told to the hub once and cleared by `CommandService.report`.
         self.interrupted: list[CommandState] = []
         for state in remembered:
+            # Taken out first, so that the order is by the last time it was written.
             self._states.pop(state.id, None)
             self._states[state.id] = state
         for state in list(self._states.values()):
             if state.phase not in FINAL:
                 lost = _with(
                     state=state,
+                    # Neither failed nor done: the robot may have finished it. Only a person can
+                    # tell.
                     phase=_P.UNKNOWN,
                     message="the gateway ended while this was under way",
                 )
@@ -71,6 +77,7 @@ class CommandBook:
     ) -> CommandState | None:
         """Take a step, or give none when that step is not possible from where it stands."""
         state = self._states.get(command_id)
+        # An answer that came after the end, or twice.
         if state is None or phase not in _STEPS[state.phase]:
             return None
         moved = _with(
@@ -102,6 +109,7 @@ def _with(
         command=state.command,
         phase=phase,
         message=message[:2000],
+        # Progress never falls, whatever a robot's feedback says.
         progress=1.0 if phase is _P.SUCCEEDED else max(progress, state.progress),
         who=state.who,
         blocked_by=blocked_by,

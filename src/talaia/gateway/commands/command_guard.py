@@ -43,8 +43,8 @@ class InterlockGuard(CommandGuard):
 
     def __init__(self, interlocks: Interlocks, clock: Clock) -> None:
         """Ask ``interlocks``, by the monotonic time of ``clock``."""
-        self._interlocks = interlocks
-        self._clock = clock
+        self._interlocks = interlocks  # Of the whole site; asked anew for each command.
+        self._clock = clock  # Monotonic.
 
     def refusal_reason(self, device: str, command: str, args: dict[str, Scalar]) -> str:
         """See `CommandGuard`."""

@@ -37,19 +37,23 @@ class CommandJournal:
 
     def __init__(self, path: Path) -> None:
         """Read what is there."""
-        self._path = path
+        self._path = path  # JSON lines; appended, and compacted at each start.
         self.remembered: list[CommandState] = []
         self.unread: OSError | None = None
+        # By id: what the disk did not take; in the order in which it will be written.
         self._waiting: dict[str, CommandState] = {}
         try:
             lines = path.read_bytes().splitlines()
         except FileNotFoundError:
+            # The first start.
             lines = []
         except OSError as error:
             lines, self.unread = [], error
         for line in filter(None, lines):
             try:
                 self.remembered.append(_line.decode(line))
+            # The power went while the line was written; what it said is told as unknown by the
+            # book.
             except msgspec.DecodeError:
                 log.warning("%s: a line was cut short; ignored", path)
 
@@ -70,6 +74,7 @@ class CommandJournal:
             write_whole(self._path, b"".join(_encode(state) + b"\n" for state in states))
         except OSError:
             with contextlib.suppress(OSError):
+                # Half a new file takes room on a disk that has none.
                 self._path.with_name(self._path.name + ".new").unlink(missing_ok=True)
             raise
 
@@ -82,6 +87,7 @@ class CommandJournal:
         """
         # Taken out first: of one command the newest state is the last that is written.
         self._waiting.pop(state.id, None)
+        # Waits before it is written: whatever fails below, it is not lost.
         self._waiting[state.id] = state
         while len(self._waiting) > MOST_WAITING:
             del self._waiting[next(iter(self._waiting))]
@@ -98,10 +104,13 @@ class CommandJournal:
         lines = b"".join(_encode(state) + b"\n" for state in self._waiting.values())
         with self._path.open("ab") as file:
             # The leading line end closes a line that a failed write may have left open.
+            # A blank line is skipped when read.
             file.write(b"\n" + lines if file.tell() else lines)
             file.flush()
+            # fsync only where something hangs on it: it takes up to a second on an SD card.
             if sure:
                 os.fsync(file.fileno())
+        # Only after the write: an exception leaves all of it waiting.
         self._waiting.clear()
 
     def _check_read(self) -> None:

@@ -17,9 +17,11 @@ if TYPE_CHECKING:
 
 __all__ = ["SequenceRunner", "SequenceSignal"]
 
+# Between two looks at sensors while a step is waited for.
 LOOK_S = 0.1
 # A sensor may say so a moment later than the answer to the command.
 SETTLE_S = 1.0
+# Without a time in the description; longer than any roof or mount takes.
 LONGEST_S = 120.0
 
 
@@ -28,6 +30,7 @@ class SequenceSignal:
 
     def __init__(self) -> None:
         """Have no receiver yet."""
+        # Filled once while the gateway is put together; never emptied.
         self._receivers: list[SequenceStarter] = []
 
     def connect(self, receiver: SequenceStarter) -> None:
@@ -62,10 +65,11 @@ class SequenceRunner:
                 is parked.
 
         """
-        self._commands = commands
-        self._output = output
+        self._commands = commands  # Carries out and remembers each step.
+        self._output = output  # Writes down how a sequence ended.
+        # Part of each id, so that a restart's first command is not taken for a known one.
         self._boot = boot
-        self._is_reached = is_reached
+        self._is_reached = is_reached  # Sensors' word on whether a step is done.
         # Of this run; part of each command's id, so that none comes twice.
         self._count = 0
         # By label: one that still runs is not begun a second time.
@@ -83,6 +87,7 @@ class SequenceRunner:
 
     def begin(self, label: str, steps: tuple[Step, ...]) -> None:
         """See `SequenceStarter`."""
+        # The same want is told at each look; only the first begins it.
         if not steps or label in self._running:
             return
         task = asyncio.ensure_future(self._run(label, steps))
@@ -110,6 +115,8 @@ class SequenceRunner:
             then = "the rest is not done" if step.required else "going on"
             message = f"{label}: {said}; {then}"
             self._output.record_event("sequence_failed", device, message, label, good=False)
+            # A required step is what the next ones rely on: a roof must not close on a telescope
+            # that did not park.
             if step.required:
                 return
         self._output.record_event("sequence_done", "", label, label, good=True)
@@ -120,6 +127,7 @@ class SequenceRunner:
         A command may have been refused because it is so already, or have been overtaken by
         another of its kind, which is waited for then.
         """
+        # None: no sensor could tell, so the answer to the command stands.
         if (so := self._is_reached(step.command)) is not False:
             return so is True
         if phase is CommandPhase.RUNNING:
@@ -131,6 +139,7 @@ class SequenceRunner:
         ):
             if self._is_reached(step.command):
                 return True
+            # It is not so, and nobody is doing it any more.
             if waited_s > SETTLE_S and not self._commands.runs(step.command):
                 return False
             await asyncio.sleep(LOOK_S)

@@ -64,12 +64,12 @@ class CommandService:
             send: tells the hub.
 
         """
-        self._site = site
+        self._site = site  # Replaced by `redescribe`.
         # Commands that only make safe: a disk that takes nothing does not stop them.
         self._safe = safe_commands(site)
-        self._clock = clock
+        self._clock = clock  # Monotonic: ttl and holds are judged by it.
         self._guard = guard
-        self._writer = writer
+        self._writer = writer  # The journal on disk.
         self._send = send
         # Where every command stands, the ended ones of earlier runs included.
         self._book = CommandBook(writer.remembered)
@@ -151,6 +151,7 @@ class CommandService:
             phase=CommandPhase.ACCEPTED,
             who=ask.who,
         )
+        # Before anything is awaited: a repeated ask finds it and is not acted on twice.
         self._book.open(state)
         device = self._site.devices.get(ask.device)
         command = device.commands.get(ask.command) if device is not None else None
@@ -180,6 +181,7 @@ class CommandService:
         # Once more: it may have begun to rain while the disk was busy.
         if self._refused_now(ask, named, guarded=guarded):
             return
+        # From here on nothing is awaited before the robot is asked: what was judged still holds.
         over = self._take_hold(ask, command, guarded=guarded)
         self._send_state(state, over)
         if guarded:
@@ -276,6 +278,7 @@ class CommandService:
 
     def _on_outcome(self, command_id: str, outcome: CommandOutcome) -> None:
         # The bar of a command that has ended stays where it was.
+        # 0 keeps the old bar, for `CommandBook` never lets progress fall.
         progress = outcome.progress if outcome.phase is CommandPhase.RUNNING else 0.0
         self._move(command_id, outcome.phase, message=outcome.message, progress=progress)
 

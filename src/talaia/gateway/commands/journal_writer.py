@@ -41,8 +41,9 @@ class JournalWriter:
             trouble: told when the journal cannot be written, and when it can be again.
 
         """
-        self._journal = journal
-        self._on_disk = on_disk
+        self._journal = journal  # Blocking; used on the disk's thread only.
+        self._on_disk = on_disk  # Runs the journal's work in order.
+        # Says a failing disk once, not at each write.
         self._trouble = DiskTrouble() if trouble is None else trouble
         # Held until they end, for the event loop itself keeps no task alive.
         self._writes: set[asyncio.Task[OSError | None]] = set()
@@ -82,6 +83,7 @@ class JournalWriter:
             # The gateway's own ids never come again: nothing is gained by waiting.
             return ""
         if only_safe:
+            # Half a second lets a working disk win; after that closing a roof goes first.
             await asyncio.wait([writing], timeout=SAFE_WRITE_S)
             return ""
         error = await writing

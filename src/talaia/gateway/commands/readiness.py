@@ -45,6 +45,7 @@ async def wait_until_ready(
             waited = (clock.monotonic_ns() - since_ns) / SECOND
             if held.final:
                 return CommandOutcome(CommandPhase.REFUSED, held.why)
+            # Failed, and not refused: it was accepted, and nothing has been asked of the robot.
             if waited > held.wait_s:
                 late = f"{held.why} took longer than {held.wait_s:g} s; nothing was done"
                 return CommandOutcome(CommandPhase.FAILED, late)
@@ -52,6 +53,7 @@ async def wait_until_ready(
                 said = held.why
                 report(said)
             await asyncio.sleep(WAIT_LOOK_S)
+            # Interlocks count while it waits: rain ends the waiting.
             if barred := guard.refusal_reason(ask.device, ask.command, named):
                 return CommandOutcome(CommandPhase.REFUSED, barred)
     except asyncio.CancelledError:

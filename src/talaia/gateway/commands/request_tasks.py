@@ -19,7 +19,8 @@ class RequestTasks:
 
     def __init__(self, on_end: Callable[[], None]) -> None:
         """Call ``on_end`` after each."""
-        self._on_end = on_end
+        self._on_end = on_end  # Called after each request; the timer of driving is set anew by it.
+        # Held until they end: the event loop keeps only weak references to tasks.
         self._tasks: set[asyncio.Task[None]] = set()
 
     def spawn(self, work: Coroutine[None, None, None]) -> None:

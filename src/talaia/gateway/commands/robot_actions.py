@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["OutcomeReceiver", "RobotActions"]
 
+# A fifth of a second: five steps a second are smooth enough for a bar.
 PROGRESS_NS = SECOND // 5
 
 
@@ -46,9 +47,9 @@ class RobotActions:
             report: hears every outcome, until `forget`.
 
         """
-        self._target = target
-        self._clock = clock
-        self._report = report
+        self._target = target  # Who acts.
+        self._clock = clock  # Monotonic; for progress alone, time-outs are the loop's.
+        self._report = report  # Hears every outcome.
         # All by the command's id. What ends it as unknown when nothing is heard of it:
         self._timers: dict[str, asyncio.TimerHandle] = {}
         # What asks the robot to end it early, where that can be asked:
@@ -64,6 +65,7 @@ class RobotActions:
     def begin(self, ask: CommandRequest, command: Command, fields: dict[str, Field]) -> None:
         """Ask the robot now."""
         loop = asyncio.get_running_loop()
+        # Before the robot is asked: an adapter that answers at once finds the timer it ends.
         self._restart_timer(ask.id, command.timeout)
 
         def done(outcome: CommandOutcome) -> None:
@@ -89,6 +91,7 @@ class RobotActions:
         before = self._timers.get(command_id)
         if before is not None:
             before.cancel()
+        # Unknown, not failed: silence does not say that the robot has not done it.
         silent = CommandOutcome(
             CommandPhase.UNKNOWN, f"no answer for {seconds:g} s; look at the device"
         )

@@ -25,14 +25,17 @@ if TYPE_CHECKING:
 
 __all__ = ["FilmFile", "recover_film"]
 
+# Time base of MP4 packets: µs, like the pictures' own times.
 _MICROS = Fraction(1, 1_000_000)
 # What a killed gateway loses of a film is at most this (µs).
 _FRAGMENT_US = 500_000
 _PARTS = {
+    # FFmpeg's mov flags: a header without pictures, fragments that stand by themselves.
     "movflags": "empty_moov+delay_moov+default_base_moof",
     "frag_duration": str(_FRAGMENT_US),
     "flush_packets": "1",
 }
+# Index in front, so that a browser jumps without reading the file to its end.
 _WHOLE = {"movflags": "faststart"}
 # In the file's comment: when its first picture came, for who has nothing but the file.
 _BEGIN = "first picture (us since 1970, UTC): "
@@ -55,7 +58,9 @@ class FilmFile:
             OSError: it cannot be written.
 
         """
+        # Wall (µs UTC); packets count from the first picture.
         self._begin_us = self.end_us = first.time_us
+        # A change of size needs another file.
         self.width, self.height = first.width, first.height
         self.pictures = self.size = 0
         with _translated_errors():
@@ -84,6 +89,7 @@ class FilmFile:
 
         """
         packet = av.Packet(picture.data)
+        # Decode order is show order: the encoder makes no B-frames.
         packet.pts = packet.dts = picture.time_us - self._begin_us
         packet.time_base = _MICROS
         packet.is_keyframe = picture.key
@@ -128,6 +134,7 @@ def recover_film(broken: Path, whole: Path) -> RecoveredFile:
             copy = target.add_stream_from_template(stream)
             copy.time_base = stream.time_base
             for packet in _packets(source, stream):
+                # FFmpeg ends a stream with an empty packet; a torn one has no time.
                 if packet.pts is None or packet.is_corrupt or not packet.size:
                     continue
                 last = packet.pts
@@ -135,6 +142,7 @@ def recover_film(broken: Path, whole: Path) -> RecoveredFile:
                 target.mux(packet)
                 count += 1
     if not count:
+        # An empty MP4 is no film; nobody should be offered it.
         whole.unlink(missing_ok=True)
         raise ValueError("it holds no picture")
     return RecoveredFile(count, begin_us + last)
@@ -143,6 +151,7 @@ def recover_film(broken: Path, whole: Path) -> RecoveredFile:
 def _packets(
     source: av.container.InputContainer, stream: av.VideoStream
 ) -> Iterator[av.Packet[av.VideoStream]]:
+    # 0 becomes a picture in 1970 nowhere: without pictures it is never kept.
     packets = source.demux(stream)
     while True:
         try:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["FilmRecorder"]
 
 _MB = 1_000_000
+# s between two looks at ends and silences while nothing comes.
 _LOOK_S = 0.25
 
 
@@ -57,10 +58,10 @@ class FilmRecorder:
             changed: told when other cameras are filmed than before; from any thread.
 
         """
-        self._plan = plan
-        self._shelf = shelf
-        self._clock = clock
-        self._changed = changed
+        self._plan = plan  # Of the description; another one makes another recorder.
+        self._shelf = shelf  # Folder of films.
+        self._clock = clock  # Monotonic for ends, wall only in the pictures.
+        self._changed = changed  # Called without the lock, for it may ask `rolling` or `wanted`.
         # Guards all that follows, and wakes the writing thread.
         self._wake = threading.Condition()
         self._writer = FilmWriter(
@@ -156,10 +157,12 @@ class FilmRecorder:
         if reel.rolling:
             if why not in reel.why:
                 reel.why = f"{reel.why}; {why}"[:1000]
+            # A second trigger prolongs; it never shortens what a first one asked for.
             reel.until_ns = max(reel.until_ns, until_ns)
             return
         reel.rolling, reel.until_ns, reel.failed = True, until_ns, False
         reel.why, reel.who, reel.note, reel.lost = why[:1000], who[:200], "", 0
+        # First what is old enough goes, so that a film never begins earlier than described.
         reel.ring.trim(self._clock.monotonic_ns() // 1000)
         held = reel.ring.drain_pictures()
         reel.wants_key = not held
@@ -200,6 +203,7 @@ class FilmRecorder:
                     reel.wants_key = True
                 return
             if self._queued + len(picture.data) > self._plan.ring_mb * _MB:
+                # Counted in the note, so that nobody takes the jump for the scene's own.
                 # The disk does not keep up; what follows makes no sense without this one.
                 reel.lost += 1
                 reel.wants_key = True
@@ -215,11 +219,13 @@ class FilmRecorder:
             with self._wake:
                 while not (self._queue or self._ending or self._active()):
                     self._wake.wait()
+                # Woken by pictures as well as by time; the waiting releases the lock.
                 if not self._queue and not self._ending:
                     self._wake.wait(_LOOK_S)
                 queue, self._queue, self._queued = self._queue, deque(), 0
                 over = self._over()
                 ending = self._ending
+                # A copy: writing takes long and must not hold the lock.
                 reels = list(self._reels.values())
             for reel, picture in queue:
                 self._writer.write_picture(reel, picture)

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FilmRing"]
 
+# Bytes that Python keeps beside each picture's data, about.
 _OVERHEAD = 300
 
 
@@ -21,10 +22,11 @@ class FilmRing:
 
     def __init__(self, keep_us: int, max_bytes: int) -> None:
         """Hold the last ``keep_us``, in at most ``max_bytes``; nothing for 0."""
-        self._keep_us = keep_us
-        self._max_bytes = max_bytes
+        self._keep_us = keep_us  # µs of film to hold.
+        self._max_bytes = max_bytes  # The bound that wins where both cannot be kept.
+        # Oldest first; each begins with a key picture.
         self._runs: deque[list[PictureFrame]] = deque()
-        self.bytes = 0
+        self.bytes = 0  # Data and overhead of all that is held.
 
     def __len__(self) -> int:
         """Count the pictures."""
@@ -44,6 +46,8 @@ class FilmRing:
     def trim(self, now_us: int) -> None:
         """Let go of the runs that are not needed to reach back far enough, or are too much."""
         runs = self._runs
+        # Compared with the second run: the first goes only when the next still reaches back far
+        # enough.
         while len(runs) > 1 and now_us - runs[1][0].mono_us >= self._keep_us:
             self._drop()
         while runs and (

@@ -100,13 +100,13 @@ class FilmWriter:
             changed: told when a film begins or fails.
 
         """
-        self._plan = plan
-        self._shelf = shelf
-        self._clock = clock
-        self._events = events
-        self._lock = lock
-        self._finished = finished
-        self._changed = changed
+        self._plan = plan  # Sizes and times of the description.
+        self._shelf = shelf  # Folder of films.
+        self._clock = clock  # Monotonic; silence is judged by it.
+        self._events = events  # Told of each film's beginning and end.
+        self._lock = lock  # The recorder's; held for what both threads touch.
+        self._finished = finished  # Called after each film that is whole.
+        self._changed = changed  # Called when a film begins or fails.
         self.problem = ""
 
     def write_picture(self, reel: CameraReel, picture: PictureFrame) -> None:
@@ -133,6 +133,7 @@ class FilmWriter:
             return
         interval_us, reel.seen_us = picture.time_us - reel.seen_us, picture.time_us
         silent = interval_us > reel.silent_us
+        # Three of its last intervals: a camera of one picture in 5 s is not silent after 4.
         reel.silent_us = min(max(_SILENT_US, _INTERVALS * interval_us), _LONGEST_US)
         file = reel.file
         full = file is not None and file.size > self._plan.file_mb * _MB
@@ -154,6 +155,7 @@ class FilmWriter:
             why, who = reel.why, reel.who
         kept = StoredRecording(
             id=new_id(first.time_us * 1000),
+            # The first picture's time, not ours: it may have waited in the ring.
             why=why,
             who=who,
             begin_us=first.time_us,
@@ -184,6 +186,7 @@ class FilmWriter:
             reel.note, reel.lost = "", 0
         kept.note = "; ".join(note)
         kept.messages, kept.end_us = file.pictures, file.end_us
+        # `part` stays until the whole file is there: a kill in between loses nothing.
         part = self._shelf.part(kept.id)
         file.finish(part, self._shelf.whole(kept.id))
         reel.file = reel.kept = None
@@ -211,6 +214,7 @@ class FilmWriter:
         if file is not None:
             file.drop()
         if kept is not None:
+            # The part stays: the next start makes whole what is readable of it.
             with contextlib.suppress(OSError):
                 self._shelf.whole(kept.id).unlink(missing_ok=True)
         self._events.report_event(

@@ -31,6 +31,7 @@ __all__ = ["Recorder"]
 
 log = logging.getLogger(__name__)
 _MB = 1_000_000
+# s; an end is noticed at most this late.
 _LOOK_S = 0.25
 # Messages that are written between two looks at the clock and the disk.
 _AT_ONCE = 256
@@ -64,27 +65,30 @@ class Recorder:
             finished: told when a recording waits for the hub.
 
         """
-        self._plan = plan
+        self._plan = plan  # Of the description; another one makes another recorder.
         self.topics = frozenset(topics)
-        self._shelf = shelf
-        self._clock = clock
+        self._shelf = shelf  # Folder of recordings.
+        self._clock = clock  # Monotonic for ends, wall for names.
+        # Full text of a message type; may ask the robot, so on our thread.
         self._definition = definition
-        self._send_state = tell_state
-        self._events = events
-        self._finished = finished
+        self._send_state = tell_state  # Tells each change.
+        self._events = events  # What is worth writing down.
+        self._finished = finished  # Told when a file waits for the hub.
+        # The last seconds, filled while no file is open.
         self._ring = MessageRing(round(plan.before * SECOND), round(plan.ring_mb * _MB))
-        self._changed = threading.Condition()
-        self._queue: deque[RawMessage] = deque()
-        self._queued = 0
-        self._lost = 0
+        self._changed = threading.Condition()  # Guards all that follows; wakes the thread.
+        self._queue: deque[RawMessage] = deque()  # For the file, oldest first; only while `_open`.
+        self._queued = 0  # Bytes in it, with overhead.
+        self._lost = 0  # Messages that came while the queue was full; told in the note.
+        # What is being recorded or finished; None while idle.
         self._kept: StoredRecording | None = None
         # Messages go into the file; not so while it is being finished.
         self._open = False
         # What came up while a file was being finished.
         self._next: tuple[str, str, float] | None = None
-        self._until_ns = 0
-        self._ending = False
-        self._problem = ""
+        self._until_ns = 0  # When it ends (monotonic ns); 0 ends it now.
+        self._ending = False  # Nothing is begun any more.
+        self._problem = ""  # Why the last one failed; cleared by the next beginning.
         self._thread = threading.Thread(target=self._run, name="talaia-recorder", daemon=True)
 
     def start(self) -> None:
@@ -149,6 +153,8 @@ class Recorder:
                 self._until_ns = max(self._until_ns, until_ns)
                 return
             if self._kept is not None:
+                # The first that comes up while a file is finished; more would be for the same
+                # moment.
                 self._next = self._next or (why, who, for_s)
                 return
             wall_ns = self._clock.wall_ns()
@@ -196,6 +202,7 @@ class Recorder:
                 self._failed(kept, error)
 
     def _record(self, kept: StoredRecording) -> None:
+        # Told before the disk is asked: a page should show that a press has counted.
         self._report_state()
         self._events.report_event("recording_started", f"{kept.id}: {kept.why}", who=kept.who)
         for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
@@ -244,10 +251,12 @@ class Recorder:
                 queue, self._queue, self._queued = self._queue, deque(), 0
                 over = self._until_ns <= self._clock.monotonic_ns()
             for at, raw in enumerate(queue):
+                # Told once for its type; each message of it would fill the log.
                 if raw.type_name in bad:
                     continue
                 try:
                     file.add(raw)
+                # The disk's trouble ends this recording; a type's spoils only that type.
                 except OSError:
                     raise
                 except Exception as error:  # noqa: BLE001 - one type must not spoil the others
@@ -281,6 +290,7 @@ class Recorder:
     def _shut(self) -> None:
         """Take no more into the file; what is over goes back into the ring. Under the lock."""
         self._open = False
+        # They came after the end, and may be the beginning of the next one.
         for raw in self._queue:
             self._ring.add(raw)
         self._queue, self._queued = deque(), 0

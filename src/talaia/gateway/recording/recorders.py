@@ -32,7 +32,8 @@ class TriggeredRecorder:
     def __init__(self, plan: Recording, send_state: Callable[[RecorderState], None]) -> None:
         """Record nothing until `attach`; ``send_state`` takes each change, from any thread."""
         self.plan = plan
-        self._send_state = send_state
+        self._send_state = send_state  # Takes the state of both together.
+        # None until `attach`, and where there is nothing of its kind to record.
         self.recorder: Recorder | None = None
         self.films: FilmRecorder | None = None
 

@@ -36,6 +36,7 @@ __all__ = [
 ]
 
 log = logging.getLogger(__name__)
+# Errors of the disk and not of the file: full, read-only, broken, over quota.
 _DISK_TROUBLE = {errno.ENOSPC, errno.EROFS, errno.EIO, errno.EDQUOT}
 MESSAGES, FILM = ".mcap", ".mp4"
 
@@ -125,10 +126,12 @@ class RecordingStore:
 
         All recordings in it end in ``ending``.
         """
-        self._folder = folder
+        self._folder = folder  # Its own; nobody else writes in it.
+        # A recording's names by suffix: done, and being written.
         self._whole, self._part = ending, f"{ending}.part"
-        self._max_bytes = max_bytes
-        self._spare = spare
+        self._max_bytes = max_bytes  # Of all finished ones together.
+        self._spare = spare  # Bytes of the disk that must stay free.
+        # Ids that the hub refused in this run; a restart offers them again.
         self._refused: set[str] = set()
 
     def open(self, recover: Callable[[Path, Path], RecoveredFile]) -> None:
@@ -144,6 +147,7 @@ class RecordingStore:
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         for part in self._folder.glob(f"*{self._part}"):
             name = part.name.removesuffix(self._part)
+            # Its description may not have been written before the kill.
             kept = self._read(name) or StoredRecording(id=name, why="cut off")
             try:
                 saved = recover(part, self.whole(name))
@@ -176,6 +180,7 @@ class RecordingStore:
 
         """
         found = shutil.disk_usage(self._folder)
+        # A twentieth of a small disk, the stated bytes of a large one.
         if found.free < min(self._spare, found.total // 20):
             raise NoRoom(f"the disk of {self._folder} has only {found.free // 2**20} MiB left")
 
@@ -190,6 +195,7 @@ class RecordingStore:
         self.check_room()
         gone = []
         waiting = self.waiting(refused=True)
+        # Oldest first: what is recorded now is worth more than what nobody has fetched.
         while waiting and sum(waiter.size for waiter in waiting) + size > self._max_bytes:
             gone.append(waiting.pop(0))
             self.remove(gone[-1].id)
@@ -204,6 +210,7 @@ class RecordingStore:
 
         """
         path = self.whole(kept.id)
+        # Read once more from the disk: the digest is of what is there, not of what was meant.
         with path.open("rb") as file:
             kept.digest = hashlib.file_digest(file, "sha256").hexdigest()
         kept.size = path.stat().st_size
@@ -245,6 +252,7 @@ class RecordingStore:
         return self._folder / f"{name}.json"
 
     def _write(self, kept: StoredRecording) -> None:
+        # Beside it and renamed: a kill leaves the old one or the new one, never half.
         partial = self._folder / f"{kept.id}.json.tmp"
         partial.write_bytes(msgspec.json.encode(kept))
         partial.replace(self._about(kept.id))

@@ -158,6 +158,7 @@ class EnclosureGuard:
         if self._began_ns is None:
             self._began_ns = now_ns
             acts.append(self._event("enclosure_closes", why, good=False))
+        # Once for a closing: an exposure that a person begins afterwards is refused by interlocks.
         if seen.closed is not True and not self._aborted:
             # With the roof closed there is nothing to protect: darks may go on.
             self._aborted = True
@@ -165,9 +166,11 @@ class EnclosureGuard:
         if seen.closed is True:
             acts += self._on_closed(now_ns)
         elif self._closed:
+            # Somebody opened it, or a switch let go: begin anew, with the first short waits.
             self._closed, self._tries, self._close_ns = False, 0, None
             self._began_ns = now_ns
             acts.append(self._event("enclosure_reopened", f"open while {why}", good=False))
+        # Who stopped the closing by hand may open it as well.
         if not self._closed and not self._stopped_by:
             acts += self._turn(seen, now_ns)
         acts += self._park(seen, now_ns)

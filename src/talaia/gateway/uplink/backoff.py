@@ -21,17 +21,19 @@ class Backoff:
     dies. Only a link that stayed for `STABLE_S` starts the waits from the beginning.
     """
 
+    # Seconds. A hub that restarts is back within one or two; half a second finds it soon.
     FIRST_S = 0.5
     QUICK_S = 2.0
     LONGEST_S = 30.0
     REFUSED_S = 30.0
+    # Longer than a hub that falls over under its load takes to do so.
     STABLE_S = 10.0
 
     def __init__(self, random: Callable[[], float]) -> None:
         """Take a source of numbers in [0, 1)."""
-        self._random = random
-        self._failures = 0
-        self._sent_away = 0
+        self._random = random  # In [0, 1): spreads gateways that were lost in the same instant.
+        self._failures = 0  # Waits since the last link that stayed; sets how long the next is.
+        self._sent_away = 0  # How often in a row the hub was there and sent us away.
 
     def after(
         self, lasted_s: float, *, refused: bool = False, sent_away_s: float | None = None
@@ -50,6 +52,7 @@ class Backoff:
         longest = self._doubled(self._failures, self.QUICK_S)
         self._failures += 1
         if refused:
+            # Between 30 and 60 s: a wrong key is mended by a person, not by dialling.
             return self.REFUSED_S * (1.0 + self._random())
         if sent_away_s is None:
             self._sent_away = 0
@@ -57,6 +60,8 @@ class Backoff:
             longest = self._doubled(self._sent_away, self.LONGEST_S)
             self._sent_away += 1
             if sent_away_s > 0:
+                # The hub's own wait, bounded: a mistake of a hub must not keep a robot away for an
+                # hour.
                 return min(sent_away_s, 2 * self.LONGEST_S) * (0.5 + self._random())
         return longest * (0.5 + 0.5 * self._random())
 

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
 __all__ = ["HubLink", "HubMessageHandler", "dial", "run_media"]
 
 log = logging.getLogger(__name__)
+# Long enough for a hub under load, short enough that a robot is not left with a dead dial.
 HANDSHAKE_S = 5.0
 # Small, so that what waits is in our lanes, where importance counts, and not in the socket.
 WRITE_LIMIT = 32 * 1024
@@ -84,24 +85,33 @@ async def dial(
     url = settings.hub.url + path
     socket: ClientConnection | None = None
     try:
+        # Twice the handshake: name lookup, TCP and TLS come before the WebSocket's own.
         async with asyncio.timeout(2 * HANDSHAKE_S):
             socket = await connect(
                 url,
                 ssl=await trust.context(),
+                # Batches are packed columns already; compressing again costs more than it saves.
                 compression=None,
+                # Beats of our own, see `HeartbeatMonitor`: they show that the hub's program
+                # answers, not only its socket.
                 ping_interval=None,
                 open_timeout=HANDSHAKE_S,
                 close_timeout=1,
                 max_size=LINK_FROM_HUB.max_frame,
                 write_limit=WRITE_LIMIT,
+                # Sent inside TLS only after the hub has proved itself, see `HubTrust`.
                 additional_headers={"Authorization": f"Bearer {settings.key}"},
+                # Tells nobody which Python and which library run beside a robot.
                 user_agent_header=None,
+                # No proxy from the environment: a robot's link goes where its settings say.
                 proxy=None,
             )
         yield socket
     except InvalidStatus as error:
+        # The key itself is refused; dialling soon again cannot help.
         if error.response.status_code in (401, 403):
             raise KeyRefused(error.response.status_code, settings.hub.url) from error
+        # 429 and 503: there is a hub, and it has no room now.
         if error.response.status_code in (429, 503):
             after_s = _seconds(error.response.headers.get("Retry-After", ""))
             raise RetryLater(f"{url} answers HTTP {error.response.status_code}", after_s) from error
@@ -114,6 +124,7 @@ async def dial(
             await socket.close(error.code, error.problem[:100])
         raise LinkLost(f"the hub sent {error.problem}") from error
     except (OSError, TimeoutError, WebSocketException) as error:
+        # The certificate may have been renewed: look at it again before the next dial.
         trust.forget()
         raise LinkLost(f"{url} cannot be reached: {str(error) or type(error).__name__}") from error
     finally:
@@ -134,11 +145,13 @@ async def _close(socket: ClientConnection) -> None:
     except (TimeoutError, OSError, WebSocketException):
         pass
     finally:
+        # Whatever the closing did, the descriptor is free.
         socket.transport.abort()
 
 
 def _check_awake(beats: HeartbeatMonitor, clock: Clock) -> None:
     frozen = beats.stood_still_s(clock.monotonic_ns())
+    # Not acted on: what waited in the socket through a freeze may be a driving frame of long ago.
     if frozen > 0:
         raise LinkLost(f"this process stood still for {frozen:.1f} s; starting clean")
 
@@ -169,12 +182,12 @@ class HubLink:
         handler: HubMessageHandler,
     ) -> None:
         """Take what to send and who acts on what comes."""
-        self._settings = settings
-        self._trust = trust
-        self._clock = clock
-        self._lanes = lanes
-        self._wake = wake
-        self._handler = handler
+        self._settings = settings  # The hub's address and our key.
+        self._trust = trust  # How the hub proves itself.
+        self._clock = clock  # Monotonic, for beats and freezes.
+        self._lanes = lanes  # Everything that goes out.
+        self._wake = wake  # Set by the lanes when they have something.
+        self._handler = handler  # Acts on everything that comes in but beats and goodbyes.
 
     async def once(self, hello: Hello, beside: Callable[[Welcome], asyncio.Task[None]]) -> None:
         """Run one link to its end.
@@ -194,6 +207,7 @@ class HubLink:
                 welcome = await self._answer(socket, beats)
                 self._check(welcome)
                 assert isinstance(welcome, Welcome)  # noqa: S101 - told to mypy; _check raised
+                # Lanes before the handler, for it sends at once how things stand.
                 self._lanes.link_up()
                 self._handler.link_up(welcome)
                 log.info("linked to %s", self._settings.hub.url)
@@ -201,9 +215,12 @@ class HubLink:
                     asyncio.ensure_future(self._read(socket, beats)),
                     asyncio.ensure_future(self._write(socket)),
                     asyncio.ensure_future(_beat(self._lanes.send, beats, self._clock, "the hub")),
+                    # From here the link is as good as its slowest part: the first of these to end
+                    # ends them all.
                     beside(welcome),
                 ]
                 await first_to_end(tasks)
+        # Also when it never stood: both calls may be repeated, and the handler relies on it.
         finally:
             self._lanes.link_lost()
             self._handler.link_lost()
@@ -226,6 +243,7 @@ class HubLink:
         return LINK_FROM_HUB.decode(data)
 
     def _check(self, welcome: FromHub) -> None:
+        # A hub that refuses says so in the first frame.
         if isinstance(welcome, Bye):
             raise RetryLater(f"the hub refuses this gateway: {welcome.reason}", welcome.after_s)
         if not isinstance(welcome, Welcome):
@@ -241,6 +259,7 @@ class HubLink:
             data = await socket.recv()
             try:
                 message = LINK_FROM_HUB.decode(data)
+            # A newer hub may say things that this version does not know; the link goes on.
             except UnknownKind as error:
                 log.debug("the hub sent %s", error)
                 continue
@@ -262,9 +281,13 @@ class HubLink:
         while True:
             data = self._lanes.next()
             if data is None:
+                # Cleared before waiting and after the lanes were empty; nothing awaits in between,
+                # so no wake is lost.
                 self._wake.clear()
                 await self._wake.wait()
             else:
+                # Waits while the socket's buffer is full, so what is urgent can still overtake in
+                # the lanes.
                 await socket.send(data)
 
 

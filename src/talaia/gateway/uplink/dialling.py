@@ -32,6 +32,7 @@ class OutageLog:
 
     def __init__(self) -> None:
         """Begin with nothing said."""
+        # None: nothing was said since it was up. Else whether "refused" was what was said.
         self._said: bool | None = None
 
     def lost(self, *, refused: bool) -> bool:
@@ -50,6 +51,7 @@ async def keep_dialling(
     what: str, once: Callable[[], Awaitable[None]], outage: OutageLog, clock: Clock
 ) -> None:
     """Dial for ever, waiting in between. An ``once`` that returns has nothing to be said of it."""
+    # Not seeded: gateways that start together must not wait alike.
     backoff = Backoff(random.SystemRandom().random)
     while True:
         began = clock.monotonic_ns()
@@ -61,6 +63,7 @@ async def keep_dialling(
             sent_away_s = error.after_s if isinstance(error, RetryLater) else None
             say = log.warning if outage.lost(refused=refused) else log.debug
             say("%s: %s; trying again", what, error)
+        # The whole attempt counts; a handshake alone is far below `STABLE_S`.
         lasted = (clock.monotonic_ns() - began) / 1e9
         await asyncio.sleep(backoff.after(lasted, refused=refused, sent_away_s=sent_away_s))
 
@@ -83,12 +86,14 @@ async def beside_link(
     try:
         await once()
     except LinkLost:
+        # If the link dies as well, it says the loss; only a link that outlives this makes it ours.
         await asyncio.sleep(GRACE_S)
         if linked.is_set() and number() == ours:
             raise
 
 
 async def first_to_end(tasks: list[asyncio.Task[None]]) -> None:
+    # Gathered before the results are read, so that no task outlives its socket.
     """Wait for the first to end, cancel the others, and raise what it raised."""
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)

@@ -20,9 +20,9 @@ class EventReporter:
 
     def __init__(self, *, loop: asyncio.AbstractEventLoop, clock: Clock, lanes: SendLanes) -> None:
         """Queue events in the lanes, on their event loop."""
-        self._loop = loop
-        self._clock = clock
-        self._lanes = lanes
+        self._loop = loop  # Where the lanes live.
+        self._clock = clock  # UTC for the record.
+        self._lanes = lanes  # Results and events stay in them over a lost link.
 
     def report_event(
         self, kind: str, message: str, *, device: str = "", who: str = "", good: bool = False
@@ -31,9 +31,11 @@ class EventReporter:
         event = Event(
             kind=kind,
             device=device,
+            # The wire's limit for this text.
             message=message[:2000],
             who=who,
             time_us=self._clock.wall_ns() // 1000,
             good=good,
         )
+        # From any thread: the lanes belong to the event loop alone.
         self._loop.call_soon_threadsafe(self._lanes.send, event)

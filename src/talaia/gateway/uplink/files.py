@@ -29,9 +29,11 @@ if TYPE_CHECKING:
 __all__ = ["FileLane", "FileSource", "TransferCallbacks", "send_files"]
 
 log = logging.getLogger(__name__)
+# For a piece: the hub only writes it down.
 ANSWER_S = 20.0
 # The hub checks the digest of the whole file before it says that it has it.
 DONE_S = 120.0
+# Between two looks whether something more urgent still waits.
 REST_S = 0.05
 # A file that comes damaged so often is damaged here.
 MOST_DAMAGED = 3
@@ -107,6 +109,7 @@ async def send_files(
         LinkLost: the connection was lost, or the hub does not answer.
 
     """
+    # Nothing waits: no connection is opened only to be closed.
     if await _next(lanes) is None:
         return
     async with dial(settings, trust, "/gateway/files") as socket:

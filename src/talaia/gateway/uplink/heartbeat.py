@@ -11,15 +11,17 @@ __all__ = ["HeartbeatMonitor", "reply_to"]
 class HeartbeatMonitor:
     """The beats of one connection, ours and its answers."""
 
+    # s; three unanswered make 3 s, in which a robot has stopped by its own watchdog long before.
     PERIOD_S = 1.0
     MISSED = 3
 
     def __init__(self, now_ns: int) -> None:
         """Begin with nothing asked."""
-        self._asked = 0
+        self._asked = 0  # Number of the newest beat of ours.
+        # The newest that the peer answered; answers that were overtaken do not lower it.
         self._answered = 0
-        self._turn_ns = now_ns
-        self.round_trip_ms = 0.0
+        self._turn_ns = now_ns  # When this process last showed that it runs (monotonic ns).
+        self.round_trip_ms = 0.0  # Of the newest answered beat, ms.
 
     @property
     def dead(self) -> bool:
@@ -40,6 +42,7 @@ class HeartbeatMonitor:
 
     def pulse(self, now_ns: int) -> None:
         """Note that this process runs; once it has stood still, that is not forgotten."""
+        # A freeze stays visible: setting the time anew here would hide it from `_check_awake`.
         if self.stood_still_s(now_ns) == 0:
             self._turn_ns = now_ns
 

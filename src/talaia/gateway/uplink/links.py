@@ -81,6 +81,7 @@ async def keep_link(
     teller = NewestSamplesSender(
         newest=batcher.newest, spool=spool, lanes=lanes, clock=clock, boot=boot
     )
+    # Counted up by each reload; told to the hub in `hello`, compared once the link stands.
     # Which description the hub was greeted with.
     told = 0
 
@@ -90,9 +91,11 @@ async def keep_link(
         return reload.now.hello(boot, clock.wall_ns() // 1000, settings.accepts)
 
     def beside(welcome: Welcome) -> asyncio.Task[None]:
+        # The hub knows a channel by its former name only from this run's description.
         outage.back()
         reload.report_since(told)
         log.debug("the hub has %d samples of this run", welcome.acked)
+        # Everything before is in the spool, or was acknowledged.
         live_from = batcher.next
         takes = NewestBatch.__struct_config__.tag in welcome.takes
 
@@ -110,6 +113,7 @@ async def keep_link(
         )
 
         # Before anything old, and before anything newer.
+        # In the lane of live samples, so before anything newer.
         tell_newest()
         former = teller.tell_former(lambda: reload.now.addresses) if takes else asyncio.sleep(0)
         return asyncio.ensure_future(_run_both(former, catchup.run(live_from)))
@@ -124,6 +128,8 @@ async def _run_both(
     tasks = asyncio.ensure_future(first), asyncio.ensure_future(second)
     try:
         for task in tasks:
+            # In order; the first usually ends by itself while the second goes on for the link's
+            # life.
             await task
     finally:
         for task in tasks:
@@ -190,14 +196,17 @@ async def keep_files(
         return any(file.source.offers() for file in files)
 
     async def waited() -> None:
+        # Sleeps while there is nothing to send: no connection is kept open for it.
         await to_send.wait()
         to_send.clear()
         try:
             await beside_link(dispatcher.linked, lambda: dispatcher.links, once)
         except BaseException:
+            # Whatever ended it: files still wait, so the next turn must not sleep for ever.
             to_send.set()
             raise
         # A link that took the loss upon itself: what is left waits for the next one.
+        # On a thread: listing them reads a folder.
         if await asyncio.to_thread(waiting):
             to_send.set()
 

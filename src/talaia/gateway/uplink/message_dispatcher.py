@@ -66,23 +66,25 @@ class MessageDispatcher:
         reporter: DetectionReporter,
     ) -> None:
         """Take all who act, the output that tells how it went, and the lanes to the hub."""
-        self._pictures = pictures
-        self._reporter = reporter
-        self._reachability = reachability
-        self._recorders = recorders
+        self._pictures = pictures  # The media connection: what is watched, and key pictures.
+        self._reporter = reporter  # Sightings on their way to the hub.
+        self._reachability = reachability  # Which devices can be reached.
+        self._recorders = recorders  # None where the description records nothing.
+        # Changes of the description that a person asked for.
         self._change_requests = change_requests
-        self._output = output
-        self._events = events
-        self._lanes = lanes
-        self._boot = boot
-        self._control = actuation.driving
+        self._output = output  # Told which messages this hub takes.
+        self._events = events  # Where refusals are recorded.
+        self._lanes = lanes  # Out to the hub.
+        self._boot = boot  # Names this run in acknowledgements.
+        self._control = actuation.driving  # Driving, leases and STOP.
+        # The timer that must be set anew after anything that may have changed what is due.
         self._pacer = actuation.timer
-        self._commanding = actuation.commands
-        self._spool = spool
-        self._adapter = adapter
-        self._requests = actuation.requests
-        self.linked = asyncio.Event()
-        self.links = 0
+        self._commanding = actuation.commands  # One-shot commands.
+        self._spool = spool  # Samples until the hub has them.
+        self._adapter = adapter  # The robot's side.
+        self._requests = actuation.requests  # Tasks of requests that wait for a disk or a robot.
+        self.linked = asyncio.Event()  # Set while a link stands; files and pictures wait for it.
+        self.links = 0  # Counts links, so that a task can tell whether "its" link still stands.
 
     def link_up(self, welcome: Welcome) -> None:
         """Trim what the hub has, and tell it how things stand."""
@@ -93,7 +95,10 @@ class MessageDispatcher:
         if self._recorders is not None:
             self._lanes.send(self._recorders.state())
         self._spool.ack(self._boot, welcome.acked)
+        # Asked at each link: the next one may be a hub of another version.
         self._output.takes_enclosures = EnclosureState.__struct_config__.tag in welcome.takes
+        # STOP and leases first, then commands and devices: a page must see a stopped robot as
+        # stopped.
         self._control.link_up()
         self._commanding.report()
         self._reachability.report()
@@ -103,9 +108,11 @@ class MessageDispatcher:
 
     def link_lost(self) -> None:
         """End leases and holds; nobody looks at pictures any more."""
+        # Only a link that stood can be lost; `link_lost` also comes after a dial in vain.
         if self.linked.is_set() and self._recorders is not None:
             self._recorders.trigger(Trigger.LINK_LOST, "the link to the hub was lost")
         self.linked.clear()
+        # Before anything else of this list could take time.
         self._control.link_lost()
         self._reporter.link_lost()
         self._pacer.touch()
@@ -119,6 +126,7 @@ class MessageDispatcher:
     def handle(self, message: FromHub) -> None:
         """Act on one message. STOP and driving are done when this returns."""
         match message:
+            # Not matched by importance: each case is one dictionary lookup, and none of them waits.
             case Ack():
                 self._spool.ack(message.boot, message.below)
                 self._lanes.acks += 1
@@ -131,6 +139,7 @@ class MessageDispatcher:
             case StopRequest():
                 latched = self._control.stop(message)
                 if latched is not None:
+                    # Stopped already; only its writing to disk is a task.
                     self._requests.spawn(self._control.keep_stop(message.device, latched))
             case LeaseRequest() | LeaseForceRequest():
                 self._control.lease(message)
@@ -144,6 +153,7 @@ class MessageDispatcher:
                 self._commanding.cancel(message)
             case OverrideRequest():
                 self._control.override(message)
+                # `override` judges by itself; nothing of driving changes what is due.
                 return
             case StreamSubscription():
                 self._pictures.watch(message.streams, message.forms, message.boxes)
@@ -156,6 +166,7 @@ class MessageDispatcher:
                 self._record(message)
             case _:
                 log.debug("nothing to do for %s", type(message).__name__)
+        # What was done may have changed what is due next.
         self._pacer.touch()
 
     def _reconnect(self, asked: ReconnectRequest) -> None:

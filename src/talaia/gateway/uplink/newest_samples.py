@@ -37,11 +37,11 @@ class NewestSamplesSender:
         boot: str,
     ) -> None:
         """Take who knows of this run (named ``boot``) and of former ones, and the way out."""
-        self._newest = newest
-        self._spool = spool
-        self._lanes = lanes
-        self._clock = clock
-        self._boot = boot
+        self._newest = newest  # What this run knows, by channel.
+        self._spool = spool  # Asked for former runs, on its own thread.
+        self._lanes = lanes  # They go in the lane of live samples.
+        self._clock = clock  # UTC, for how old a former run's sample may be.
+        self._boot = boot  # Names this run.
         # Of former runs, once they have been read.
         self._former: list[FormerNewest] | None = None
 
@@ -59,6 +59,7 @@ class NewestSamplesSender:
             async for batch in self._spool.former_newest(known, now_us):
                 former.append(batch)
                 self._tell_one(batch, addresses())
+                # Every channel is known by then: older runs could add nothing.
                 if known.issuperset(addresses()):
                     break
             self._former = former

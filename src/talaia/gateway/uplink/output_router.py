@@ -63,6 +63,7 @@ class OutputRouter:
 
     def send(self, message: FromGateway) -> None:
         """Send to the hub."""
+        # Listeners hear of it even without a hub: notices go out by this.
         if isinstance(message, EnclosureState):
             for listener in self._enclosure_listeners:
                 listener(message)

@@ -31,7 +31,9 @@ __all__ = ["PictureUplink"]
 
 # The beat behind each picture is its receipt; the connection's own beats count from 1.
 _RECEIPTS = 2**40
+# Of a film, for one stream: about a quarter second at 25 pictures a second.
 _MOST_WAITING = 6
+# A hub of a former version names no forms; it takes what it always took.
 _FOR_OLD_HUB = frozenset({PictureForm.JPEG.value})
 
 
@@ -46,23 +48,30 @@ class PictureUplink:
         films: FilmRecorder | None = None,
     ) -> None:
         """Take the loop that sends, where those at the gateway look, and who films."""
-        self._films = films
-        self._loop = loop
-        self._clock = clock
-        self._frames = frames
+        self._films = films  # None where nothing can be filmed.
+        self._loop = loop  # Only this loop touches what waits.
+        self._clock = clock  # Monotonic, for the receipts.
+        self._frames = frames  # Streams that somebody at the gateway looks at.
+        # By stream and form: pictures that have not been sent. The order is whose turn it is.
         self._waiting: dict[tuple[str, str], deque[PictureFrame]] = {}
+        # Beats, boxes and troubles; the oldest give way, for the next beat says more.
         self._small: deque[bytes] = deque(maxlen=100)
-        self._wake = asyncio.Event()
+        self._wake = asyncio.Event()  # Set when something waits; cleared by the sender alone.
+        # Read by encoding threads as well; being a picture late does no harm, `_enqueue_picture`
+        # asks again.
         self._linked = False
-        self._sent = 0
+        self._sent = 0  # Pictures sent on this gateway's connections; numbers their receipts.
         self._room = LinkCapacity()
         # From here on used by the encoding threads, too.
         self._lock = threading.Lock()
+        # By stream: the forms that somebody at the hub looks at.
         self._asked: Mapping[str, frozenset[str]] = {}
+        # Streams and forms for which a picture that needs none before it was asked.
         self._keys: set[tuple[str, str]] = set()
+        # Whether the hub is new enough to be told why a stream has no pictures.
         self._tells_trouble = False
-        self._boxed: frozenset[str] = frozenset()
-        self.dropped = 0
+        self._boxed: frozenset[str] = frozenset()  # Streams for which boxes are wanted, too.
+        self.dropped = 0  # Pictures left out because too many waited.
 
     # ── what is wanted ──
 
@@ -82,6 +91,7 @@ class PictureUplink:
             self._tells_trouble = bool(forms)
 
     def ask_key(self, stream: str, form: str) -> None:
+        # Nobody looks at it: an old wish must not cost a picture later.
         """Take from the hub that somebody needs a picture to begin with."""
         with self._lock:
             if stream in self._asked:
@@ -154,10 +164,12 @@ class PictureUplink:
         # Taken out first, so that streams take turns instead of one starving the others.
         waiting = self._waiting.pop(key, None) or deque()
         if picture.key:
+            # A picture that needs none before it makes all that wait superfluous.
             self.dropped += len(waiting)
             waiting.clear()
         elif len(waiting) >= _MOST_WAITING:
             self.dropped += len(waiting) + 1
+            # The rest of this film cannot be shown any more without a new beginning.
             self.ask_key(*key)
             return
         waiting.append(picture)
@@ -205,9 +217,11 @@ class PictureUplink:
         self._small.clear()
         with self._lock:
             self._room.clear()
+            # Whoever looked on before needs a picture to begin with on the new connection.
             self._keys |= {
                 (stream, form) for stream, forms in self._asked.items() for form in forms
             }
+        # Last, so that no thread adds to what was just cleared.
         self._linked = True
 
     def link_lost(self) -> None:

@@ -49,6 +49,7 @@ class SendPriority(IntEnum):
     BACKFILL = 4
 
 
+# State of the moment and the link's own words: small, and worth nothing when late.
 _CONTROL = (
     StopState,
     DriveState,
@@ -65,6 +66,7 @@ _CONTROL = (
     BeatReply,
     Bye,
 )
+# Facts: they are still true after a loss.
 _COMMANDS = (CommandState, Event)
 
 
@@ -89,13 +91,16 @@ class SendLanes:
     SEEN has thumbnails, and who fills it waits until it is empty; what is lost is told again.
     """
 
+    # Numbers of frames; each is at most a few hundred bytes.
     MAX_CONTROL = 2_000
     MAX_COMMANDS = 2_000
+    # Bytes: a few seconds of a busy robot's samples.
     MAX_LIVE = 4 * 1024 * 1024
 
     def __init__(self, wake: Callable[[], None]) -> None:
         """Take what to call when something begins to wait."""
-        self._wake = wake
+        self._wake = wake  # Wakes the writer; called after each frame that was added.
+        # One queue for each priority, by its number.
         self._lanes: tuple[deque[WaitingFrame], ...] = tuple(deque() for _ in SendPriority)
         # Of the LIVE lane alone: the others are bounded by their number of frames.
         self._live_bytes = 0
@@ -114,6 +119,7 @@ class SendLanes:
         """Queue a message in the lane of its kind."""
         if isinstance(message, _COMMANDS):
             lane = self._lanes[SendPriority.COMMANDS]
+            # Oldest first: the newest results are what people wait for.
             if len(lane) >= self.MAX_COMMANDS:
                 lane.popleft()
                 self.dropped_events += 1
@@ -135,13 +141,16 @@ class SendLanes:
         if not self.linked:
             return
         lane = self._lanes[SendPriority.LIVE]
+        # `and lane`: a single batch that is larger than the bound still goes out.
         if self._live_bytes + len(data) > self.MAX_LIVE and lane:
             begin = min(message.first for message in lane)
             if self.overflowed is not None:
                 begin = min(begin, self.overflowed[0])
+            # The newest batch has no numbers; nothing of it is owed.
             numbered = [message.end for message in lane if message.end != _NONE]
             self.overflowed = (min(begin, first), max(numbered, default=first))
             lane.clear()
+            # Emptied whole, so that the hub gets one gap and not a comb.
             self._live_bytes = 0
         lane.append(WaitingFrame(data, first, end))
         self._live_bytes += len(data)
@@ -192,6 +201,7 @@ class SendLanes:
                 return waiting.data
         return None
 
+    # `link_lost` first: whatever was queued for a former link must not open this one.
     def link_up(self) -> None:
         """Begin a link with nothing of the last one but facts."""
         self.link_lost()
@@ -201,6 +211,7 @@ class SendLanes:
     def link_lost(self) -> None:
         """Forget all but results and events."""
         self.linked = False
+        # A new link catches up from the spool anyway.
         self.overflowed = None
         self.owed.clear()
         self._live_bytes = 0

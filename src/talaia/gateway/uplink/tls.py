@@ -28,8 +28,8 @@ class HubTrust:
 
     def __init__(self, hub: HubAddress) -> None:
         """Take the address and how it is to be trusted."""
-        self._hub = hub
-        self._context: ssl.SSLContext | None = None
+        self._hub = hub  # Address, and fingerprint or CA if there is one.
+        self._context: ssl.SSLContext | None = None  # Made at the first dial, kept until `forget`.
 
     async def context(self) -> ssl.SSLContext | None:
         """Give the context; none for plain text.
@@ -56,6 +56,7 @@ class HubTrust:
     async def _pinned(self) -> ssl.SSLContext:
         shown = await self.shown()
         found = hashlib.sha256(shown).hexdigest()
+        # Either hash: a hub that renews its certificate keeps its key.
         if self._hub.fingerprint not in {found, _key_hash(shown)}:
             raise LinkLost(
                 f"{self._hub.url} shows the certificate {found}, which is not the one that this "
@@ -65,6 +66,7 @@ class HubTrust:
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
         # The name is not compared: the certificate itself is known, whatever name it bears.
         context.check_hostname = False
+        # The pinned certificate need not be signed by a root that we know.
         context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
         context.load_verify_locations(cadata=shown)
         return context
@@ -77,6 +79,7 @@ class HubTrust:
 
         """
         parts = urlsplit(self._hub.url)
+        # Nothing is verified here and nothing is sent: the certificate is only looked at.
         looking = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
         looking.check_hostname = False
         looking.verify_mode = ssl.CERT_NONE
@@ -92,6 +95,7 @@ class HubTrust:
             peer: ssl.SSLObject = writer.get_extra_info("ssl_object")
             return peer.getpeercert(binary_form=True) or b""
         finally:
+            # Not closed politely: a TLS goodbye would wait for a peer that may be anybody.
             writer.transport.abort()
 
     def forget(self) -> None:
@@ -102,5 +106,6 @@ class HubTrust:
 def _key_hash(certificate: bytes) -> str:
     try:
         return hashlib.sha256(public_key_of(certificate)).hexdigest()
+    # No certificate that we can read; then it must be known by its own hash.
     except ValueError:
         return ""
