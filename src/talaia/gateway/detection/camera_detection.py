@@ -50,6 +50,7 @@ FIRST_WAIT_S, LONGEST_WAIT_S = 1.0, 30.0
 SILENCE_US = 1_000_000
 # Whole things are counted: a change by one is news.
 STILL = 0.5
+# For decoding and waiting; more cameras than that take turns.
 THREADS = 8
 _T = TypeVar("_T")
 
@@ -102,16 +103,21 @@ class ObjectDetection:
             clock: for when nothing is seen.
 
         """
+        # Replaced by `redescribe`; numbers are of channels, by address.
         self._site, self._numbers = site, numbers
-        self._pictures = pictures
-        self._worker = worker(self._fares)
-        self._outlet = outlet
-        self._clock = clock
+        self._pictures = pictures  # Pixels of cameras, kept only while somebody holds them.
+        self._worker = worker(self._fares)  # The detectors' processes, one for each model.
+        self._outlet = outlet  # Where everything goes that comes of a picture.
+        self._clock = clock  # Wall time, for sightings that end without a picture.
+        # Pictures are read here: decoding would hold the loop.
         self._threads = ThreadPoolExecutor(THREADS, "talaia-eyes")
+        # By model: who waits for its detector; fair, first come first served.
         self._turns: dict[str, asyncio.Lock] = {}
+        # By stream's address: a camera and the task that looks at it.
         self._cameras: dict[str, tuple[_Camera, asyncio.Task[None]]] = {}
+        # By signal's address; replaced as a whole, for threads read it.
         self._latest: dict[str, ChannelReading] = {}
-        self._running = False
+        self._running = False  # Cameras are looked at only while `run` runs.
 
     def counts(self, address: str) -> bool:
         """Tell whether a signal counts what a camera sees."""
@@ -136,6 +142,7 @@ class ObjectDetection:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+            # After the cameras: one of them may still wait for its answer.
             await self._worker.close()
             self._threads.shutdown(wait=False, cancel_futures=True)
 
@@ -157,6 +164,7 @@ class ObjectDetection:
         if self._running:
             self._begin(site)
         needed = {detect.model for _, detect in detecting(site) if detect.at is DetectAt.GATEWAY}
+        # No camera needs this detector any more: its process takes memory for nothing.
         for model in [turn for turn in self._turns if turn not in needed]:
             del self._turns[model]
             self._worker.rest(model)
@@ -216,6 +224,8 @@ class ObjectDetection:
 
         """
         async with self._turns.setdefault(detect.model, asyncio.Lock()):
+            # Only now, so that the picture is the newest when the detector is free, and not when it
+            # was asked for.
             look = await self.on_thread(partial(self._pictures.newest, name))
             if look is None:
                 return None
@@ -255,18 +265,22 @@ class _Camera:
     def __init__(
         self, name: str, detect: Detect, counted: Mapping[str, _Counted], seeing: ObjectDetection
     ) -> None:
+        # Of the description; another makes another camera.
         self._name, self._detect = name, detect
-        self._seeing = seeing
+        self._seeing = seeing  # The site's; it has the detectors and the outlets.
+        # By address: signals that count here; changed by `recount`.
         self._counted: Mapping[str, _Counted] = {}
-        self._samplers: dict[str, Sampler] = {}
-        self._eyes = CameraObjects(detect, {})
-        self._steady = SteadyCounts(detect)
+        self._samplers: dict[str, Sampler] = {}  # By address: what of a count is news.
+        self._eyes = CameraObjects(detect, {})  # Sightings and plain counts.
+        self._steady = SteadyCounts(detect)  # Counts for interlocks, with hysteresis.
+        # Until the detector is asked again (s); doubles while it cannot see.
         self._wait_s = FIRST_WAIT_S
         self.recount(counted)
 
     def recount(self, counted: Mapping[str, _Counted]) -> None:
         """Count for these signals from here on."""
         before, self._counted = self._counted, counted
+        # A signal that is the same goes on with its sampler, so that nothing is said twice.
         self._samplers = {
             address: self._samplers[address]
             if address in before and before[address].signal == count.signal
@@ -288,6 +302,7 @@ class _Camera:
                     # Whatever one camera brings, the others are looked at, and the robot is driven.
                     log.exception("%s: what is seen cannot be told", self._name)
                 finally:
+                    # While the detector is away nobody needs the camera's pixels.
                     release()
                 wait_s, self._wait_s = self._wait_s, min(LONGEST_WAIT_S, self._wait_s * 2)
                 await asyncio.sleep(wait_s)
@@ -328,6 +343,7 @@ class _Camera:
             counted = self._counted[address]
             value = count * counted.signal.scale
             held = steady[address] * counted.signal.scale
+            # Interlocks are told the steady count, pages the plain one.
             readings[address] = ChannelReading(held, look.mono_us * 1000)
             if self._samplers[address].accepts(look.time_us, (value,)):
                 gathered.append((counted.channel, value))

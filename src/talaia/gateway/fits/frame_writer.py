@@ -44,20 +44,26 @@ class FitsFrameWriter:
         disk: Executor,
     ) -> None:
         """Keep half a picture in ``folder``, and whole ones in the ``outbox``."""
+        # Half a picture lies in the folder; whole ones go into the outbox.
         self._folder, self._outbox = folder, outbox
         self._events, self._clock, self._disk = events, clock, disk
-        self._device = ""
+        self._device = ""  # Whose picture is being taken.
+        # Why it cannot be kept; "" so far. The rest of it is received and thrown away.
         self._problem = ""
-        self._file: BinaryIO | None = None
+        self._file: BinaryIO | None = None  # Open while a picture comes; used on the disk's thread.
+        # Of a zlib-compressed BLOB (INDI's ".z"); None for plain ones.
         self._inflate: zlib._Decompress | None = None
+        # Bytes so far, and as many as its driver said that there are.
         self._size, self._most = 0, 0
+        # Puts into the header what the driver left out.
         self._complete: Callable[[bytes], bytes] = bytes
-        self._began_us = 0
+        self._began_us = 0  # When it began to come (µs UTC).
 
     async def begin(
         self, device: str, form: str, size: int, complete: Callable[[bytes], bytes]
     ) -> None:
         """See `FrameSink.begin`."""
+        # A picture that was cut off by a lost connection.
         await self.drop()
         self._device, self._size, self._most = device, 0, size
         self._began_us = self._clock.wall_ns() // 1000
@@ -110,6 +116,7 @@ class FitsFrameWriter:
 
     def _open(self) -> None:
         self._folder.mkdir(parents=True, exist_ok=True)
+        # Twice: it is written once as it comes and once with its whole header.
         if shutil.disk_usage(self._folder).free < 2 * self._most + _SPARE_BYTES:
             raise OSError("the gateway's disk is full")
         self._file = self._path.open("w+b")

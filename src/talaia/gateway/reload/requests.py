@@ -37,12 +37,15 @@ if TYPE_CHECKING:
 __all__ = ["ChangeRefused", "ChangeRequests"]
 
 log = logging.getLogger(__name__)
+# Between two looks at the file, s.
 LOOK_S = 0.5
 # So often it is looked whether what hinders a change is over.
 AGAIN_S = 0.05
 # Zeros last for ten seconds at the most; a device whose zeros never end is not to hold up others.
 LEFT_S = 12.0
+# The wire's bound; a person mends the first of them first.
 MOST_PROBLEMS = 50
+# Ended changes whose answer may be asked for again after a lost link.
 MOST_REMEMBERED = 50
 
 
@@ -97,16 +100,17 @@ class ChangeRequests:
             on_disk: runs a blocking write elsewhere, in order; raises what it raises.
 
         """
-        self._file = file
-        self._accepts = accepts
+        self._file = file  # None where the description is not from a file; then nothing is watched.
+        self._accepts = accepts  # What may come from the hub; set by whoever starts the gateway.
+        # SHA-256 of the key: a change must be sealed with it, so a hub alone cannot make one up.
         self._key_hash = key_hash
-        self._data = data
-        self._reload = reload
-        self._send = send
-        self._events = events
-        self._on_disk = on_disk
-        self._turn = asyncio.Lock()
-        self._known: dict[str, ChangeState] = {}
+        self._data = data  # Devices that were found are joined to each new text.
+        self._reload = reload  # Puts a description in the place of another.
+        self._send = send  # To the hub.
+        self._events = events  # For the record.
+        self._on_disk = on_disk  # Runs writes in order.
+        self._turn = asyncio.Lock()  # One change at a time, whether of the file or of the hub.
+        self._known: dict[str, ChangeState] = {}  # By id: how asked changes stand, oldest first.
         # What is wrong with the file as it stands now, if anything.
         self._standing: ChangeState | None = None
 
@@ -160,6 +164,7 @@ class ChangeRequests:
     def _complain(self, refused: ChangeRefused) -> None:
         """Say once what is wrong with the file; what counted before goes on."""
         said = "; ".join(str(problem) for problem in refused.problems[:1]) or refused.message
+        # Told again to each new link; the file may stand wrong for days.
         more = len(refused.problems) - 1
         said += f" (and {more} more: run talaia check)" if more > 0 else ""
         log.warning("the changed description is not used: %s", said)
@@ -206,12 +211,14 @@ class ChangeRequests:
             text = inflated(asked.source)
         except PeerError as error:
             return ChangeRefused(str(error))
+        # Compared in constant time: the seal must not be found byte by byte.
         seal = seal_of(self._key_hash, asked.id, asked.who, asked.base, text)
         if not hmac.compare_digest(seal, asked.seal):
             return ChangeRefused("the change is not sealed with this gateway's key")
         if self._accepts is AcceptedChanges.NO or file is None or not file.editable:
             findings = forbidden(now.site, now.site, AcceptedChanges.NO)
             return ChangeRefused("this gateway takes no changes from the hub", tuple(findings))
+        # Two people at two pages: the second begins with what the first has made.
         if asked.base != file.digest:
             return ChangeRefused(
                 "the description has been changed meanwhile; begin with the newest one"
@@ -255,14 +262,18 @@ class ChangeRequests:
                     await asyncio.sleep(AGAIN_S)
             before = file.text
             if change_id:
+                # File before gateway: after a crash between the two the next run has what was asked
+                # for.
                 await self._on_disk(partial(file.write, text))
             try:
                 reload.apply_description(next_, change_id, who)
             except TalaiaError:
                 if change_id:
+                    # The parts refused it: the file must not begin the next run with it.
                     await self._on_disk(partial(file.write, before))
                 raise
         except TimeoutError:
+            # Whatever was about to change may be driven again.
             reload.leave(None)
             return ChangeRefused("a device that it touches does not come to rest")
         except OSError as error:

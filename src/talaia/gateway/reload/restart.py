@@ -31,9 +31,9 @@ class GatewayRestart:
     def __init__(self, data: Path, current: CurrentDescription) -> None:
         """Keep what is found in the data folder."""
         self.site: Site | None = None
-        self._data = data
-        self._current = current
-        self._asked = asyncio.Event()
+        self._data = data  # Found devices are kept here over the restart.
+        self._current = current  # What counts now.
+        self._asked = asyncio.Event()  # Set once; a restart is not called off.
 
     def begin(self, site: Site) -> None:
         """Begin again with this description, once nothing moves."""
@@ -51,6 +51,7 @@ class GatewayRestart:
         try:
             keep_found(self._data, connection, devices)
         except OSError as error:
+            # It is found again after the restart.
             log.warning("%s: what was found cannot be kept: %s", connection, error)
         self.begin(site)
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Batcher", "joined", "records_of"]
 
+# Samples; beyond this the event loop has stood still for seconds, and memory is not to pay for it.
 MAX_WAITING = 1_000_000
 # Of the flush interval: a hand-over this early still makes the batch, one this late is not awaited.
 EARLY, LATE = 0.75, 1.25
@@ -115,29 +116,36 @@ class Batcher:
             lose: takes the range (a record without body) of samples that had to be dropped.
 
         """
-        self._loop = loop
-        self._boot = boot
-        self._catalogue = catalogue
-        self._flush_s = flush
-        self._keep = keep
-        self._lose = lose
+        self._loop = loop  # Every method but `put_samples` is called on it.
+        self._boot = boot  # Names this run in each batch.
+        self._catalogue = catalogue  # Name of the channel list; replaced by `redescribe`.
+        self._flush_s = flush  # s between two batches, about.
+        self._keep = keep  # The spool and the link; each batch in order.
+        self._lose = lose  # The spool's gaps.
+        # Not numbered yet; appended by any thread (a deque's append is atomic), emptied by `flush`.
         self._chunks: deque[Columns] = deque()
+        # Samples in `_chunks`, about: threads add without a lock, and the bound need not be exact.
         self._waiting = 0
-        self._armed = False
-        self._called = False
+        self._armed = False  # A hand-over has woken the loop since the last flush.
+        self._called = False  # One that came late enough has asked for the flush itself.
+        # Makes the batch when no further hand-over comes.
         self._timer: asyncio.TimerHandle | None = None
-        self._ripe = 0.0
+        self._ripe = 0.0  # From when on (monotonic s) a hand-over makes the batch by itself.
+        # Samples dropped since the last flush, and the time they span (µs).
         self._dropped = 0
         self._dropped_us = (0, 0)
-        self._times = MonotonicTimes()
-        self._newest = RunNewest()
+        self._times = MonotonicTimes()  # Mends times that do not rise.
+        self._newest = RunNewest()  # The newest sample of each channel.
+        # When each channel was first heard in this run.
         self.first_heard = FirstHeard(time.monotonic_ns())
+        # From numbers to places in the list that counts; None while they are the same.
         self._order: NDArray[np.int64] | None = None
-        self.next = 0
+        self.next = 0  # The next sequence number; samples and gaps share the row.
 
     def put_samples(self, columns: Columns) -> None:
         """Take samples; any thread."""
         if self._waiting > MAX_WAITING:
+            # Dropped whole, with their time, so that the history shows the gap.
             from_us, to_us = int(columns.time_us.min()), int(columns.time_us.max())
             if self._dropped:
                 from_us, to_us = (
@@ -167,6 +175,7 @@ class Batcher:
             order: see `ChannelNumbering.order`.
 
         """
+        # Whatever waits was numbered by the old list.
         self.flush()
         self._catalogue, self._order = catalogue, order
 
@@ -193,6 +202,7 @@ class Batcher:
             columns = self._times.mend(joined(chunks))
             numbers = columns.channel
             if self._order is not None:
+                # -1: a channel that the new description has no more.
                 numbers = numbers[self._order[numbers] >= 0]
                 columns = renumbered(columns, self._order)
             now_ns = time.monotonic_ns()
@@ -204,6 +214,7 @@ class Batcher:
                 self._keep(record)
         if self._dropped:
             dropped, self._dropped = self._dropped, 0
+            # After the batches: the gap's numbers follow what was heard before it.
             self._lose(SampleRecord(self.next, dropped, *self._dropped_us, b""), OVERRUN)
             self.next += dropped
 

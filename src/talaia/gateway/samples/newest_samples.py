@@ -19,9 +19,11 @@ class RunNewest:
 
     def __init__(self) -> None:
         """Begin with nothing known."""
+        # By channel number. Sequence of its newest sample; -1: never heard.
         self._sequence = np.full(_CHANNELS, -1, np.int64)
-        self._time_us = np.zeros(_CHANNELS, np.int64)
-        self._heard_ns = np.zeros(_CHANNELS, np.int64)
+        self._time_us = np.zeros(_CHANNELS, np.int64)  # Its time (µs UTC, as the robot had it).
+        self._heard_ns = np.zeros(_CHANNELS, np.int64)  # When we heard it (monotonic), for its age.
+        # Number, or for a text channel what stands in its place; the texts are beside it.
         self._value = np.zeros(_CHANNELS, np.float64)
         self._texts: dict[int, str] = {}
 
@@ -37,6 +39,7 @@ class RunNewest:
             now_ns: when they were heard (monotonic).
 
         """
+        # Of repeated numbers NumPy keeps the last that is assigned: the newest.
         self._sequence[numbers] = first + np.arange(len(columns))
         self._time_us[numbers] = columns.time_us
         self._heard_ns[numbers] = now_ns

@@ -51,8 +51,9 @@ class Sampler:
     def __init__(self, rule: SamplingRule) -> None:
         """Start with nothing kept, so that the first sample always passes."""
         self.rule = rule
-        self._values: Values | None = None
-        self._at_us = 0
+        self._values: Values | None = None  # The last that was kept; None before the first.
+        self._at_us = 0  # Its time (µs, the samples' own).
+        # Came too early; given out by `due`, or forgotten when the value comes back.
         self._held: Values | None = None
 
     @property
@@ -72,6 +73,7 @@ class Sampler:
         if self._values is None or silence < 0 or silence >= self.rule.max_silence_us:
             return self._keep(time_us, values)
         if self._is_still(values):
+            # It moved and came back within the interval: what was held is no news any more.
             self._held = None
             return False
         if silence < self.rule.min_interval_us:
@@ -82,6 +84,7 @@ class Sampler:
     def due(self, time_us: int) -> Values | None:
         """Give the held values, as kept, once the interval since the last kept one is over."""
         held = self._held
+        # `0 <=`: after a clock that was set back the held value is due at once.
         if held is None or 0 <= time_us - self._at_us < self.rule.min_interval_us:
             return None
         self._keep(time_us, held)

@@ -34,9 +34,10 @@ class StampAge:
                 is looked at as well. Otherwise it proves nothing: it may be as old as it likes.
 
         """
-        self._proven = proven
+        self._proven = proven  # The first stamp alone proves that the robot's clock goes on.
+        # The newest stamp (robot's ns), even one that stepped back.
         self._newest_ns: int | None = None
-        self._advanced_ns: int | None = None
+        self._advanced_ns: int | None = None  # When a stamp last advanced (our monotonic ns).
 
     def arrived(self, stamp_ns: int, mono_ns: int) -> int | None:
         """Take the stamp of a message; give when a stamp advanced last, none if none ever did.
@@ -57,6 +58,7 @@ class StampReader:
 
     def __init__(self, get: Callable[[object], object], source: RosSource) -> None:
         """Find it by ``get``, the compiled path ``source.stamp``."""
+        # Compiled once: it runs for each message.
         self._get, self._path = get, source.stamp
         self._age = StampAge(proven=source.synchronized)
 
@@ -78,10 +80,12 @@ def stamp_ns_of(value: object, path: str) -> int:
         FieldError: it is none of them.
 
     """
+    # ROS 2, ROS 1 in Python (genpy), and ROS 1 as rosbridge sends it.
     for whole, part in (("sec", "nanosec"), ("secs", "nsecs"), ("sec", "nsec")):
         seconds, rest = getattr(value, whole, None), getattr(value, part, None)
         if isinstance(seconds, int) and isinstance(rest, int):
             return seconds * SECOND + rest
+    # bool is an int to Python, but no time.
     if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
         return round(value * SECOND)
     raise FieldError(path, "is no time; name a stamp, such as header.stamp")
@@ -92,5 +96,6 @@ def iso_stamp_ns(text: str) -> int:
     try:
         at = datetime.fromisoformat(text.strip())
     except ValueError:
+        # INDI's timestamps carry no zone; the protocol says that they are UTC.
         return 0
     return round((at.replace(tzinfo=at.tzinfo or UTC)).timestamp() * SECOND)

@@ -81,11 +81,12 @@ class CapturedFrame:
 
     def __init__(self, read: Callable[[], object], kind: str) -> None:
         """Take what gives the message (or `Pixels`), and the message's type."""
-        self._read = read
-        self._kind = kind
+        self._read = read  # Gives the message or its pixels; called at most once.
+        self._kind = kind  # ROS message type, or "" where `read` gives pixels itself.
+        # Its own JPEG with width and height, and its pixels; filled by the first who asks.
         self._jpeg: tuple[bytes, int, int] | None = None
         self._pixels: Pixels | None = None
-        self._seen = False
+        self._seen = False  # `read` has been called.
 
     def jpeg(self) -> tuple[bytes, int, int] | None:
         """Give it as the camera's own JPEG with width and height, if that is what came."""
@@ -128,6 +129,7 @@ class CapturedFrame:
                 self._jpeg = jpeg.jpeg_size(message)
         else:
             self._pixels = pixels_of(message)
+        # Only after it was read: a failure is raised again for whoever asks next.
         self._seen = True
 
 
@@ -142,10 +144,13 @@ class _Rung:
     """
 
     def __init__(self, rate: float) -> None:
-        self.period_us = round(1e6 / rate)
-        self._due_us = 0
+        self.period_us = round(1e6 / rate)  # Between two pictures of this form, µs.
+        self._due_us = 0  # When the next is due (monotonic µs).
+        # When the last key picture was made; so long ago that the first may be one.
         self._key_us = -_KEY_EVERY_US
+        # Somebody waits for a picture to begin with; kept until it may be made.
         self._wants_key = True
+        # Made with the first picture; replaced when size or bit rate change too much.
         self.encoder: h264.Encoder | None = None
         self.slower = 1
 
@@ -183,23 +188,26 @@ class PictureStream:
         tell: Callable[[str, str], None],
     ) -> None:
         """Take how to decode what `PictureWorker.offer` is given, and who is told problems once."""
-        self.address = address
-        self._stream = stream
+        self.address = address  # `device/stream`.
+        self._stream = stream  # The description.
         # How a ROS message says that its bytes are to be read; nothing for other cameras.
         self._encoding = source_as(stream.source, RosSource).type
-        self._decode = decode
-        self._tell = tell
-        self._told = ""
-        self._told_us = 0
+        self._decode = decode  # Message bytes to a message.
+        self._tell = tell  # Writes a trouble down.
+        self._told = ""  # The last trouble that was told; "" after a picture that went well.
+        self._told_us = 0  # When it was told to viewers (monotonic µs).
+        # Between two pictures that are looked at at all, ns.
         self._period_ns = round(1e9 / stream.max_rate)
-        self._due_ns = 0
-        self._seq = 0
+        self._due_ns = 0  # When the next may be (monotonic ns).
+        self._seq = 0  # Numbers the pictures of this camera in this run.
+        # Forms that somebody wants now; a form that nobody wants loses its encoder.
         self._rungs: dict[PictureForm, _Rung] = {}
-        self._reel = CameraFilm() if ABLE else None
+        self._reel = CameraFilm() if ABLE else None  # None where no encoder is installed.
 
     def is_due(self, mono_ns: int) -> bool:
         """Tell whether the rate allows a picture now; if so, count it as taken."""
         if mono_ns < self._due_ns:
+            # Read before decoding: a picture too many costs nothing.
             return False
         # From the due time, not from now: a camera at just this rate keeps all its pictures.
         late = mono_ns - self._due_ns
@@ -323,6 +331,7 @@ class PictureStream:
     ) -> tuple[bytes, int, int]:
         stream = self._stream
         small = form is PictureForm.JPEG_SMALL
+        # The camera's own JPEG is passed on untouched where nothing has to be smaller.
         own = taken.jpeg()
         wide = stream.width and own is not None and own[1] > stream.width
         if own is not None and not small and not wide and share >= 1:
@@ -331,6 +340,7 @@ class PictureStream:
             taken.pixels(), min(stream.width or SMALL_PX, SMALL_PX) if small else stream.width
         )
         quality = SMALL_QUALITY if small else stream.quality
+        # Bytes go roughly with the square of the quality.
         quality = max(_LEAST_QUALITY, round(quality * share**0.5))
         return jpeg.encoded(pixels, quality), pixels.width, pixels.height
 
@@ -391,6 +401,7 @@ class PictureStream:
         if form is PictureForm.H264_SMALL:
             most = min(most, SMALL_PX)
         by = max(1, -(-pixels.width // most))
+        # H.264 4:2:0 wants even sizes; 16 px is the least block.
         width, height = max(16, pixels.width // by & ~1), max(16, pixels.height // by & ~1)
         bits = self._stream.kbits * 1000 or h264.bits_for(width, height, rate)
         return width, height, min(bits, SMALL_BITS) if form is PictureForm.H264_SMALL else bits
