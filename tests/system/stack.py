@@ -23,11 +23,11 @@ from patience import PATIENCE_S
 from ports import free_port
 
 import talaia
-from talaia.cli.parts import _follow_parent
+from talaia.cli.child_processes import _follow_parent
 from talaia.hub import accounts
 from talaia.hub.settings import Settings
 from talaia.hub.store.database import Database
-from talaia.sim import domain
+from talaia.sim import ros_domain
 
 SITE = "faults"
 PASSWORD = "a password for a minute"  # noqa: S105 - of a hub that lives for a minute on loopback
@@ -205,8 +205,8 @@ class Stack:
         self.description = description or self.description
         self._people = PEOPLE if people is None else people
         self._link_port = link_port
-        self._world = domain.reserve()
-        self._ros = {**domain.environment(self._world.domain), **self.more}
+        self._world = ros_domain.reserve()
+        self._ros = {**ros_domain.environment(self._world.domain), **self.more}
         self.port = self._free_port()
         finish(self._accounts())
         (folder / "site.yaml").write_text(self.description)
