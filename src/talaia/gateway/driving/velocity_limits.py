@@ -1,7 +1,7 @@
 """What a driven device is told: limits, ramp, speed cap, watchdog, explicit zeros. Pure.
 
 Every bound of the safety rules on a velocity stands here. Nothing outside this file makes a
-number that reaches an actuator.
+number that reaches an actuator. Long, because each bound leans on the same few times.
 """
 
 from __future__ import annotations
