@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.extend import API_VERSION
-from talaia.extensions.declared import AdapterExtension, DetectorExtension, NotifierExtension
+from talaia.extensions.declarations import AdapterExtension, DetectorExtension, NotifierExtension
 from talaia.extensions.installed import installed
-from talaia.extensions.shown import keys_shown
+from talaia.extensions.key_descriptions import keys_shown
 from talaia.extensions.tile_folder import TileFolder, read_tiles
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from talaia.extensions.declared import Declared, ExtensionKeys
+    from talaia.extensions.declarations import Declared, ExtensionKeys
 
 __all__ = ["main"]
 

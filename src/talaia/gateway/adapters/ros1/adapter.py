@@ -25,7 +25,7 @@ from talaia.gateway.adapters.ros1.node_requests import command_frames, site_fram
 from talaia.gateway.adapters.ros1.node_signs import NodeSigns
 from talaia.gateway.adapters.ros1.numbered_topics import NumberedTopics
 from talaia.gateway.adapters.ros1.presence import Ros1Presence
-from talaia.gateway.adapters.unreadable import UnreadableReports
+from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import TypeMissing
 from talaia.gateway.ports import CommandOutcome

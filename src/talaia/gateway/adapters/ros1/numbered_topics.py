@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros1.frames import ReceivedMessage
     from talaia.gateway.adapters.topic_readers import TopicPlan
-    from talaia.gateway.adapters.unreadable import UnreadableReports
+    from talaia.gateway.adapters.unreadable_reports import UnreadableReports
     from talaia.gateway.ports import AdapterContext, ChannelReading, FileSink
     from talaia.gateway.video.worker import PictureWorker
     from talaia.model.site import Stream
