@@ -53,8 +53,6 @@ async def listen(
                 break
             message = browser.TO_BROWSER.decode(data)
             if isinstance(message, browser.Values) and not message.age_ms and now > warm:
-                columns = unpack(
-                    message.base_us, message.channel, message.offset, message.value, {}
-                )
+                columns = unpack(message)
                 ages.append((time.time() * 1e6 - columns.value) / 1000)
     return np.concatenate(ages) if ages else np.array([])

@@ -146,7 +146,7 @@ async def measure_reads(url: str, signals: int, days: int, windows: int = 60) ->
         each = []
         for _ in range(times + 1):
             before = time.perf_counter()
-            found = await store.read(SITE, addresses, from_us, to_us, PIXELS)
+            found = await store.read(SITE, addresses, from_us, to_us, width=PIXELS)
             each.append(time.perf_counter() - before)
             assert all(0 < series.time_us.size <= 2 * PIXELS for series in found)
         return float(np.median(each[1:])) * 1e3
@@ -169,7 +169,7 @@ async def measure_reads(url: str, signals: int, days: int, windows: int = 60) ->
         before = time.perf_counter()
         # Nearly as long as exact ones are given for; so near the quartiles each block has some.
         upto = min(past, FIRST_DAY_US + int(11.5 * DAY_US)) - 1
-        async for each in store.outliers(SITE, "base/s0", FIRST_DAY_US, upto, 0.1):
+        async for each in store.outliers(SITE, "base/s0", FIRST_DAY_US, upto, k=0.1):
             if each is not None:
                 assert each.exact
                 assert each.outliers > 0

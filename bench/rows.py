@@ -14,7 +14,7 @@ import sqlalchemy as sa
 from sqlalchemy import event
 
 from talaia.hub.history.writing.bulk_writes import insert_rows
-from talaia.hub.store.sqlite import open_sqlite
+from talaia.hub.store.dialects.sqlite import open_sqlite
 
 if TYPE_CHECKING:
     from talaia.wire.columns import Columns

@@ -23,13 +23,12 @@ CLIENTS = {"httpx", "requests", "aiohttp", "urllib.request", "urllib3", "http.cl
 CLIENTS |= {"smtplib", "apprise", "pywebpush"}
 # Names of our own tables and pragmas, written in the very file: no word of anybody else's.
 OUR_WORDS = {
-    "hub/store/sqlite.py",
+    # Beside our names only numbers and bytes in hex; `_literal` refuses anything else.
+    "hub/store/dialects",
     "hub/store/history_tables.py",
     "hub/store/migrations",
     # Names of a file's own tables, quoted; the file is only looked at.
     "hub/store/quarantine.py",
-    # Beside our names only numbers and bytes in hex; its `_literal` refuses anything else.
-    "hub/history/writing/bulk_writes.py",
 }
 # Take a text for SQL as it stands.
 SQL = {"text", "exec_driver_sql", "execute", "executemany", "executescript"}

@@ -247,7 +247,7 @@ class FakeHub:
     def _store(self, frame: SampleBatch) -> None:
         self.old_batches += not frame.live
         addresses = frame.addresses or self._lists[frame.catalogue]
-        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        columns = unpack(frame)
         have = self.samples[frame.boot]
         for index in range(len(columns)):
             sequence = frame.first + index

@@ -84,7 +84,7 @@ class MemoryHistory:
                 if where == site and row and row[0] in moves:
                     stored[number] = (moves[row[0]], *row[1:])
 
-    async def append(self, site, boot, first, addresses, columns) -> None:
+    async def append(self, site, boot, first, *, addresses, columns) -> None:
         await self.gate.wait()
         for at in range(len(columns)):
             address = addresses[columns.channel[at]]
@@ -92,7 +92,7 @@ class MemoryHistory:
             self.samples.setdefault((site, boot), {})[first + at] = (address, *row)
         self.appended.set()
 
-    async def record_gap(self, site, boot, first, last, from_us, to_us, reason) -> None:
+    async def record_gap(self, site, boot, first, last, *, from_us, to_us, reason) -> None:
         self.gaps.append((site, boot, first, last, reason))
         for number in range(first, last + 1):
             self.samples.setdefault((site, boot), {})[number] = None
@@ -112,7 +112,7 @@ class MemoryHistory:
 
     def kind_of(self, site, address) -> None: ...
 
-    async def read(self, site, addresses, from_us, to_us, width, steps=()) -> list[Series]:
+    async def read(self, site, addresses, from_us, to_us, *, width, steps=()) -> list[Series]:
         return [self._series(site, address, from_us, to_us) for address in addresses]
 
     async def last(self, site, addresses, to_us=2**62) -> dict[str, tuple[int, float, str]]:
@@ -218,12 +218,12 @@ class Gateway(Peer):
         """Send rows of address, time (µs), value or text."""
         first = self.sequence if first is None else first
         texts = {at: row[2] for at, row in enumerate(rows) if isinstance(row[2], str)}
-        base, channel, offset, value = pack(
+        packed = pack(
             Columns(
                 np.array([self.channels[row[0]] for row in rows], np.uint16),
                 np.array([row[1] for row in rows], np.int64),
                 np.array([np.nan if isinstance(row[2], str) else row[2] for row in rows]),
-                {},
+                texts,
             )
         )
         self.sequence = max(self.sequence, first + len(rows))
@@ -232,12 +232,8 @@ class Gateway(Peer):
                 boot=self.boot,
                 first=first,
                 catalogue="c1",
-                base_us=base,
-                channel=channel,
-                offset=offset,
-                value=value,
-                texts=texts,
                 live=live,
+                **packed._asdict(),
             )
         )
 

@@ -162,13 +162,7 @@ class Page:
 
     def values(self) -> list[float]:
         """Every number that came, of all subscriptions."""
-        return [
-            float(value)
-            for each in self.all(browser.Values)
-            for value in unpack(
-                each.base_us, each.channel, each.offset, each.value, each.texts
-            ).value
-        ]
+        return [float(value) for each in self.all(browser.Values) for value in unpack(each).value]
 
     async def close(self) -> None:
         await self.vanish()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.wire.columns import MAX_SAMPLES, Columns, pack, unpack
+from talaia.wire.columns import MAX_SAMPLES, Columns, PackedColumns, pack, unpack
 from talaia.wire.errors import PeerError
 
 NOON_US = 1_700_000_000_000_000
@@ -27,7 +27,7 @@ def columns_of(rows: list[tuple[int, int, float]], texts: dict[int, str] | None 
 @given(st.lists(sample, max_size=50))
 def test_what_is_packed_is_unpacked_to_the_bit(rows: list[tuple[int, int, float]]) -> None:
     columns = columns_of(rows)
-    again = unpack(*pack(columns), {})
+    again = unpack(pack(columns))
     assert again.channel.tolist() == columns.channel.tolist()
     assert again.time_us.tolist() == columns.time_us.tolist()
     assert again.value.tobytes() == columns.value.tobytes()
@@ -37,7 +37,7 @@ def test_what_is_packed_is_unpacked_to_the_bit(rows: list[tuple[int, int, float]
 @given(st.binary(max_size=60), st.binary(max_size=60), st.binary(max_size=60))
 def test_any_three_columns_are_a_batch_or_a_peer_error(a: bytes, b: bytes, c: bytes) -> None:
     with suppress(PeerError):
-        assert len(unpack(NOON_US, a, b, c, {})) * 2 == len(a)
+        assert len(unpack(PackedColumns(NOON_US, a, b, c, {}))) * 2 == len(a)
 
 
 def test_a_batch_that_spans_more_than_its_offsets_hold_is_the_callers_to_cut() -> None:
@@ -52,12 +52,12 @@ def test_a_batch_that_is_too_long_is_refused_on_both_sides() -> None:
     with pytest.raises(ValueError, match="do not fit"):
         pack(columns)
     with pytest.raises(PeerError) as caught:
-        unpack(0, bytes(2 * count), bytes(4 * count), bytes(8 * count), {})
+        unpack(PackedColumns(0, bytes(2 * count), bytes(4 * count), bytes(8 * count), {}))
     assert caught.value.code == 1009
 
 
 def test_a_text_outside_its_batch_is_refused() -> None:
-    base, channel, offset, value = pack(columns_of([(0, 0, float("nan"))]))
-    assert unpack(base, channel, offset, value, {0: "on"}).texts == {0: "on"}
+    packed = pack(columns_of([(0, 0, float("nan"))], {0: "on"}))
+    assert unpack(packed).texts == {0: "on"}
     with pytest.raises(PeerError, match="outside"):
-        unpack(base, channel, offset, value, {1: "on"})
+        unpack(packed._replace(texts={1: "on"}))

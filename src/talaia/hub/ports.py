@@ -44,13 +44,29 @@ class History(Protocol):
         ...
 
     async def rename(self, site: str, moves: Mapping[str, str]) -> None:
-        """Let channels go on under other addresses (``moves``: new by former), with all of it."""
+        """Let channels go on under other addresses, with all their history.
+
+        Args:
+            site: whose they are.
+            moves: the new addresses by the former ones. Where the new one has a history of its
+                own, both stay as they are.
+
+        """
         ...
 
     async def append(
-        self, site: str, boot: str, first: int, addresses: Sequence[str], columns: Columns
+        self, site: str, boot: str, first: int, *, addresses: Sequence[str], columns: Columns
     ) -> None:
-        """Store samples for good; durable on return, and twice the same changes nothing."""
+        """Store samples for good; durable on return, and twice the same changes nothing.
+
+        Args:
+            site: whose they are.
+            boot: the gateway's run.
+            first: sequence number of the first; the others follow without a hole.
+            addresses: what ``columns.channel`` indexes.
+            columns: the samples, in any order of time; not to be changed afterwards.
+
+        """
         ...
 
     async def record_gap(
@@ -59,11 +75,15 @@ class History(Protocol):
         boot: str,
         first: int,
         last: int,
+        *,
         from_us: int,
         to_us: int,
         reason: str,
     ) -> None:
-        """Store that samples ``first`` to ``last`` are lost."""
+        """Store that samples ``first`` to ``last`` are lost; durable on return.
+
+        With ``last = first - 1`` it is a gap in time of which no sequence numbers are known.
+        """
         ...
 
     async def stored_below(self, site: str, boot: str) -> int:
@@ -80,16 +100,27 @@ class History(Protocol):
         addresses: Sequence[str],
         from_us: int,
         to_us: int,
+        *,
         width: int,
         steps: Collection[str] = (),
     ) -> list[Series]:
-        """Read a window; at most two points a pixel of ``width``, spikes kept."""
+        """Read a window, both ends included, for a chart of ``width`` pixels.
+
+        A series has at most ``2 * width`` points: all samples if they fit (``exact``), otherwise
+        the least and the greatest of each pixel, in order of time and at their own times. Pixels
+        are anchored to the epoch. Of texts, the first and the last of each pixel are kept; of
+        ``steps`` (addresses of states), the last and one that differs from it. An unknown address
+        gives an empty series.
+        """
         ...
 
     async def last(
         self, site: str, addresses: Sequence[str], to_us: int = 2**62
     ) -> dict[str, tuple[int, float, str]]:
-        """Give the newest stored sample up to ``to_us`` of each address: time, value, text."""
+        """Give the newest stored sample up to ``to_us`` of each address that has one.
+
+        It is a time (µs), a value (NaN for a text), and a text.
+        """
         ...
 
     async def statistics(
@@ -99,9 +130,13 @@ class History(Protocol):
         ...
 
     def outliers(
-        self, site: str, address: str, from_us: int, to_us: int, k: float
+        self, site: str, address: str, from_us: int, to_us: int, *, k: float
     ) -> AsyncGenerator[Outliers | None]:
-        """Find how many samples are far outside a window's quartiles; None until it is known."""
+        """Find how many samples of a window, both ends included, are far outside its quartiles.
+
+        It gives None again and again, so that who asks may stop, and what was found at the end.
+        One channel after the other is looked at, whoever asks: of many samples it takes seconds.
+        """
         ...
 
     def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
@@ -109,7 +144,10 @@ class History(Protocol):
         ...
 
     async def channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
-        """List every channel of a site that has history, but for those in ``without``."""
+        """List every channel of a site that has history, those of former descriptions too.
+
+        Those that are named in ``without`` are left out, and cost nothing.
+        """
         ...
 
     async def storage(self) -> Storage:
@@ -141,10 +179,15 @@ class History(Protocol):
         columns: Sequence[ExportColumn],
         from_us: int,
         to_us: int,
+        *,
         form: FileForm,
         width: int = 0,
     ) -> AsyncIterator[bytes]:
-        """Give a window as the bytes of a file, in pieces."""
+        """Give the bytes of a file with a window, both ends included, of some channels.
+
+        With a ``width``, it holds what a chart of so many pixels shows, otherwise every sample.
+        What is held at once does not grow with the window.
+        """
         ...
 
 

@@ -7,14 +7,14 @@ little-endian bytes. Texts are few: they stand aside by position, with NaN in th
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
 from talaia.wire.errors import PeerError
 
-__all__ = ["MAX_SAMPLES", "Columns", "pack", "part", "renumbered", "unpack"]
+__all__ = ["MAX_SAMPLES", "Columns", "PackedColumns", "pack", "part", "renumbered", "unpack"]
 
 MAX_SAMPLES = 65_536
 MAX_SPAN_US = 2**31 - 1
@@ -39,6 +39,40 @@ class Columns(NamedTuple):
     def __len__(self) -> int:
         """Count the samples, not the columns."""
         return int(self.channel.size)
+
+
+class PackedColumns(NamedTuple):
+    """Samples as bytes, as a message carries them.
+
+    Attributes:
+        base_us: microseconds since the epoch (UTC) that the offsets count from.
+        channel: u16 each, little-endian.
+        offset: i32 each (µs), little-endian.
+        value: f64 each, little-endian.
+        texts: see `Columns`.
+
+    """
+
+    base_us: int
+    channel: bytes
+    offset: bytes
+    value: bytes
+    texts: dict[int, str]
+
+
+class _PackedMessage(Protocol):
+    """Any message with packed columns in it, and `PackedColumns` itself."""
+
+    @property
+    def base_us(self) -> int: ...
+    @property
+    def channel(self) -> bytes: ...
+    @property
+    def offset(self) -> bytes: ...
+    @property
+    def value(self) -> bytes: ...
+    @property
+    def texts(self) -> dict[int, str]: ...
 
 
 def part(columns: Columns, begin: int, end: int) -> Columns:
@@ -72,8 +106,8 @@ def renumbered(columns: Columns, order: NDArray[np.int64]) -> Columns:
     )
 
 
-def pack(columns: Columns) -> tuple[int, bytes, bytes, bytes]:
-    """Give base (µs), channel bytes, offset bytes and value bytes.
+def pack(columns: Columns) -> PackedColumns:
+    """Turn columns into the bytes of a message.
 
     Raises:
         ValueError: more samples than `MAX_SAMPLES`, or times further apart than the offset holds;
@@ -87,23 +121,23 @@ def pack(columns: Columns) -> tuple[int, bytes, bytes, bytes]:
     offset = columns.time_us - base
     if count and (offset.max() > MAX_SPAN_US or offset.min() < -MAX_SPAN_US):
         raise ValueError("the batch spans more time than its offsets hold")
-    return (
+    return PackedColumns(
         base,
         columns.channel.astype("<u2", copy=False).tobytes(),
         offset.astype("<i4").tobytes(),
         columns.value.astype("<f8", copy=False).tobytes(),
+        columns.texts,
     )
 
 
-def unpack(
-    base_us: int, channel: bytes, offset: bytes, value: bytes, texts: dict[int, str]
-) -> Columns:
-    """Turn a batch's bytes back into columns. The arrays are read-only views where possible.
+def unpack(packed: _PackedMessage) -> Columns:
+    """Turn a message's bytes back into columns. The arrays are read-only views where possible.
 
     Raises:
         PeerError: the columns are not of one length, or are too long.
 
     """
+    channel, offset, value, texts = packed.channel, packed.offset, packed.value, packed.texts
     count = len(channel) // 2
     if len(channel) != 2 * count or len(offset) != 4 * count or len(value) != 8 * count:
         raise PeerError(
@@ -113,11 +147,11 @@ def unpack(
         raise PeerError(f"{count} samples in one batch; at most {MAX_SAMPLES}", 1009)
     if any(not 0 <= position < count for position in texts):
         raise PeerError("a text stands outside its batch")
-    if not -(2**62) < base_us < 2**62:
+    if not -(2**62) < packed.base_us < 2**62:
         raise PeerError("the batch's base time is out of range")
     return Columns(
         np.frombuffer(channel, "<u2"),
-        np.frombuffer(offset, "<i4").astype(np.int64) + base_us,
+        np.frombuffer(offset, "<i4").astype(np.int64) + packed.base_us,
         np.frombuffer(value, "<f8"),
         texts,
     )

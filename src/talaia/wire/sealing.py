@@ -41,7 +41,7 @@ def inflated(data: bytes) -> str:
         raise PeerError(f"a description that cannot be unpacked: {error}") from error
 
 
-def seal_of(key_hash: str, change_id: str, who: str, base: str, text: str) -> str:
+def seal_of(key_hash: str, *, change_id: str, who: str, base: str, text: str) -> str:
     """Give the seal of a change: who holds the hash of the gateway's key has asked for just this.
 
     The hub keeps no more of the key than that hash, and the gateway can make it.

@@ -202,7 +202,9 @@ async def test_change_of_another_device_leaves_the_driver_alone(peer: Peer, tmp_
 async def asked(hub: FakeHub, base: str, text: str, key: str = KEY) -> ChangeState:
     name = f"change{next(IDS)}"
     digest = digest_of(base)
-    seal = seal_of(hashlib.sha256(key.encode()).hexdigest(), name, "Ada", digest, text)
+    seal = seal_of(
+        hashlib.sha256(key.encode()).hexdigest(), change_id=name, who="Ada", base=digest, text=text
+    )
     await hub.send(ChangeRequest(id=name, source=deflated(text), base=digest, who="Ada", seal=seal))
     final = {ChangePhase.APPLIED, ChangePhase.REFUSED}
     return await hub.next(ChangeState, lambda each: each.id == name and each.phase in final)

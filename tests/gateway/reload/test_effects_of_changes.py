@@ -213,6 +213,6 @@ def test_description_that_unpacks_to_more_than_it_may_is_refused() -> None:
 
 def test_seal_holds_each_part_of_a_change_by_itself() -> None:
     key = "ab" * 32
-    one = seal_of(key, "a", "bc", "0" * 64, "text")
-    assert one != seal_of(key, "ab", "c", "0" * 64, "text")
-    assert one != seal_of(key, "a", "bc", "0" * 64, "texts")
+    one = seal_of(key, change_id="a", who="bc", base="0" * 64, text="text")
+    assert one != seal_of(key, change_id="ab", who="c", base="0" * 64, text="text")
+    assert one != seal_of(key, change_id="a", who="bc", base="0" * 64, text="texts")

@@ -34,7 +34,7 @@ def test_columns_come_back_from_their_batches_however_far_apart(
         frame = LINK_FROM_GATEWAY.decode(record.body)
         assert isinstance(frame, SampleBatch)
         assert (frame.first, record.first) == (sequence, sequence)
-        part = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        part = unpack(frame)
         words |= {sequence - 100 + at: text for at, text in part.texts.items()}
         back += list(part.time_us)
         sequence = record.end

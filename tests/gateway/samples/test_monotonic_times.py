@@ -105,9 +105,7 @@ async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
     for record in kept:
         frame = LINK_FROM_GATEWAY.decode(record.body)
         assert isinstance(frame, SampleBatch)
-        times += unpack(
-            frame.base_us, frame.channel, frame.offset, frame.value, frame.texts
-        ).time_us.tolist()
+        times += unpack(frame).time_us.tolist()
     assert times == [BEGAN_US + 10, BEGAN_US + 11, BEGAN_US + 20]
 
 

@@ -323,7 +323,7 @@ def samples_of(found: list[SampleRecord]) -> list[tuple]:
     for each in found:
         frame = LINK_FROM_GATEWAY.decode(each.body)
         assert isinstance(frame, SampleBatch)
-        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        columns = unpack(frame)
         rows += [
             (frame.first + at, *row, frame.texts.get(at, ""))
             for at, row in enumerate(zip(*(each.tolist() for each in columns[:3]), strict=True))

@@ -77,11 +77,9 @@ async def sample(gateway, text: str, sequence: int, value: float) -> None:
     columns = Columns(
         np.array([0], np.uint16), np.array([sequence + 1], np.int64), np.array([value]), {}
     )
-    base, channel, offset, values = pack(columns)
     frame = SampleBatch(
-        boot="boot-1", first=sequence, catalogue=digest_of(text)[:8], base_us=base,
-        channel=channel, offset=offset, value=values,
-    )  # fmt: skip
+        boot="boot-1", first=sequence, catalogue=digest_of(text)[:8], **pack(columns)._asdict()
+    )
     await gateway.say(frame)
 
 
@@ -159,7 +157,9 @@ async def test_change_is_sealed_and_the_gateways_own_refusal_is_shown_with_its_p
     asked = await gateway.hear(ChangeRequest)
     assert inflated(asked.source) == wanted
     key_hash = hashlib.sha256(hub.keys["agv"].encode()).hexdigest()
-    assert asked.seal == seal_of(key_hash, asked.id, "admin", digest_of(FIRST), wanted)
+    assert asked.seal == seal_of(
+        key_hash, change_id=asked.id, who="admin", base=digest_of(FIRST), text=wanted
+    )
     problem = DescriptionProblem(
         where="$.devices.base.signals.speed.name", problem="not that", remedy="no"
     )

@@ -65,7 +65,7 @@ async def history(url):
 
 async def read(url, *addresses, site="rover"):
     async with history(url) as store:
-        return await store.read(site, addresses, *ALL, 100_000)
+        return await store.read(site, addresses, *ALL, width=100_000)
 
 
 def own_url(data):
@@ -108,7 +108,7 @@ async def test_each_database_takes_an_import_once(database_url, data, monkeypatc
     assert await asyncio.to_thread(imported, data, path) == 0
     async with history(database_url) as store:
         before = await store.statistics("rover", ["base/speed"], *ALL)
-        (series,) = await store.read("rover", ["base/speed"], *ALL, 30_000)
+        (series,) = await store.read("rover", ["base/speed"], *ALL, width=30_000)
     assert series.value.tolist() == values
     assert before[0].low.value == min(values)
     assert before[0].high.value == max(values)
@@ -265,7 +265,7 @@ async def test_a_table_that_was_exported_comes_back(data) -> None:
         ExportColumn("base/said", text=True),
     ]
     async with history(own_url(data)) as store:
-        pieces = [p async for p in store.export("rover", columns, *ALL, FileForm.CSV)]
+        pieces = [p async for p in store.export("rover", columns, *ALL, form=FileForm.CSV)]
     exported = data.parent / "export.csv"
     exported.write_bytes(b"".join(pieces))
     other = data.parent / "other"

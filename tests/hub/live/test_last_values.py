@@ -44,9 +44,7 @@ async def looking(hub, *channels: str, every_ms: int = 0):
 
 
 def numbers(values: Values) -> list[float]:
-    return unpack(
-        values.base_us, values.channel, values.offset, values.value, values.texts
-    ).value.tolist()
+    return unpack(values).value.tolist()
 
 
 async def test_value_said_in_an_outage_is_shown_with_its_age_and_kept_before_the_backlog(
@@ -184,9 +182,9 @@ def test_latest_keeps_the_last_of_a_batch_and_tells_its_age() -> None:
 
 def test_remembered_sample_does_not_hide_a_live_one() -> None:
     latest = Latest(1)
-    latest.remember(0, 5, 1.0, "", -1_000_000)
+    latest.remember(0, time_us=5, value=1.0, text="", arrived_ns=-1_000_000)
     columns, ages = latest.of(np.array([0]), 0)
     assert (columns.value.tolist(), ages) == ([1.0], [1.0])
     latest.update(Columns(np.zeros(1, np.uint16), np.array([9]), np.array([2.0]), {}), 10)
-    latest.remember(0, 5, 1.0, "", 0)
+    latest.remember(0, time_us=5, value=1.0, text="", arrived_ns=0)
     assert latest.of(np.array([0]), 10)[0].value.tolist() == [2.0]

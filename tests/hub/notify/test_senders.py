@@ -31,7 +31,9 @@ async def peer():
 
 async def send(kind: WayKind, secrets: dict[str, str], **more):
     way = Way(1, "way", kind, more.pop("settings", {}), ())
-    return await Sender(more.pop("networks", LOOPBACK)).send(way, secrets, "", SAID, **more)
+    return await Sender(more.pop("networks", LOOPBACK)).send(
+        way, secrets, target="", message=SAID, **more
+    )
 
 
 async def test_webhook_gets_the_message_with_its_key(peer) -> None:

@@ -98,16 +98,18 @@ async def test_a_server_s_database_is_backed_up_and_restored_into_another(kind, 
         store = HistoryStore(urls[0], SystemClock())
         await store.open()
         rows = [(0, NOW + at, at / 7) for at in range(9_000)] + [(1, NOW, "word ´'\\%")]
-        await store.append("agv", "b", 0, ["a/x", "a/y"], batch(rows))
-        await store.append("agv", "b", 9_001, ["a/x"], batch([(0, NOW, float("nan"))]))
+        await store.append("agv", "b", 0, addresses=["a/x", "a/y"], columns=batch(rows))
+        await store.append(
+            "agv", "b", 9_001, addresses=["a/x"], columns=batch([(0, NOW, float("nan"))])
+        )
         target = backup(urls[0], tmp_path, tmp_path.parent / f"{tmp_path.name}-b", SystemClock())
-        wanted = await store.read("agv", ["a/x", "a/y"], *ALL, 10_000)
+        wanted = await store.read("agv", ["a/x", "a/y"], *ALL, width=10_000)
         await store.close()
         assert restore_server(target, urls[1]) > 0
         for url in (urls[1], f"sqlite:///{target}/talaia.db"):
             store = HistoryStore(url, SystemClock())
             await store.open()
-            found = await store.read("agv", ["a/x", "a/y"], *ALL, 10_000)
+            found = await store.read("agv", ["a/x", "a/y"], *ALL, width=10_000)
             for one, other in zip(found, wanted, strict=True):
                 assert one.value.tobytes() == other.value.tobytes()
                 assert one.texts == other.texts
@@ -167,7 +169,11 @@ async def test_of_a_large_database_what_all_else_needs_is_looked_at(tmp_path, ta
     store = HistoryStore(url, SystemClock())
     await store.open()
     await store.append(
-        "agv", "b", 0, ["a/x"], batch([(0, NOW + at, at / 7) for at in range(9_000)])
+        "agv",
+        "b",
+        0,
+        addresses=["a/x"],
+        columns=batch([(0, NOW + at, at / 7) for at in range(9_000)]),
     )
     await store.close()
     with closing(sqlite3.connect(path)) as database:
@@ -196,7 +202,7 @@ async def test_a_backup_in_the_middle_of_a_load_holds_all_up_to_one_moment(
         nonlocal stored
         while not ended.is_set():
             rows = [(0, NOW + stored + at, float(stored + at)) for at in range(500)]
-            await store.append("agv", "b", stored, ["a/x"], batch(rows))
+            await store.append("agv", "b", stored, addresses=["a/x"], columns=batch(rows))
             stored += 500
             if stored >= 5_000:
                 begun.set()
@@ -214,7 +220,7 @@ async def test_a_backup_in_the_middle_of_a_load_holds_all_up_to_one_moment(
     copy = HistoryStore(f"sqlite:///{target}/talaia.db", SystemClock())
     await copy.open()
     below = await copy.stored_below("agv", "b")
-    (series,) = await copy.read("agv", ["a/x"], *ALL, 1_000_000)
+    (series,) = await copy.read("agv", ["a/x"], *ALL, width=1_000_000)
     await copy.close()
     # What is on its way when the backup begins may be in it; what was stored before is.
     assert before <= below <= after + 500

@@ -73,7 +73,7 @@ class Hub(FakeHub):
         return self._next.get(boot, 0)
 
     def _store(self, frame: SampleBatch) -> None:
-        size = len(unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts))
+        size = len(unpack(frame))
         self._next[frame.boot] = max(self.below(frame.boot), frame.first + size)
 
     async def _take(self, socket, message: FromGateway) -> None:

@@ -73,10 +73,7 @@ class Ages:
                 message = browser.TO_BROWSER.decode(data)
                 if isinstance(message, browser.Values) and not message.age_ms:
                     at = now()
-                    columns = unpack(
-                        message.base_us, message.channel, message.offset, message.value,
-                        message.texts,
-                    )  # fmt: skip
+                    columns = unpack(message)
                     self._got += [(at, int(value)) for value in columns.value]
 
     async def during(self, seconds: float) -> list[float]:

@@ -74,9 +74,7 @@ class Looker:
                 self._take(message)
 
     def _take(self, message: browser.Values) -> None:
-        columns = unpack(
-            message.base_us, message.channel, message.offset, message.value, message.texts
-        )
+        columns = unpack(message)
         ages = message.age_ms or [0.0] * len(columns)
         rows = zip(
             columns.channel.tolist(), columns.value.tolist(), columns.time_us.tolist(), ages,

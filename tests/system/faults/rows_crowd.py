@@ -81,12 +81,10 @@ class Flood:
                 at = np.full(TEXTS, time.time_ns() // 1000)
                 texts = {each: f"{self.said + each} ".ljust(1990, "x") for each in range(TEXTS)}
                 columns = Columns(np.zeros(TEXTS, np.uint16), at, np.full(TEXTS, np.nan), texts)
-                base, channel, offset, value = pack(columns)
                 # The hub stores each number once, so that its disk is not what is measured here.
                 batch = frames.SampleBatch(
-                    boot="flood", first=0, catalogue="c", base_us=base, channel=channel,
-                    offset=offset, value=value, texts=texts,
-                )  # fmt: skip
+                    boot="flood", first=0, catalogue="c", **pack(columns)._asdict()
+                )
                 self.said += TEXTS
                 await link.send(frames.LINK_FROM_GATEWAY.encode(batch))
             await asyncio.sleep(PERIOD_S)
@@ -187,7 +185,7 @@ async def _read(slow: ClientConnection, within: float) -> list[int]:
         message = browser.TO_BROWSER.decode(await slow.recv())
     if not isinstance(message, browser.Values):
         return []
-    piece = unpack(message.base_us, message.channel, message.offset, message.value, message.texts)
+    piece = unpack(message)
     return [int(text.split()[0]) for _, text in sorted(piece.texts.items())]
 
 

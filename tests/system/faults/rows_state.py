@@ -157,10 +157,8 @@ def fill_spool(world: World, seconds: int, rate: int) -> tuple[int, int]:
             np.full(index.size, channels.index(OLD_CHANNEL), np.uint16), times,
             np.sin(index / 100), {},
         )  # fmt: skip
-        base, channel, offset, value = pack(columns)
         body = frames.LINK_FROM_GATEWAY.encode(frames.SampleBatch(
-            boot=boot, first=first, catalogue=head.catalogue, base_us=base, channel=channel,
-            offset=offset, value=value,
+            boot=boot, first=first, catalogue=head.catalogue, **pack(columns)._asdict(),
         ))  # fmt: skip
         spool.append(SampleRecord(first, int(index.size), int(times[0]), int(times[-1]), body))
     spool.close()

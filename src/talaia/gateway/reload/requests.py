@@ -212,7 +212,9 @@ class ChangeRequests:
         except PeerError as error:
             return ChangeRefused(str(error))
         # Compared in constant time: the seal must not be found byte by byte.
-        seal = seal_of(self._key_hash, asked.id, asked.who, asked.base, text)
+        seal = seal_of(
+            self._key_hash, change_id=asked.id, who=asked.who, base=asked.base, text=text
+        )
         if not hmac.compare_digest(seal, asked.seal):
             return ChangeRefused("the change is not sealed with this gateway's key")
         if self._accepts is AcceptedChanges.NO or file is None or not file.editable:

@@ -68,7 +68,7 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
         return []
     if count <= MAX_SAMPLES:
         try:
-            base, channel, offset, value = pack(columns)
+            packed = pack(columns)
         except ValueError:
             if count == 1:
                 raise
@@ -77,11 +77,11 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
                 boot=boot,
                 first=first,
                 catalogue=catalogue,
-                base_us=base,
-                channel=channel,
-                offset=offset,
-                value=value,
-                texts=columns.texts,
+                base_us=packed.base_us,
+                channel=packed.channel,
+                offset=packed.offset,
+                value=packed.value,
+                texts=packed.texts,
             )
             low, high = int(columns.time_us.min()), int(columns.time_us.max())
             return [SampleRecord(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]

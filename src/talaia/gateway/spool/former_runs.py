@@ -7,6 +7,7 @@ looked for.
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -21,9 +22,12 @@ from talaia.wire.newest import NewestSamples
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from talaia.gateway.spool.files import Segment
     from talaia.gateway.spool.segment import SampleRecord
 
-__all__ = ["FormerNewest", "newest_in"]
+__all__ = ["FormerNewest", "newest_in", "newest_of_segment"]
+
+log = logging.getLogger(__name__)
 
 
 class FormerNewest(NamedTuple):
@@ -40,6 +44,23 @@ class _Found(NamedTuple):
     time_us: int
     value: float
     text: str
+
+
+def newest_of_segment(segment: Segment, known: set[str], now_us: int) -> FormerNewest | None:
+    """Give the newest samples of a segment's file (`newest_in`); none where it cannot be read."""
+    try:
+        data = segment.path.read_bytes()
+    except OSError as error:
+        log.debug("%s: %s", segment.path, error)
+        return None
+    return newest_in(
+        data=data,
+        boot=segment.head.boot,
+        catalogue=segment.head.catalogue,
+        addresses=segment.head.addresses,
+        known=known,
+        now_us=now_us,
+    )
 
 
 def newest_in(
@@ -61,7 +82,7 @@ def newest_in(
         frame = LINK_FROM_GATEWAY.decode(record.body)
         if not isinstance(frame, SampleBatch):
             continue
-        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        columns = unpack(frame)
         named = frame.addresses or addresses
         # The first of the reversed column is the last.
         channels, at = np.unique(columns.channel[::-1], return_index=True)

@@ -17,11 +17,32 @@ if TYPE_CHECKING:
     from talaia.gateway.spool.gaps import SpoolGaps
     from talaia.gateway.spool.progress_mark import ProgressMark
 
-__all__ = ["DAMAGED", "TORN", "take_up", "tell_torn"]
+__all__ = ["DAMAGED", "TORN", "open_folder", "take_up", "tell_torn"]
 
 log = logging.getLogger(__name__)
 DAMAGED = "damaged on disk"
 TORN = "the end of what waited on the gateway's disk is missing"
+
+
+def open_folder(folder: Path, gaps: SpoolGaps, former: ProgressMark | None) -> list[Segment]:
+    """Take up what an earlier run left, as far as the disk gives it; never raises for a disk.
+
+    Args:
+        folder: where the segments are; it is made.
+        gaps: take what is lost.
+        former: what the run before left of itself, if there was one.
+
+    """
+    found: list[Segment] = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        found = take_up(folder, gaps, former)
+    except OSError as error:
+        # What a robot says waits in memory then; nothing that guards it waits for a disk.
+        log.warning("the spool %s cannot be used now: %s", folder, error)
+    if former is not None:
+        tell_torn(former, found, gaps)
+    return found
 
 
 def take_up(folder: Path, gaps: SpoolGaps, former: ProgressMark | None = None) -> list[Segment]:

@@ -77,7 +77,7 @@ def _frame_of(record: SampleRecord) -> tuple[SampleBatch, Columns] | None:
         frame = LINK_FROM_GATEWAY.decode(record.body)
         if not isinstance(frame, SampleBatch) or frame.addresses:
             return None
-        columns = unpack(frame.base_us, frame.channel, frame.offset, frame.value, frame.texts)
+        columns = unpack(frame)
     except PeerError:
         return None
     return (frame, columns) if frame.first == record.first and len(columns) else None
@@ -157,7 +157,7 @@ def unpacked(record: SampleRecord) -> list[SampleRecord]:
 def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
     """Encode columns as one frame, or as two where the wall clock jumped within them."""
     try:
-        base, channel, offset, value = pack(columns)
+        packed = pack(columns)
     except ValueError:
         middle = len(columns) // 2
         head, tail = part(columns, 0, middle), part(columns, middle, len(columns))
@@ -166,11 +166,11 @@ def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
         boot=group.boot,
         first=first,
         catalogue=group.catalogue,
-        base_us=base,
-        channel=channel,
-        offset=offset,
-        value=value,
-        texts=columns.texts,
+        base_us=packed.base_us,
+        channel=packed.channel,
+        offset=packed.offset,
+        value=packed.value,
+        texts=packed.texts,
     )
     low, high = int(columns.time_us.min()), int(columns.time_us.max())
     return [SampleRecord(first, len(columns), low, high, LINK_FROM_GATEWAY.encode(frame))]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from talaia.gateway.spool.files import Segment, SegmentHead
     from talaia.gateway.spool.gaps import SpoolGaps
 
-__all__ = ["SegmentReader", "SpoolPosition", "StoredRecord", "gap_in"]
+__all__ = ["SegmentReader", "SpoolPosition", "StoredRecord", "gap_in", "gap_of"]
 
 
 class StoredRecord(NamedTuple):
@@ -134,5 +134,17 @@ def gap_in(segment: Segment, first: int, reason: str) -> SampleGap:
         last=segment.end - 1,
         from_us=segment.from_us,
         to_us=segment.to_us,
+        reason=reason,
+    )
+
+
+def gap_of(record: SampleRecord, boot: str, reason: str) -> SampleGap:
+    """Give the gap that a whole record of ``boot`` becomes."""
+    return SampleGap(
+        boot=boot,
+        first=record.first,
+        last=record.end - 1,
+        from_us=record.from_us,
+        to_us=record.to_us,
         reason=reason,
     )

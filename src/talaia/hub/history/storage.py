@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import case, func, select
@@ -11,6 +10,7 @@ from sqlalchemy import case, func, select
 from talaia.hub.history.forecast import WEEK_US
 from talaia.hub.history.writing.retention import BLOCK_BYTES
 from talaia.hub.store import history_tables as tables
+from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection, Engine
@@ -83,7 +83,7 @@ def read_storage(engine: Engine, now_us: int) -> Storage:
     )
     with engine.begin() as connection:
         rows = connection.execute(query).all()
-        total, spare = _sizes(connection)
+        total, spare = dialect_of(connection).measure_size(connection)
         kind = _kind(connection)
     # MariaDB and PostgreSQL give sums as decimals.
     channels = [
@@ -97,43 +97,23 @@ def read_storage(engine: Engine, now_us: int) -> Storage:
 
 
 def _kind(connection: Connection) -> str:
-    dialect = connection.dialect
-    name = {"sqlite": "SQLite", "postgresql": "PostgreSQL"}.get(dialect.name)
-    if name is None:
-        name = "MariaDB" if getattr(dialect, "is_mariadb", False) else "MySQL"
-    version = dialect.server_version_info or ()
+    name = dialect_of(connection).product_name(connection)
+    version = connection.dialect.server_version_info or ()
     # PostgreSQL and SQLite say more than anybody wants to know.
     return f"{name} {'.'.join(str(part) for part in version[:3])}".strip()
 
 
 def _place(engine: Engine) -> str:
     url = engine.url
-    if engine.dialect.name == "sqlite":
+    if not dialect_of(engine).is_server:
         return str(url.database or "")
     port = f":{url.port}" if url.port else ""
     return f"{url.database} on {url.host or 'this machine'}{port}"
 
 
-def _sizes(connection: Connection) -> tuple[int, int]:
-    """Give the database's size and what is free inside of it (bytes)."""
-    match connection.dialect.name:
-        case "sqlite":
-            pages = connection.exec_driver_sql("PRAGMA page_count").scalar() or 0
-            spare = connection.exec_driver_sql("PRAGMA freelist_count").scalar() or 0
-            size = connection.exec_driver_sql("PRAGMA page_size").scalar() or 0
-            return int((pages - spare) * size), int(spare * size)
-        case "postgresql":
-            found = connection.exec_driver_sql("SELECT pg_database_size(current_database())")
-        case _:
-            found = connection.exec_driver_sql(
-                "SELECT SUM(data_length + index_length) FROM information_schema.tables"
-                " WHERE table_schema = DATABASE()"
-            )
-    return int(found.scalar() or 0), 0
-
-
 def _disk(engine: Engine) -> tuple[int | None, int]:
-    if engine.dialect.name != "sqlite" or not engine.url.database:
+    file = dialect_of(engine).file_of(engine.url)
+    if file is None:
         return None, 0
-    usage = shutil.disk_usage(Path(engine.url.database).parent)
+    usage = shutil.disk_usage(file.parent)
     return usage.free, usage.total

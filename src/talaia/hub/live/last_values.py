@@ -105,7 +105,7 @@ class Latest:
         return self._runs.setdefault(boot, len(self._runs) + 1) if boot else 0
 
     def remember(
-        self, channel: int, time_us: int, value: float, text: str, arrived_ns: int
+        self, channel: int, *, time_us: int, value: float, text: str, arrived_ns: int
     ) -> None:
         """Take a sample from the history, unless one is there."""
         if self.arrived_ns[channel] == _NEVER:

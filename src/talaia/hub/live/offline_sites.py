@@ -64,7 +64,9 @@ class OfflineSites:
             if address in last:
                 time_us, value, text = last[address]
                 age_ns = max(0, wall - time_us * 1000)
-                live.latest.remember(at, time_us, value, text, monotonic - age_ns)
+                live.latest.remember(
+                    at, time_us=time_us, value=value, text=text, arrived_ns=monotonic - age_ns
+                )
 
 
 class ImportedSites:

@@ -37,6 +37,7 @@ class Sends(Protocol):
         self,
         way: Way,
         secrets: Mapping[str, str],
+        *,
         target: str,
         message: AlarmMessage,
         browsers: Sequence[PushBrowser] = (),
@@ -146,7 +147,9 @@ class DeliveryWorker:
         push = way.kind is WayKind.PUSH
         browsers = await self._store.browsers(parcel.user) if push else []
         message = compose(parcel.key, parcel.notices, parcel.zone)
-        went = await self._sender.send(way, secrets, parcel.target, message, browsers)
+        went = await self._sender.send(
+            way, secrets, target=parcel.target, message=message, browsers=browsers
+        )
         for number in went.gone:
             await self._store.remove_browser(parcel.user, number)
         if went.outcome is Outcome.UNSURE and _repeatable(way.kind):

@@ -66,6 +66,7 @@ class Sender:
         self,
         way: Way,
         secrets: Mapping[str, str],
+        *,
         target: str,
         message: AlarmMessage,
         browsers: Sequence[PushBrowser] = (),

@@ -14,10 +14,10 @@ from sqlalchemy import (
     Integer,
     String,
     Table,
-    Text,
     UniqueConstraint,
 )
 
+from talaia.hub.store.dialects.column_types import LONG_TEXT, ROW_ID
 from talaia.hub.store.tables import metadata
 
 __all__ = [
@@ -30,9 +30,6 @@ __all__ = [
     "push_browsers",
 ]
 
-# SQLite numbers rows by itself only in a column of the type INTEGER.
-_Id = BigInteger().with_variant(Integer, "sqlite")
-_Long = Text(4 * 1024 * 1024).with_variant(Text(), "postgresql")
 _NAME = 200
 _SENTENCE = 2000
 
@@ -43,7 +40,7 @@ alarm_definitions = Table(
     Column("site", String(_NAME), primary_key=True),
     Column("alarm", String(64), primary_key=True),
     # JSON, in the form of the description.
-    Column("definition", _Long, nullable=False),
+    Column("definition", LONG_TEXT, nullable=False),
     Column("who", String(_NAME), nullable=False),
     Column("changed_us", BigInteger, nullable=False),
 )
@@ -69,7 +66,7 @@ alarm_states = Table(
 alarm_history = Table(
     "alarm_history",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("site", String(_NAME), nullable=False),
     Column("alarm", String(64), nullable=False),
     Column("episode", BigInteger, nullable=False),
@@ -83,24 +80,26 @@ alarm_history = Table(
 notify_ways = Table(
     "notify_ways",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("name", String(_NAME), nullable=False, unique=True),
     Column("kind", String(16), nullable=False),
     # JSON: what may be read again.
-    Column("settings", _Long, nullable=False),
+    Column("settings", LONG_TEXT, nullable=False),
     # JSON, sealed: what is never given back. Empty: there is none.
-    Column("sealed", _Long, nullable=False),
+    Column("sealed", LONG_TEXT, nullable=False),
     Column("changed_us", BigInteger, nullable=False),
 )
 
 notify_rules = Table(
     "notify_rules",
     metadata,
-    Column("id", _Id, primary_key=True),
-    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("id", ROW_ID, primary_key=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
     Column("site", String(_NAME), nullable=False),
     Column(
-        "way", _Id, ForeignKey("notify_ways.id", ondelete="CASCADE"), nullable=False, index=True
+        "way", ROW_ID, ForeignKey("notify_ways.id", ondelete="CASCADE"), nullable=False, index=True
     ),
     Column("target", String(_NAME), nullable=False),
     Column("least", String(16), nullable=False),
@@ -115,11 +114,13 @@ notify_rules = Table(
 push_browsers = Table(
     "push_browsers",
     metadata,
-    Column("id", _Id, primary_key=True),
-    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("id", ROW_ID, primary_key=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
     # SHA-256 of the endpoint's address; the address itself lets anyone send, so it is sealed.
     Column("endpoint_hash", String(64), nullable=False, unique=True),
-    Column("sealed", _Long, nullable=False),
+    Column("sealed", LONG_TEXT, nullable=False),
     Column("agent", String(_NAME), nullable=False),
     Column("created_us", BigInteger, nullable=False),
 )
@@ -128,12 +129,12 @@ push_browsers = Table(
 notices = Table(
     "notices",
     metadata,
-    Column("id", _Id, primary_key=True),
-    Column("happened", _Id, nullable=False),
+    Column("id", ROW_ID, primary_key=True),
+    Column("happened", ROW_ID, nullable=False),
     # No foreign keys: what was told stays written when a rule, a way or a person goes.
-    Column("rule", _Id, nullable=False),
-    Column("user_id", _Id, nullable=False),
-    Column("way", _Id, nullable=False),
+    Column("rule", ROW_ID, nullable=False),
+    Column("user_id", ROW_ID, nullable=False),
+    Column("way", ROW_ID, nullable=False),
     Column("site", String(_NAME), nullable=False),
     Column("alarm", String(64), nullable=False),
     Column("device", String(_NAME), nullable=False),
@@ -142,7 +143,7 @@ notices = Table(
     Column("severity", String(16), nullable=False),
     # What the message says of it.
     Column("title", String(_NAME), nullable=False),
-    Column("text", _Long, nullable=False),
+    Column("text", LONG_TEXT, nullable=False),
     Column("time_us", BigInteger, nullable=False),
     Column("state", String(16), nullable=False, index=True),
     # Names the message that it is or was part of; empty until one is made.

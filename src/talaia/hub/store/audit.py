@@ -134,11 +134,17 @@ class Audit:
         """Work on ``database``; ``clock`` stamps each note."""
         self._database = database
         self._clock = clock
+        # Not in the database yet. What is written stays until the commit is sure: the same rows
+        # are tried again after a failure.
         self._waiting: deque[AuditEntry] = deque()
+        # Set when there is something to write, or it is time to stop.
         self._news = asyncio.Event()
+        # Set while nothing waits.
         self._written = asyncio.Event()
         self._written.set()
+        # The last try failed; of the next ones nothing is logged.
         self._failing = False
+        # What waits is written, once; the hub must be able to end without its database.
         self._stopping = False
 
     def append_record(

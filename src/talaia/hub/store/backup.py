@@ -22,6 +22,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.hub.errors import StoreError
 from talaia.hub.lock import LOCK
+from talaia.hub.store.dialects.sqlite import copy_file
 from talaia.hub.store.dump import VERSION_TABLE, copy_tables, open_plain
 from talaia.hub.store.tables import metadata
 
@@ -170,15 +171,7 @@ def _copy_database(url: str, file: Path) -> str:
         path = Path(parsed.database or "")
         if not path.exists():
             raise StoreError(f"there is no database {path}", "check --data")
-        with (
-            closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as origin,
-            closing(sqlite3.connect(file)) as copy,
-        ):
-            # In one step: it sees one state, and the hub goes on writing meanwhile.
-            origin.backup(copy)
-            copy.execute("PRAGMA journal_mode=DELETE")
-            found = copy.execute("SELECT version_num FROM alembic_version").fetchone()
-            return str(found[0]) if found else ""
+        return copy_file(path, file)
     source = open_plain(url)
     target = create_engine(f"sqlite:///{file}")
     try:

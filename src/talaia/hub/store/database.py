@@ -5,21 +5,20 @@ from __future__ import annotations
 import functools
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from sqlalchemy import Connection, event, func, inspect, select, text
+from sqlalchemy import Connection, inspect, text
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyError
 from sqlalchemy.ext.asyncio import create_async_engine
 
 from talaia.hub.errors import StoreDown, StoreError
 from talaia.hub.store.database_url import reach
-from talaia.hub.store.sqlite import SqliteConnection, open_sqlite
-from talaia.hub.store.tables import write_turn
+from talaia.hub.store.dialects.choice import dialect_of
+from talaia.hub.store.dialects.dialect import WRITES
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from sqlalchemy.engine.interfaces import DBAPIConnection
     from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine
 
     from talaia.hub.store.database_url import Reach
@@ -27,13 +26,8 @@ if TYPE_CHECKING:
 __all__ = ["Database"]
 
 _MIGRATIONS = Path(__file__).parent / "migrations"
-_WRITES = "talaia_writes"
 # Whoever waits longer than this for one of the connections is told that the database is busy (s).
 _POOL_S = 5
-# PostgreSQL's locks have numbers: "talaia" and what it is for.
-_LOCK = 0x74616C61
-_LOCK_NAME = "talaia migrations in "
-_MIGRATE_S = 120
 
 
 class Database:
@@ -46,10 +40,19 @@ class Database:
             StoreError: the URL cannot be read, or its driver is not installed.
 
         """
+        # The URL, and what the driver needs beside it.
         self._reach = reach(url)
+        # Connections that only read, as far as it knows.
         self._engine = _engine(self._reach)
-        self._writer = self._engine.execution_options(**{_WRITES: True})
-        self._failures = _failures(self._engine)
+        # The same connections; their transactions begin by waiting for the turn to write.
+        self._writer = self._engine.execution_options(**{WRITES: True})
+        # What the engine raises when it does not do what it is asked.
+        self._failures: tuple[type[Exception], ...] = (
+            DBAPIError,
+            SQLAlchemyError,
+            OSError,
+            *dialect_of(self._engine.sync_engine).driver_errors(self._engine.sync_engine),
+        )
 
     @asynccontextmanager
     async def read(self) -> AsyncIterator[AsyncConnection]:
@@ -74,7 +77,7 @@ class Database:
 
         """
         async with self._translated(), self._writer.begin() as connection:
-            await connection.run_sync(_take_turn)
+            await connection.run_sync(_await_turn)
             yield connection
 
     async def migrate(self) -> None:
@@ -93,7 +96,8 @@ class Database:
         except self._failures as error:
             reason = getattr(error, "orig", None) or error
             raise StoreError(
-                f"the database {self.address} cannot be opened: {reason}", _remedy(self._engine)
+                f"the database {self.address} cannot be opened: {reason}",
+                dialect_of(self._engine.sync_engine).remedy,
             ) from error
 
     async def close(self) -> None:
@@ -118,81 +122,25 @@ class Database:
 
 
 def _engine(found: Reach) -> AsyncEngine:
-    server = found.url.get_backend_name() != "sqlite"
-    more = {"pool_pre_ping": True, "pool_timeout": _POOL_S} if server else {}
-    arguments = found.arguments if server else {**found.arguments, "factory": SqliteConnection}
+    # What was open when a server was restarted is found out before it is used. A file needs none
+    # of that, and has as many connections as are asked for.
+    is_server = found.dialect.is_server
+    more = {"pool_pre_ping": True, "pool_timeout": _POOL_S} if is_server else {}
     try:
-        engine = create_async_engine(found.url, connect_args=arguments, **more)
+        engine = create_async_engine(found.url, connect_args=found.arguments, **more)
     except ImportError as error:
         raise found.missing(error) from error
-    if not server:
-        event.listen(engine.sync_engine, "connect", open_sqlite("foreign_keys=ON"))
-        event.listen(engine.sync_engine, "begin", _begin_sqlite)
-    elif found.url.get_backend_name() == "mysql":
-        event.listen(engine.sync_engine, "connect", _let_bytes_pass)
+    found.dialect.prepare_accounts(engine.sync_engine)
     return engine
 
 
-def _failures(engine: AsyncEngine) -> tuple[type[Exception], ...]:
-    """Give what the engine raises when it does not do what it is asked."""
-    # asyncpg's own errors come through unchanged while a connection is made.
-    driver = getattr(engine.dialect.dbapi, "asyncpg", None)
-    own = (driver.PostgresError, driver.InterfaceError) if driver is not None else ()
-    return (DBAPIError, SQLAlchemyError, OSError, *own)
-
-
-def _remedy(engine: AsyncEngine) -> str:
-    if engine.dialect.name == "sqlite":
-        return "check that its folder exists and is writable"
-    return "check that the server runs, and that the database and its user are there"
-
-
-def _let_bytes_pass(connection: DBAPIConnection, _record: object) -> None:
-    """Write bytes as MariaDB reads them: aiomysql 0.3 has lost how.
-
-    It imports from PyMySQL what is not there any more since its 1.2:
-    https://github.com/PyMySQL/PyMySQL/issues/1274.
-    """
-    driver: Any = connection.driver_connection
-    escape = driver.escape
-
-    def with_bytes(value: object) -> str:
-        said: str = f"_binary X'{value.hex()}'" if isinstance(value, bytes) else escape(value)
-        return said
-
-    driver.escape = with_bytes
-
-
-def _begin_sqlite(connection: Connection) -> None:
-    writes = connection.get_execution_options().get(_WRITES, False)
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
-
-
-def _take_turn(connection: Connection) -> None:
-    match connection.dialect.name:
-        case "postgresql":
-            connection.execute(select(func.pg_advisory_xact_lock(_LOCK)))
-        case "mysql":
-            connection.execute(select(write_turn.c.id).with_for_update())
-        case _:
-            # SQLite's turn began with the transaction.
-            return
+def _await_turn(connection: Connection) -> None:
+    dialect_of(connection).await_write_turn(connection)
 
 
 def _upgrade(connection: Connection) -> None:
-    if connection.dialect.name != "mysql":
-        _take_turn(connection)
+    with dialect_of(connection).hold_migrations(connection):
         _run_migrations(connection)
-        return
-    # Its row locks end with the first change of a table; this one lasts.
-    name = {"name": _LOCK_NAME + (connection.engine.url.database or "")}
-    got = connection.execute(text("SELECT GET_LOCK(:name, :wait)"), {**name, "wait": _MIGRATE_S})
-    if got.scalar() != 1:
-        raise StoreDown("another program is changing the tables", "try again soon")
-    try:
-        _run_migrations(connection)
-    finally:
-        connection.execute(text("SELECT RELEASE_LOCK(:name)"), name)
 
 
 def _run_migrations(connection: Connection) -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Column, MetaData, String, Table, create_engine, func, insert, select, tuple_
+from sqlalchemy import Column, MetaData, String, Table, create_engine, insert, select, tuple_
 
 # Every table of ours must be known before `metadata` is gone through.
 from talaia.hub.store import alarm_tables as _alarm_tables, history_tables as _history_tables
 from talaia.hub.store.database_url import reach
+from talaia.hub.store.dialects.choice import dialect_of
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
@@ -29,10 +30,7 @@ def open_plain(url: str) -> Engine:
     """Open a database for one long transaction that sees one state of it."""
     found = reach(url, blocking=True)
     engine = create_engine(found.url, connect_args=found.arguments)
-    # SQLite's transactions see one state anyway, and know no other level by that name.
-    if engine.dialect.name == "sqlite":
-        return engine
-    return engine.execution_options(isolation_level="REPEATABLE READ")
+    return dialect_of(engine).open_snapshot(engine)
 
 
 def copy_tables(source: Connection, target: Connection) -> int:
@@ -50,8 +48,7 @@ def copy_tables(source: Connection, target: Connection) -> int:
         for rows in _rows(source, table):
             target.execute(insert(table), rows)
             copied += len(rows)
-        if target.dialect.name == "postgresql":
-            _advance_sequences(target, table)
+        dialect_of(target).advance_sequences(target, table)
     return copied
 
 
@@ -64,13 +61,3 @@ def _rows(source: Connection, table: Table) -> Iterator[list[dict[str, Any]]]:
         yield [dict(row) for row in rows]
         last = tuple_(*(rows[-1][key.name] for key in keys))
         rows = source.execute(query.where(tuple_(*keys) > last)).mappings().all()
-
-
-def _advance_sequences(target: Connection, table: Table) -> None:
-    column = table.autoincrement_column
-    if column is None:
-        return
-    sequence = target.scalar(select(func.pg_get_serial_sequence(table.name, column.name)))
-    newest = target.scalar(select(func.max(column)))
-    if sequence is not None and newest is not None:
-        target.execute(select(func.setval(sequence, newest)))

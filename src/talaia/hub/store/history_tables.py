@@ -15,15 +15,19 @@ from sqlalchemy import (
     Double,
     Index,
     Integer,
-    LargeBinary,
     String,
     Table,
-    Text,
     UniqueConstraint,
     event,
 )
-from sqlalchemy.dialects import mysql
 
+from talaia.hub.store.dialects.choice import dialect_of
+from talaia.hub.store.dialects.column_types import (
+    EXACT_NAME,
+    LONG_BYTES,
+    ROW_ID,
+    UNICODE_TEXT,
+)
 from talaia.hub.store.tables import metadata
 
 if TYPE_CHECKING:
@@ -45,17 +49,9 @@ __all__ = [
     "tail",
 ]
 
-# The program numbers rows itself: it writes many at once and wants no answer to each.
-_Id = BigInteger().with_variant(Integer, "sqlite")
-# MariaDB compares texts without regard to case unless told otherwise.
-_Name = String(200).with_variant(
-    mysql.VARCHAR(200, charset="utf8mb4", collation="utf8mb4_bin"), "mysql", "mariadb"
-)
-_Reason = Text().with_variant(mysql.TEXT(charset="utf8mb4"), "mysql", "mariadb")
-_Bytes = LargeBinary().with_variant(mysql.LONGBLOB(), "mysql", "mariadb")
 
-
-def _key(name: str, kind: Any = _Id) -> Column[Any]:  # noqa: ANN401 - any column type
+def _key(name: str, kind: Any = ROW_ID) -> Column[Any]:  # noqa: ANN401 - any column type
+    # The program numbers rows itself: it writes many at once and wants no answer to each.
     return Column(name, kind, primary_key=True, autoincrement=False)
 
 
@@ -81,8 +77,8 @@ channel = Table(
     "history_channel",
     metadata,
     _key("id"),
-    Column("site", _Name, nullable=False),
-    Column("address", _Name, nullable=False),
+    Column("site", EXACT_NAME, nullable=False),
+    Column("address", EXACT_NAME, nullable=False),
     Column("since_us", BigInteger, nullable=False),
     Column("saved_row", BigInteger, nullable=False),
     Column("longest_us", BigInteger, nullable=False),
@@ -93,8 +89,8 @@ boot = Table(
     "history_boot",
     metadata,
     _key("id"),
-    Column("site", _Name, nullable=False),
-    Column("boot", _Name, nullable=False),
+    Column("site", EXACT_NAME, nullable=False),
+    Column("boot", EXACT_NAME, nullable=False),
     UniqueConstraint("site", "boot"),
 )
 
@@ -115,7 +111,7 @@ gap = Table(
     _key("last_seq", BigInteger()),
     _key("from_us", BigInteger()),
     Column("to_us", BigInteger, nullable=False),
-    Column("reason", _Reason, nullable=False),
+    Column("reason", UNICODE_TEXT, nullable=False),
 )
 
 # A list of channels that batches index: channel ids as u32, little-endian.
@@ -123,7 +119,7 @@ catalogue = Table(
     "history_catalogue",
     metadata,
     _key("id"),
-    Column("channels", _Bytes, nullable=False),
+    Column("channels", LONG_BYTES, nullable=False),
 )
 
 # The journal: every batch as it came, until all its samples are in blocks or tails.
@@ -132,11 +128,11 @@ hot = Table(
     "history_hot",
     metadata,
     _key("id"),
-    Column("boot_id", _Id, nullable=False),
-    Column("catalogue_id", _Id, nullable=False),
+    Column("boot_id", ROW_ID, nullable=False),
+    Column("catalogue_id", ROW_ID, nullable=False),
     Column("first_seq", BigInteger, nullable=False),
     Column("samples", Integer, nullable=False),
-    Column("body", _Bytes, nullable=False),
+    Column("body", LONG_BYTES, nullable=False),
     postgresql_with={
         "autovacuum_vacuum_scale_factor": "0.0",
         "autovacuum_vacuum_threshold": "2000",
@@ -148,7 +144,7 @@ tail = Table(
     "history_tail",
     metadata,
     _key("channel_id"),
-    Column("body", _Bytes, nullable=False),
+    Column("body", LONG_BYTES, nullable=False),
 )
 
 # What is in a block. Bodies stand aside, so that looking for blocks reads few pages.
@@ -171,7 +167,7 @@ body = Table(
     "history_body",
     metadata,
     _key("block_id"),
-    Column("body", _Bytes, nullable=False),
+    Column("body", LONG_BYTES, nullable=False),
 )
 
 rollup = Table(
@@ -192,7 +188,7 @@ recent = Table(
     _key("time_us", BigInteger()),
     _key("channel_id"),
     Column("value", Double),
-    Column("text", _Reason),
+    Column("text", UNICODE_TEXT),
     sqlite_with_rowid=False,
 )
 
@@ -202,14 +198,14 @@ recent = Table(
 sensor = Table(
     "history_sensor",
     metadata,
-    _key("site", _Name),
-    _key("address", _Name),
+    _key("site", EXACT_NAME),
+    _key("address", EXACT_NAME),
     Column("view_name", String(63), nullable=False),
-    Column("shown_name", _Name, nullable=False),
-    Column("unit", _Name, nullable=False),
+    Column("shown_name", EXACT_NAME, nullable=False),
+    Column("unit", EXACT_NAME, nullable=False),
     Column("made_of", String(32), nullable=False),
     Column("type", String(20)),
-    Column("states", _Reason),
+    Column("states", UNICODE_TEXT),
     Column("decimals", Integer),
     UniqueConstraint("view_name"),
 )
@@ -230,13 +226,10 @@ HISTORY_TABLES = (
 )
 
 
-def _store_as_it_is(table: Table, connection: Connection, **_: object) -> None:
-    # Bodies are compressed already; PostgreSQL must not try again.
-    if connection.dialect.name == "postgresql":
-        connection.exec_driver_sql(
-            f"ALTER TABLE {table.name} ALTER COLUMN body SET STORAGE EXTERNAL"
-        )
+def _store_uncompressed(table: Table, connection: Connection, **_: object) -> None:
+    # Bodies are compressed already.
+    dialect_of(connection).store_uncompressed(connection, table)
 
 
 for _table in (hot, tail, body):
-    event.listen(_table, "after_create", _store_as_it_is)
+    event.listen(_table, "after_create", _store_uncompressed)

@@ -15,14 +15,19 @@ from sqlalchemy import (
     ForeignKey,
     Index,
     Integer,
-    LargeBinary,
     MetaData,
     String,
     Table,
     Text,
     UniqueConstraint,
 )
-from sqlalchemy.dialects import mysql
+
+from talaia.hub.store.dialects.column_types import (
+    LONG_BYTES,
+    LONG_TEXT,
+    PICTURE_BYTES,
+    ROW_ID,
+)
 
 __all__ = [
     "api_tokens",
@@ -59,17 +64,13 @@ metadata = MetaData(
     }
 )
 
-# SQLite numbers rows by itself only in a column of the type INTEGER.
-_Id = BigInteger().with_variant(Integer, "sqlite")
-# MariaDB's TEXT ends at 64 KiB unless it is told a length; PostgreSQL's takes none.
-_Long = Text(4 * 1024 * 1024).with_variant(Text(), "postgresql")
 _NAME = 200
 _HASH = 64
 
 roles = Table(
     "roles",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("name", String(_NAME), nullable=False, unique=True),
     Column("seeded", Boolean, nullable=False),
 )
@@ -77,7 +78,7 @@ roles = Table(
 permissions = Table(
     "permissions",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("right_name", String(16), nullable=False),
     # "*" stands for every site, or every device.
     Column("site", String(_NAME), nullable=False),
@@ -88,21 +89,21 @@ permissions = Table(
 role_permissions = Table(
     "role_permissions",
     metadata,
-    Column("role_id", _Id, ForeignKey("roles.id", ondelete="CASCADE"), primary_key=True),
+    Column("role_id", ROW_ID, ForeignKey("roles.id", ondelete="CASCADE"), primary_key=True),
     Column(
-        "permission_id", _Id, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
+        "permission_id", ROW_ID, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
     ),
 )
 
 users = Table(
     "users",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("name", String(_NAME), nullable=False),
     # The name as it is compared: normalised and without case.
     Column("name_key", String(_NAME), nullable=False, unique=True),
     Column("password_hash", String(100), nullable=False),
-    Column("role_id", _Id, ForeignKey("roles.id"), nullable=False),
+    Column("role_id", ROW_ID, ForeignKey("roles.id"), nullable=False),
     Column("disabled", Boolean, nullable=False),
     Column("created_us", BigInteger, nullable=False),
     # The second factor's secret, sealed by a key that is not in the database; empty: none.
@@ -118,7 +119,9 @@ sessions = Table(
     "sessions",
     metadata,
     Column("token_hash", String(_HASH), primary_key=True),
-    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
     Column("created_us", BigInteger, nullable=False),
     Column("used_us", BigInteger, nullable=False),
     Column("address", String(_NAME), nullable=False),
@@ -129,7 +132,9 @@ recovery_codes = Table(
     "recovery_codes",
     metadata,
     Column("code_hash", String(_HASH), primary_key=True),
-    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
 )
 
 # Browsers from which a person has signed in before: a flood of wrong tries of others does not
@@ -138,7 +143,9 @@ known_browsers = Table(
     "known_browsers",
     metadata,
     Column("token_hash", String(_HASH), primary_key=True),
-    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
     Column("created_us", BigInteger, nullable=False),
     Column("used_us", BigInteger, nullable=False),
 )
@@ -146,8 +153,10 @@ known_browsers = Table(
 api_tokens = Table(
     "api_tokens",
     metadata,
-    Column("id", _Id, primary_key=True),
-    Column("user_id", _Id, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True),
+    Column("id", ROW_ID, primary_key=True),
+    Column(
+        "user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), nullable=False, index=True
+    ),
     Column("name", String(_NAME), nullable=False),
     Column("token_hash", String(_HASH), nullable=False, unique=True),
     Column("created_us", BigInteger, nullable=False),
@@ -159,9 +168,9 @@ api_tokens = Table(
 token_permissions = Table(
     "token_permissions",
     metadata,
-    Column("token_id", _Id, ForeignKey("api_tokens.id", ondelete="CASCADE"), primary_key=True),
+    Column("token_id", ROW_ID, ForeignKey("api_tokens.id", ondelete="CASCADE"), primary_key=True),
     Column(
-        "permission_id", _Id, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
+        "permission_id", ROW_ID, ForeignKey("permissions.id", ondelete="CASCADE"), primary_key=True
     ),
 )
 
@@ -176,7 +185,7 @@ wrong_tries = Table(
 )
 
 # One row: whoever changes something holds it, where the engine has no lock of another kind.
-write_turn = Table("write_turn", metadata, Column("id", _Id, primary_key=True))
+write_turn = Table("write_turn", metadata, Column("id", ROW_ID, primary_key=True))
 
 setup_tokens = Table(
     "setup_tokens",
@@ -188,7 +197,7 @@ setup_tokens = Table(
 gateways = Table(
     "gateways",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("site", String(_NAME), nullable=False, index=True),
     Column("key_hash", String(_HASH), nullable=False, unique=True),
     Column("created_us", BigInteger, nullable=False),
@@ -205,7 +214,7 @@ gateways = Table(
 enrolment_codes = Table(
     "enrolment_codes",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("site", String(_NAME), nullable=False),
     Column("name", String(_NAME), nullable=False),
     Column("code_hash", String(_HASH), nullable=False, unique=True),
@@ -219,7 +228,7 @@ sites = Table(
     "sites",
     metadata,
     Column("site", String(_NAME), primary_key=True),
-    Column("description", _Long, nullable=False),
+    Column("description", LONG_TEXT, nullable=False),
     Column("catalogue", String(_NAME), nullable=False),
     Column("version", String(_NAME), nullable=False),
     Column("first_seen_us", BigInteger, nullable=False),
@@ -230,11 +239,11 @@ sites = Table(
 descriptions = Table(
     "descriptions",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("site", String(_NAME), nullable=False),
     Column("number", BigInteger, nullable=False),
     Column("digest", String(_HASH), nullable=False),
-    Column("text", _Long, nullable=False),
+    Column("text", LONG_TEXT, nullable=False),
     Column("time_us", BigInteger, nullable=False),
     Column("gateway", BigInteger, nullable=False),
     Column("who", String(_NAME), nullable=False),
@@ -258,14 +267,14 @@ recordings = Table(
     Column("have", BigInteger, nullable=False),
     Column("messages", BigInteger, nullable=False),
     Column("digest", String(_HASH), nullable=False),
-    Column("topics", _Long, nullable=False),
+    Column("topics", LONG_TEXT, nullable=False),
     Column("stream", String(200), nullable=False, server_default=""),
 )
 
 audit = Table(
     "audit",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("time_us", BigInteger, nullable=False, index=True),
     Column("kind", String(_NAME), nullable=False, index=True),
     Column("who", String(_NAME), nullable=False, index=True),
@@ -283,8 +292,8 @@ audit = Table(
 audit_head = Table(
     "audit_head",
     metadata,
-    Column("id", _Id, primary_key=True, autoincrement=False),
-    Column("row_id", _Id, nullable=False),
+    Column("id", ROW_ID, primary_key=True, autoincrement=False),
+    Column("row_id", ROW_ID, nullable=False),
     Column("hash", String(_HASH), nullable=False),
 )
 
@@ -292,7 +301,7 @@ audit_head = Table(
 frames = Table(
     "frames",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("site", String(_NAME), nullable=False),
     Column("device", String(_NAME), nullable=False),
     # Local date at which its night began.
@@ -325,9 +334,7 @@ learned = Table(
     Column("site", String(_NAME), primary_key=True),
     Column("address", String(_NAME), primary_key=True),
     Column("detector", String(20), primary_key=True),
-    Column(
-        "state", LargeBinary().with_variant(mysql.LONGBLOB(), "mysql", "mariadb"), nullable=False
-    ),
+    Column("state", LONG_BYTES, nullable=False),
     Column("saved_us", BigInteger, nullable=False),
 )
 
@@ -335,7 +342,7 @@ learned = Table(
 sightings = Table(
     "sightings",
     metadata,
-    Column("id", _Id, primary_key=True),
+    Column("id", ROW_ID, primary_key=True),
     Column("site", String(_NAME), nullable=False),
     Column("camera", String(_NAME), nullable=False),
     Column("label", String(_NAME), nullable=False),
@@ -351,7 +358,7 @@ sightings = Table(
     Column("noted_us", BigInteger, nullable=False),
     Column("pictured", Boolean, nullable=False),
     # JPEG. Last, so that a list need not read past it.
-    Column("picture", LargeBinary().with_variant(mysql.MEDIUMBLOB(), "mysql", "mariadb")),
+    Column("picture", PICTURE_BYTES),
     UniqueConstraint("site", "camera", "label", "began_us", name="uq_sightings_site"),
     Index("ix_sightings_site_began_us", "site", "began_us"),
     Index("ix_sightings_site_noted_us", "site", "noted_us"),

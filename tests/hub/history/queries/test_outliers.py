@@ -16,7 +16,7 @@ TIMES = START + np.arange(20_000) * SECOND // 100
 
 
 async def found_in(store, first, last, k=1.5, address="base/speed"):
-    steps = [each async for each in store.outliers("agv", address, first, last, k)]
+    steps = [each async for each in store.outliers("agv", address, first, last, k=k)]
     assert all(each is None for each in steps[:-1])
     return steps[-1]
 
@@ -81,7 +81,7 @@ async def test_who_asks_may_stop_and_the_next_is_answered(url) -> None:
     values = np.random.default_rng(4).normal(0.0, 1.0, TIMES.size)
     async with opened(url, MANY) as store:
         await feed(store, TIMES, values)
-        steps = store.outliers("agv", "base/speed", *ALL, 1.5)
+        steps = store.outliers("agv", "base/speed", *ALL, k=1.5)
         assert await anext(steps) is None
         await steps.aclose()
         check(await found_in(store, *ALL), values, 1.5)

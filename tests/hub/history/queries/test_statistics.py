@@ -22,7 +22,7 @@ async def feed(store, time_us, value, first=0):
         part = slice(at, at + 500)
         size = time_us[part].size
         columns = Columns(np.zeros(size, np.uint16), time_us[part], value[part], {})
-        await store.append("agv", "b1", first + at, ["base/speed"], columns)
+        await store.append("agv", "b1", first + at, addresses=["base/speed"], columns=columns)
 
 
 @pytest.mark.parametrize("raw", [200, 10**9])
@@ -33,7 +33,9 @@ async def test_statistics_of_a_window_are_those_of_its_samples(url, raw) -> None
     async with opened(url, MANY._replace(raw=raw)) as store:
         await feed(store, time_us, value)
         first, last = int(time_us[37]) + 1, int(time_us[19_041]) + 3
-        await store.record_gap("agv", "b1", 30_000, 30_010, last - 5 * SECOND, last + SECOND, "x")
+        await store.record_gap(
+            "agv", "b1", 30_000, 30_010, from_us=last - 5 * SECOND, to_us=last + SECOND, reason="x"
+        )
         (found,) = await store.statistics("agv", ["base/speed"], first, last)
     inside = (time_us >= first) & (time_us <= last)
     there, at = value[inside], time_us[inside]
@@ -63,7 +65,7 @@ async def test_statistics_count_late_samples_and_what_is_not_in_a_block(url) -> 
 async def test_texts_have_a_first_and_a_last_and_no_mean(url) -> None:
     async with opened(url) as store:
         rows = [(0, START + i, f"line {i}") for i in range(5)]
-        await store.append("agv", "b1", 0, ["a/mode"], batch(rows))
+        await store.append("agv", "b1", 0, addresses=["a/mode"], columns=batch(rows))
         said, nothing = await store.statistics("agv", ["a/mode", "no/such"], *ALL)
     assert (said.samples, said.numbers, said.low, said.high) == (5, 0, None, None)
     assert math.isnan(said.mean)
@@ -76,7 +78,7 @@ async def test_the_last_value_before_a_time_is_the_newest_up_to_it(url) -> None:
     async with opened(url) as store:
         await feed(store, time_us, np.arange(3_000.0))
         late = [(0, START + 500 * SECOND + 1, 77.0)] * 40
-        await store.append("agv", "b1", 9_000, ["base/speed"], batch(late))
+        await store.append("agv", "b1", 9_000, addresses=["base/speed"], columns=batch(late))
         for at in (0, 31, 32, 33, 1_234, 2_999):
             found = await store.last("agv", ["base/speed"], START + at * SECOND)
             assert found["base/speed"] == SampleReading(START + at * SECOND, float(at), "")

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 
-from talaia.hub.history import store as store_module
-from talaia.hub.history.sensors import sensor_views
+from talaia.hub.history.sensors import sensor_registry, sensor_views
 from talaia.hub.history.sensors.view_sql import view_name
 from talaia.model.connection import RosSource
 from talaia.model.site import Device, PositionFrame, Signal, SignalType, Site
@@ -50,7 +49,7 @@ async def feed(store, count, rate=100, first=0):
         columns = Columns(
             np.zeros(index.size, np.uint16), START + index * SECOND // rate, index / 8.0, {}
         )
-        await store.append("agv", "b1", at, ["base/speed"], columns)
+        await store.append("agv", "b1", at, addresses=["base/speed"], columns=columns)
 
 
 async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url, sql) -> None:
@@ -59,7 +58,11 @@ async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url
         assert sql("SELECT * FROM sensor_agv_base_speed") == []
         for at in range(3):
             await store.append(
-                "agv", "b1", at, ["base/speed"], batch([(0, START + at * SECOND, at / 2)])
+                "agv",
+                "b1",
+                at,
+                addresses=["base/speed"],
+                columns=batch([(0, START + at * SECOND, at / 2)]),
             )
             await store.show()
             await store.show()
@@ -79,7 +82,7 @@ async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url
 async def test_of_very_many_sensors_the_first_have_views(url, sql, monkeypatch, caplog) -> None:
     monkeypatch.setattr(sensor_views, "MOST_VIEWS", 25)
     # A slow server's views are waited for.
-    monkeypatch.setattr(store_module, "_VIEWS_S", 60.0)
+    monkeypatch.setattr(sensor_registry, "_VIEWS_S", 60.0)
     async with opened(url) as store:
         await store.describe(site_of(**{f"s{each}": number() for each in range(40)}))
     assert len(sql("SELECT view_name FROM history_sensor WHERE made_of <> ''")) == 25
@@ -94,8 +97,8 @@ async def test_samples_do_not_wait_for_views(url, monkeypatch) -> None:
         begun.set()
         go_on.wait(10)
 
-    monkeypatch.setattr(store_module, "show_sensors", slow)
-    monkeypatch.setattr(store_module, "_VIEWS_S", 0.01)
+    monkeypatch.setattr(sensor_registry, "show_sensors", slow)
+    monkeypatch.setattr(sensor_registry, "_VIEWS_S", 0.01)
     async with opened(url) as store:
         await store.describe(site_of(speed=number()))
         await feed(store, 10)
@@ -136,7 +139,7 @@ async def test_states_texts_and_positions_have_columns_of_their_own(url, sql) ->
             time = START + at
             rows = [(0, time, float(at)), (1, time, f"line {at // 2}")]
             rows += [(2, time, 1.0 + at), (3, time, 2.0), (4, time, float("nan"))]
-            await store.append("agv", "b1", 5 * at, names, batch(rows))
+            await store.append("agv", "b1", 5 * at, addresses=names, columns=batch(rows))
             await store.show()
         found = sql("SELECT * FROM sensor_agv_base_gear ORDER BY value")
         assert [row["state"] for row in found] == ["park", "it's", None]
@@ -152,7 +155,9 @@ async def test_states_texts_and_positions_have_columns_of_their_own(url, sql) ->
 async def test_hostile_names_are_only_names(url, sql) -> None:
     async with opened(url) as store:
         await store.describe(site_of(speed=number(HOSTILE, HOSTILE[:50])))
-        await store.append("agv", "b1", 0, ["base/speed"], batch([(0, START, 1.0)]))
+        await store.append(
+            "agv", "b1", 0, addresses=["base/speed"], columns=batch([(0, START, 1.0)])
+        )
         await store.show()
         (row,) = sql("SELECT * FROM sensor_agv_base_speed")
     assert (row["sensor"], row["unit"]) == (HOSTILE, HOSTILE[:50])

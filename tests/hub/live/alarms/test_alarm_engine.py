@@ -79,7 +79,7 @@ class Sender:
         self.answer = Outcome.SENT
         self.meanwhile = None
 
-    async def send(self, way, secrets, target, message, browsers=()) -> DeliveryResult:
+    async def send(self, way, secrets, *, target, message, browsers=()) -> DeliveryResult:
         if self.kill == "before":
             raise Killed
         if self.meanwhile:

@@ -204,7 +204,7 @@ async def scores_of(page, *channels: str) -> Subscribed:
 
 async def next_scores(page) -> list[tuple[int, int, float]]:
     news = await page.hear(Values)
-    columns = unpack(news.base_us, news.channel, news.offset, news.value, news.texts)
+    columns = unpack(news)
     rows = (columns.channel.tolist(), columns.time_us.tolist(), columns.value.tolist())
     return list(zip(*rows, strict=True))
 

@@ -29,7 +29,7 @@ NOW = 1_700_000_000_000_000
 
 
 def columns(values: Values):
-    return unpack(values.base_us, values.channel, values.offset, values.value, values.texts)
+    return unpack(values)
 
 
 async def subscribed(page, *channels: str, every_ms: int = 0, sub: int = 1) -> Subscribed:

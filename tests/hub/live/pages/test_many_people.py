@@ -67,7 +67,7 @@ async def test_fifty_people_work_side_by_side(world) -> None:
         # One that is behind gets fewer: the first, the least, the greatest and the last of them.
         while not got or got[-1] != own[-1]:
             values = await page.hear(browser.Values)
-            batch = unpack(values.base_us, values.channel, values.offset, values.value, {})
+            batch = unpack(values)
             got += batch.value.tolist()
         # All the while other things are asked, as pages do.
         assert (await client.get("/api/me")).json()["name"] == f"p{at}"

@@ -98,7 +98,7 @@ def wrong_in(each) -> list[str]:
 
 
 def _wrong_values(actor: str, message: browser.Values) -> list[str]:
-    columns = unpack(message.base_us, message.channel, message.offset, message.value, message.texts)
+    columns = unpack(message)
     seen = set(columns.value[columns.value == columns.value].tolist())
     open_to = {
         number(about, signal)

@@ -29,9 +29,7 @@ def drained(outbox: Outbox) -> dict[int, list[tuple[int, float]]]:
         for frame in outbox.next_frames():
             message = TO_BROWSER.decode(frame)
             assert isinstance(message, Values)
-            piece = unpack(
-                message.base_us, message.channel, message.offset, message.value, message.texts
-            )
+            piece = unpack(message)
             got.setdefault(message.sub, []).extend(
                 zip(piece.channel.tolist(), piece.value.tolist(), strict=True)
             )

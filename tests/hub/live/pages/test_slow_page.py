@@ -31,8 +31,6 @@ async def test_stalled_page_is_bounded_and_hurts_nobody(hub, gateway) -> None:
     while last != BATCHES - 1:
         message = TO_BROWSER.decode(await stalled.recv())
         if isinstance(message, Values):
-            piece = unpack(
-                message.base_us, message.channel, message.offset, message.value, message.texts
-            )
+            piece = unpack(message)
             last = piece.value[-1]
     await stalled.close()

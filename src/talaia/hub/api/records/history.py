@@ -109,7 +109,7 @@ class HistoryPages:
         _check(from_us, to_us)
         site, addresses = live_of(request).name, [channel.address for channel in asked]
         steps = frozenset(channel.address for channel in asked if channel.states)
-        found = await self._history.read(site, addresses, from_us, to_us, width, steps)
+        found = await self._history.read(site, addresses, from_us, to_us, width=width, steps=steps)
         if format == "arrow" or (not format and _ARROW in request.headers.get("accept", "")):
             # Arrow takes 40 MB of memory, which a hub that is not asked for it need not carry.
             from talaia.hub.history.queries.arrow import series_to_arrow
@@ -174,7 +174,7 @@ class HistoryPages:
         _check(from_us, to_us)
         site, found = live_of(request).name, []
         for asked_channel in asked:
-            looking = self._history.outliers(site, asked_channel.address, from_us, to_us, k)
+            looking = self._history.outliers(site, asked_channel.address, from_us, to_us, k=k)
             async with aclosing(looking) as steps:
                 async for step in steps:
                     if step is not None:
@@ -226,7 +226,7 @@ class HistoryPages:
             )
             for channel in asked
         ]
-        pieces = self._history.export(site, columns, from_us, to_us, form, width)
+        pieces = self._history.export(site, columns, from_us, to_us, form=form, width=width)
         try:
             # The first piece tells whether it can be done at all, while there is a status to set.
             first = await anext(pieces, b"")

@@ -201,7 +201,7 @@ class AlarmPages:
         condition = AlarmCondition(described, alarm)
         to_us = self._now_us()
         from_us = to_us - round(asked.hours * 3600 * 1e6)
-        found = await self._history.read(site, condition.channels, from_us, to_us, _WIDTH)
+        found = await self._history.read(site, condition.channels, from_us, to_us, width=_WIDTH)
         step = (to_us - from_us) // _WIDTH
         tracks = {
             series.address: Track(

@@ -265,7 +265,9 @@ class NotifyPages:
         who = who_of(request)
         browsers = await self._store.browsers(who.user) if way.kind is WayKind.PUSH else []
         message = trial(new_token()[:32], who.name)
-        went = await self._sender.send(way, secrets, target, message, browsers)
+        went = await self._sender.send(
+            way, secrets, target=target, message=message, browsers=browsers
+        )
         for number in went.gone:
             await self._store.remove_browser(who.user, number)
         self._append_record(request, "way of alarms tested", f"{way.name}: {went.outcome}")

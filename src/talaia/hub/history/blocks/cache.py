@@ -27,10 +27,15 @@ class BlockCache:
 
     def __init__(self, most: int) -> None:
         """Hold up to ``most`` samples (16 bytes each)."""
+        # Samples that are held at most; of the rest, what was read longest ago goes.
         self._most = most
+        # Readers are several threads, and to look something up moves it to the end.
         self._lock = threading.Lock()
+        # By number; what was asked for last stands last.
         self._held: OrderedDict[int, BlockSamples] = OrderedDict()
+        # In all of them: to count them anew for each block would take longer than to read it.
         self._samples = 0
+        # The load of the ledger that the numbers are of.
         self._run = 0
 
     @property

@@ -24,7 +24,9 @@ class JournalRows:
 
     def __init__(self) -> None:
         """Start empty."""
+        # Rising. An array: as Python's own numbers they would take several times the memory.
         self._ids = array("q")
+        # Samples of each row, in the same order.
         self._sizes = array("I")
         # So many at the beginning are forgotten, and not cut off yet.
         self._gone = 0

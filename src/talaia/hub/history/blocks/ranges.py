@@ -19,7 +19,9 @@ class Ranges:
 
     def __init__(self, ranges: Iterable[tuple[int, int]] = ()) -> None:
         """Start with the given half-open ranges, which may overlap."""
+        # Of each range, rising; two lists, so that bisect finds a place in either.
         self._starts: list[int] = []
+        # One past the last number of each range, in the same order.
         self._ends: list[int] = []
         for first, past in ranges:
             self.add(first, past)

@@ -37,8 +37,11 @@ class Ranks:
     def __init__(self, parts: tuple[float, ...], kept: int = KEPT) -> None:
         """Find the quantiles ``parts`` (0 to 1); about ``kept`` numbers around each are held."""
         self.count = 0
+        # Which quantiles, 0 to 1.
         self._parts = parts
+        # About so many numbers a bracket holds after it was folded.
         self._kept = kept
+        # One for each part, in the same order.
         self._brackets = [_Bracket(kept) for _ in parts]
 
     def add_values(self, values: NDArray[np.float64]) -> None:
@@ -71,13 +74,19 @@ class _Bracket:
     """What may still be a quantile."""
 
     def __init__(self, kept: int) -> None:
+        # Numbers in `_pieces`; whoever adds them folds when they are many.
         self.waiting = 0
+        # Numbers that are held after folding.
         self._kept = kept
+        # Numbers that lie under the bracket: only how many there are is known.
         self._below = 0
         # Both ends belong to it.
         self._low, self._high = -math.inf, math.inf
+        # Came since it was folded, in no order: to sort each piece in would take longer.
         self._pieces: list[NDArray[np.float64]] = []
+        # Sorted, each of them once.
         self._values = np.empty(0)
+        # How often each of them came: a signal with few values needs little room.
         self._times = np.empty(0, np.int64)
 
     def add_values(self, numbers: NDArray[np.float64]) -> None:

@@ -51,9 +51,12 @@ class Reader:
 
     def __init__(self, engine: Engine, ledger: BlockIndex, limits: HistoryLimits) -> None:
         """Read by ``engine``, and look into the ledger's tails."""
+        # Connections that only read, one for each thread at a time.
         self._engine = engine
+        # Where blocks are, and what is in none yet.
         self._ledger = ledger
         self._limits = limits
+        # A chart that is moved asks for most of its blocks again.
         self._cache = BlockCache(limits.cached)
 
     @property

@@ -36,7 +36,10 @@ class Recent:
 
     def __init__(self) -> None:
         """Start without knowing what is there."""
+        # By channel, the time and the text of the last reading that was written. Of a channel that
+        # says nothing new, no row is written.
         self._shown: dict[int, tuple[int, str]] = {}
+        # Times that something was written; each so many, what is over is deleted.
         self._turns = 0
 
     def rows(self, tails: Mapping[int, Tail]) -> list[dict[str, Any]]:

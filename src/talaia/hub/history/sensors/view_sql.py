@@ -27,6 +27,7 @@ from sqlalchemy.schema import ExecutableDDLElement
 from sqlalchemy.sql.expression import ColumnElement
 
 from talaia.hub.store import history_tables as tables
+from talaia.hub.store.dialects.choice import find_dialect
 from talaia.model.site import SignalType, parts_of
 
 if TYPE_CHECKING:
@@ -135,21 +136,12 @@ def _drop(element: DropView, compiler: Any, **_: object) -> str:  # noqa: ANN401
     return f"DROP VIEW IF EXISTS {compiler.preparer.quote(element.name)}"
 
 
-@compiles(_Time, "sqlite")
-def _time_sqlite(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
-    inner = compiler.process(element.time_us, **kw)
-    return f"strftime('%Y-%m-%d %H:%M:%f', {inner} / 1000000.0, 'unixepoch')"
-
-
-@compiles(_Time, "postgresql")
-def _time_postgresql(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
-    return f"to_timestamp({compiler.process(element.time_us, **kw)} / 1000000.0)"
-
-
-@compiles(_Time, "mysql", "mariadb")
-def _time_mysql(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
-    inner = compiler.process(element.time_us, **kw)
-    return f"TIMESTAMPADD(MICROSECOND, {inner}, '1970-01-01 00:00:00.000000')"
+@compiles(_Time)
+def _time(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
+    dialect = find_dialect(compiler.dialect.name)
+    if dialect is None:
+        raise ValueError(f"no words for {compiler.dialect.name}")
+    return dialect.time_of(compiler.process(element.time_us, **kw))
 
 
 def _query(sensor: SensorView) -> Select[Any] | CompoundSelect[Any]:

@@ -68,16 +68,26 @@ class _Draft:
     """What the next commit writes."""
 
     def __init__(self) -> None:
+        # Of the journal: every batch as it came.
         self.rows: list[dict[str, Any]] = []
+        # What is lost for good.
         self.gaps: list[dict[str, Any]] = []
+        # The samples of `rows`, for the tails once they are committed.
         self.chunks: list[Chunk] = []
+        # Channels whose tails become blocks, and those that are only saved as they are.
         self.seals: list[Sealed] = []
         self.saves: list[Saved] = []
+        # Readings that the views show.
         self.recent: list[dict[str, Any]] = []
+        # Blocks that are dropped.
         self.doomed: list[Doomed] = []
+        # The last rollup rows of each channel that is sealed, as they are after it.
         self.newest: dict[int, Newest] = {}
+        # By boot, where the ranges begin that stand in the database after it.
         self.ranges: dict[int, set[int]] = {}
+        # Something got a number or another name, which has to be written though no row is.
         self.named = False
+        # In `rows`; how much is sealed next goes by it.
         self.samples = 0
 
     def __bool__(self) -> bool:
@@ -108,15 +118,23 @@ class BlockIndex:
         self.tails = Tails(1, 0, limits.recent)
         self.run = 0
         self._recent = Recent()
+        # The last rollup rows of each channel, to which its next block adds.
         self._newest: dict[int, Newest] = {}
+        # By boot, where the ranges begin that stand in the database: those that were joined go.
         self._written_ranges: dict[int, set[int]] = {}
+        # By boot, the numbers of all samples that are stored: what comes again is passed over.
         self._stored: dict[int, Ranges] = {}
+        # The same with what is recorded as lost; a gateway need not send below the first hole.
         self._settled: dict[int, Ranges] = {}
+        # Boots whose ranges are not in the database as they are here.
         self._changed: set[int] = set()
         self._next_row = 1
+        # From this number on readers take no block: their samples are in the tails still.
         self._next_block = 1
         self._journal = JournalRows()
+        # What of the tails the next commit writes; compressed while nobody waits.
         self._plan: _Plan | None = None
+        # Came since the last plan: the next one seals twice as many, so it does not fall behind.
         self._samples = 0
         self.written = 0
 
@@ -129,7 +147,7 @@ class BlockIndex:
         self._plan = None
         with self._engine.begin() as connection:
             names.load(connection)
-            self._load_ranges(connection)
+            _load_ranges(connection, self._written_ranges, self._stored, self._settled)
             last_block = connection.scalar(select(func.max(tables.body.c.block_id))) or 0
             self._next_block = last_block + 1
             done = max(names.saved_row.values(), default=0)
@@ -202,14 +220,6 @@ class BlockIndex:
             self._plan = _Plan(
                 first_block, [self._seal(channel, enough) for channel in chosen], saves
             )
-
-    def _load_ranges(self, connection: Connection) -> None:
-        for row in connection.execute(select(tables.stored_range)):
-            self._written_ranges.setdefault(row.boot_id, set()).add(row.first_seq)
-            self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
-            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
-        for row in connection.execute(select(tables.gap)):
-            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.last_seq + 1)
 
     def _replay(self, connection: Connection, names: Names, tails: Tails) -> None:
         rows = connection.execution_options(yield_per=500).execute(
@@ -388,6 +398,21 @@ class BlockIndex:
         self.tails.add(draft.chunks)
         for row in draft.rows:
             self._journal.append(row["id"], row["samples"])
+
+
+def _load_ranges(
+    connection: Connection,
+    written: dict[int, set[int]],
+    stored: dict[int, Ranges],
+    settled: dict[int, Ranges],
+) -> None:
+    """Fill in, by boot, where ranges begin, what is stored, and what is stored or lost."""
+    for row in connection.execute(select(tables.stored_range)):
+        written.setdefault(row.boot_id, set()).add(row.first_seq)
+        stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
+        settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
+    for row in connection.execute(select(tables.gap)):
+        settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.last_seq + 1)
 
 
 def _sealing_size(limits: HistoryLimits, channels: int) -> int:

@@ -50,10 +50,15 @@ class Names:
         self.saved_row: dict[int, int] = {}
         self.longest_us: dict[int, int] = {}
         self.boots: dict[tuple[str, str], int] = {}
+        # Lists of channels by their bytes: the same list of another day gets the same number.
         self._catalogues: dict[bytes, Catalogue] = {}
+        # The same lists by number, to read the journal.
         self._by_id: dict[int, Catalogue] = {}
+        # What the last lists of addresses are called: they come with each batch.
         self._lists: dict[tuple[str, tuple[str, ...]], Catalogue] = {}
+        # Rows that the next commit writes, with their tables.
         self._new: list[tuple[Table, dict[str, Any]]] = []
+        # New addresses that the next commit writes, by channel id.
         self._renamed: dict[int, str] = {}
 
     def load(self, connection: Connection) -> None:

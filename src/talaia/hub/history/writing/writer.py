@@ -49,9 +49,13 @@ class Writer:
         self, ledger: BlockIndex, checkpoints: Checkpoints, clock: Clock, linger_s: float
     ) -> None:
         """Prepare; `start` begins."""
+        # What is known of the database; nobody else changes it.
         self._ledger = ledger
+        # Are told of each commit, and do their part between two of them.
         self._checkpoints = checkpoints
+        # Measures how long ago the last commit began.
         self._clock = clock
+        # So long after the last commit began, the next one waits for more to come.
         self._linger_s = linger_s
         # Guards the queue, which the event loop fills and the writing thread empties.
         self._changed = threading.Condition()

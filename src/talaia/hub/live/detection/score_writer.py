@@ -58,7 +58,9 @@ class ScoreWriter:
             )
             first = self._first.get(site, 0)
             try:
-                await self._history.append(site, self._run, first, addresses, columns)
+                await self._history.append(
+                    site, self._run, first, addresses=addresses, columns=columns
+                )
             except _FAILS:
                 # Those that came meanwhile stand behind.
                 self._waiting[site] = (waiting + self._waiting[site])[:_MOST_SCORES]

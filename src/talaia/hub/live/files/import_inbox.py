@@ -106,7 +106,7 @@ class ImportInbox:
     async def _append(self, head: Head, stretch: ImportChunk) -> None:
         boot = boot_of(head.digest, stretch.address)
         await self._history.append(
-            head.site, boot, stretch.first, [stretch.address], stretch.columns
+            head.site, boot, stretch.first, addresses=[stretch.address], columns=stretch.columns
         )
 
     async def _try(self, path: Path) -> None:

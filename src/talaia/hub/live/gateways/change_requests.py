@@ -49,7 +49,7 @@ class ChangeRequestClient:
             )
         base = digest_of(live.gateway.source)
         data = await asyncio.to_thread(deflated, text)
-        seal = seal_of(key_hash, name, who, base, text)
+        seal = seal_of(key_hash, change_id=name, who=who, base=base, text=text)
         answer: asyncio.Future[ChangeState] = asyncio.get_running_loop().create_future()
         self._asked[name] = (live.name, answer)
         self._notes[name] = note

@@ -65,9 +65,7 @@ class ChannelMaps:
             PeerError: it is numbered by a list that the hub was not told, or out of it.
 
         """
-        columns = unpack(
-            message.base_us, message.channel, message.offset, message.value, message.texts
-        )
+        columns = unpack(message)
         return Batch(message.boot, message.first, self._addresses(message, columns), columns)
 
     def newest(self, message: NewestBatch) -> tuple[tuple[str, ...], NewestSamples]:

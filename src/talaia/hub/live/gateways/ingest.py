@@ -162,9 +162,9 @@ class Ingest:
                 first.boot,
                 first.first,
                 first.last,
-                first.from_us,
-                first.to_us,
-                first.reason,
+                from_us=first.from_us,
+                to_us=first.to_us,
+                reason=first.reason,
             )
         else:
             pieces = self._pieces()
@@ -194,7 +194,9 @@ class Ingest:
     async def _append(self, piece: list[Batch]) -> None:
         first = piece[0]
         columns = join([batch.columns for batch in piece])
-        await self._history.append(self._site, first.boot, first.first, first.addresses, columns)
+        await self._history.append(
+            self._site, first.boot, first.first, addresses=first.addresses, columns=columns
+        )
 
     def _pieces(self) -> list[list[Batch]]:
         """Take from the front the batches of one commit, those together that follow each other."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from talaia.wire.columns import MAX_SAMPLES, MAX_SPAN_US, Columns, pack
+from talaia.wire.columns import MAX_SAMPLES, MAX_SPAN_US, Columns, PackedColumns, pack
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -87,14 +87,14 @@ def newest(columns: Columns) -> Columns:
     return pick(columns, keep)
 
 
-def frames_of(columns: Columns) -> list[tuple[Columns, tuple[int, bytes, bytes, bytes]]]:
+def frames_of(columns: Columns) -> list[PackedColumns]:
     """Pack columns, cut in pieces that a batch can hold."""
     if not len(columns):
         return []
     times = columns.time_us
     spans = int(times.max()) - int(times.min()) > MAX_SPAN_US
     if len(columns) <= MAX_SAMPLES and not spans:
-        return [(columns, pack(columns))]
+        return [pack(columns)]
     half = len(columns) // 2
     first = np.zeros(len(columns), bool)
     first[:half] = True

@@ -202,7 +202,12 @@ def values_of(sub: int, columns: Columns) -> list[Values]:
     """Make the messages that carry columns, cut where a batch can hold no more."""
     return [
         Values(
-            sub=sub, base_us=base, channel=channel, offset=offset, value=value, texts=piece.texts
+            sub=sub,
+            base_us=packed.base_us,
+            channel=packed.channel,
+            offset=packed.offset,
+            value=packed.value,
+            texts=packed.texts,
         )
-        for piece, (base, channel, offset, value) in frames_of(columns)
+        for packed in frames_of(columns)
     ]

@@ -24,6 +24,7 @@ class FailedLogins:
         """Keep the counts of ``throttle``."""
         self._database = database
         self._clock = clock
+        # What it counts is in memory, and kept here so that a restart forgets nothing.
         self._throttle = throttle
 
     async def bring_back(self) -> None:

@@ -41,6 +41,7 @@ class SecondFactors:
         """Keep secrets under the seal that ``seal`` gives, when there is one to keep."""
         self._database = database
         self._clock = clock
+        # Secrets are sealed in the database: who reads a backup cannot make codes.
         self._seal = seal
 
     async def offer(self, user: int) -> str | None:

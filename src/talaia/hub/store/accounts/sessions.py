@@ -53,7 +53,9 @@ class Sessions:
         """Take the time-outs from ``settings``."""
         self._database = database
         self._clock = clock
+        # A session that nobody used for so long is over.
         self._idle_us = round(settings.idle_s * 1e6)
+        # So long after it began, it is over however much it is used.
         self._life_us = round(settings.life_s * 1e6)
 
     async def begin(self, user: int, address: str, agent: str = "") -> tuple[str, LiveSession]:

@@ -72,6 +72,7 @@ class NotifyStore:
     def __init__(self, database: Database, seal: Callable[[], Seal]) -> None:
         """Work on ``database``; secrets are kept under the seal that ``seal`` gives."""
         self._database = database
+        # Passwords of mail servers and the like are sealed in the database.
         self._seal = seal
 
     async def ways(self) -> list[Way]:

@@ -42,6 +42,7 @@ class GatewayPresence:
         # By gateway and by site, what is to be written of each.
         self._gateways: dict[int, dict[str, object]] = {}
         self._sites: dict[str, dict[str, object]] = {}
+        # Ends the wait between two writes at once.
         self._stopping = asyncio.Event()
 
     def linked(self, gateway: int, site: str, version: str, address: str) -> None:

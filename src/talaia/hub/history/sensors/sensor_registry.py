@@ -1,0 +1,120 @@
+"""What every signal is, or was, and the views of sensors that are made behind a description."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from talaia.hub.history.errors import HistoryError
+from talaia.hub.history.sensors.sensor_views import (
+    kinds_of,
+    read_kinds,
+    remember_sensors,
+    rename_sensors,
+    show_sensors,
+)
+from talaia.hub.history.sensors.view_sql import sensors_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from sqlalchemy import Engine
+
+    from talaia.hub.history.database_threads import DatabaseThreads
+    from talaia.hub.history.sensors.sensor_views import StoredSensorKind
+    from talaia.hub.history.sensors.view_sql import SensorView
+    from talaia.model.site import Site
+
+__all__ = ["SensorRegistry"]
+
+_LOG = logging.getLogger(__name__)
+# So long a description waits for the views of its sensors; the rest are made behind it.
+_VIEWS_S = 1.0
+
+
+class SensorRegistry:
+    """Kinds in memory are those in the database: both change together, the database first."""
+
+    def __init__(self, threads: DatabaseThreads, reading: Engine, writing: Engine) -> None:
+        """Read and write in ``threads``; `open` comes first."""
+        # What is asked here stands in the queue with charts.
+        self._threads = threads
+        # Read once, when the hub begins.
+        self._reading = reading
+        # The one connection that writes; the samples' commits use it in between.
+        self._writing = writing
+        # What each signal is, or was when it was last described, by site and address. Every page
+        # asks for all of them, so they are not read from the database each time.
+        self._kinds: dict[tuple[str, str], StoredSensorKind] = {}
+        # Views that are being made; the event loop itself holds tasks only weakly.
+        self._showing: set[asyncio.Task[None]] = set()
+        # Sites take turns: the writing connection is one, and samples need it in between.
+        self._one_site = asyncio.Lock()
+        # Views that are not made yet wait for the next description.
+        self._closing = False
+
+    async def open(self) -> None:
+        """Read what all signals of all times were.
+
+        Raises:
+            HistoryError: the database cannot be read.
+
+        """
+        self._kinds = await self._threads.run_query(read_kinds, self._reading)
+
+    def kind_of(self, site: str, address: str) -> StoredSensorKind | None:
+        """Give what a channel's signal is, or was when it was last described; None: not known."""
+        return self._kinds.get((site, address.partition(".")[0]))
+
+    async def describe_site(self, site: Site, channels: Mapping[tuple[str, str], int]) -> None:
+        """Write down what a description's sensors are, and make their views.
+
+        A database that refuses views (it takes a right of its own on a server) keeps the samples
+        all the same; that is logged.
+
+        Args:
+            site: the description.
+            channels: the numbers of all channels, by site and address.
+
+        Raises:
+            HistoryError: what they are is not stored.
+
+        """
+        sensors = sensors_of(site, channels)
+        missing = await self._threads.run_query(remember_sensors, self._writing, site.site, sensors)
+        for address, kind in kinds_of(sensors).items():
+            self._kinds[site.site, address] = kind
+        task = asyncio.create_task(self._show_sensors(site.site, missing))
+        self._showing.add(task)
+        task.add_done_callback(self._showing.discard)
+        # The views of many sensors take a while: the gateway's samples do not wait for them.
+        await asyncio.wait({task}, timeout=_VIEWS_S)
+
+    async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
+        """Let signals go on under other addresses; ``moves``: new channels by former ones.
+
+        Raises:
+            HistoryError: nothing is renamed.
+
+        """
+        signals = {old.partition(".")[0]: new.partition(".")[0] for old, new in moves.items()}
+        await self._threads.run_query(rename_sensors, self._writing, site, signals)
+        for old, new in signals.items():
+            if (kind := self._kinds.pop((site, old), None)) is not None:
+                self._kinds.setdefault((site, new), kind)
+
+    async def _show_sensors(self, site: str, sensors: list[SensorView]) -> None:
+        async with self._one_site:
+            try:
+                await self._threads.run_query(
+                    show_sensors, self._writing, site, sensors, lambda: self._closing
+                )
+            except HistoryError as error:
+                # Views need a right of their own on a server; samples are kept without them.
+                _LOG.warning("the sensors of %s have no views for SQL: %s", site, error)
+
+    async def close(self) -> None:
+        """Stop making views, and wait for those of the transaction that is under way."""
+        self._closing = True
+        await asyncio.gather(*self._showing, return_exceptions=True)

@@ -1,0 +1,134 @@
+"""What the hub asks of each engine in its own words; everything else is SQLAlchemy's to say."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from contextlib import AbstractContextManager
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+    from sqlalchemy import URL, Connection, Engine, Select, Table
+    from sqlalchemy.sql.selectable import CompoundSelect
+
+    # A column's values, in the order of the rows.
+    Values = Sequence[Any] | NDArray[Any]
+    Query = Select[Any] | CompoundSelect[Any]
+
+__all__ = ["WRITES", "Dialect", "Row"]
+
+Row = dict[str, Any]
+# The execution option of a connection whose transactions write.
+WRITES = "talaia_writes"
+
+
+class Dialect(Protocol):
+    """One engine; without state.
+
+    Attributes:
+        waiting: the driver for the event loop, as SQLAlchemy names it.
+        blocking: the driver for threads.
+        extra: the extra of our package that brings them.
+        is_server: it is reached over a network, and its disk is not ours.
+        has_checkpoints: somebody has to keep its journal short.
+        remedy: what to do when it cannot be opened.
+
+    """
+
+    waiting: str
+    blocking: str
+    extra: str
+    is_server: bool
+    has_checkpoints: bool
+    remedy: str
+
+    # ── connections ──
+
+    def connect_arguments(self, driver: str) -> Mapping[str, Any]:
+        """Give a driver's further arguments; a server lets us in within seconds or not at all."""
+        ...
+
+    def tls_argument(self, driver: str) -> str:
+        """Name the argument by which a driver takes an `ssl.SSLContext`."""
+        ...
+
+    def prepare_accounts(self, engine: Engine) -> None:
+        """Prepare the connections for accounts; those with the option `WRITES` write."""
+        ...
+
+    def prepare_history(self, engine: Engine, *, writes: bool) -> None:
+        """Prepare the connections for the history, which write or only read."""
+        ...
+
+    def open_snapshot(self, engine: Engine) -> Engine:
+        """Give an engine whose transactions see one state, however long they take."""
+        ...
+
+    def driver_errors(self, engine: Engine) -> tuple[type[Exception], ...]:
+        """Give errors of a driver that SQLAlchemy does not translate."""
+        ...
+
+    # ── taking turns ──
+
+    def await_write_turn(self, connection: Connection) -> None:
+        """Wait until no other transaction writes accounts; ours holds the turn to its end."""
+        ...
+
+    def hold_migrations(self, connection: Connection) -> AbstractContextManager[None]:
+        """Keep other programs from changing tables meanwhile.
+
+        Raises:
+            StoreDown: another one does so, and does not end.
+
+        """
+        ...
+
+    # ── many rows ──
+
+    def write_rows(
+        self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
+    ) -> None:
+        """Insert rows with the same keys; ``in_place`` of those with the same primary key.
+
+        A statement for each row would be most of the time on a server: every one waits for an
+        answer. And these few statements run a thousand times a second, so their words are made
+        once.
+        """
+        ...
+
+    def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
+        """Run a query whose columns are times (µs) and values in turn, and give each column.
+
+        A column holds numbers, or None for NULL. There is no column when there is no row.
+        """
+        ...
+
+    def advance_sequences(self, connection: Connection, table: Table) -> None:
+        """Number new rows behind those that were copied into a table with their numbers."""
+        ...
+
+    # ── words ──
+
+    def time_of(self, microseconds: str) -> str:
+        """Write the SQL for a time as people read it, of SQL for microseconds since the epoch."""
+        ...
+
+    def store_uncompressed(self, connection: Connection, table: Table) -> None:
+        """Keep the engine from compressing a new table's column ``body`` once more."""
+        ...
+
+    # ── what it takes ──
+
+    def product_name(self, connection: Connection) -> str:
+        """Name the product."""
+        ...
+
+    def measure_size(self, connection: Connection) -> tuple[int, int]:
+        """Give what the database takes, and what more is free inside of it (bytes)."""
+        ...
+
+    def file_of(self, url: URL) -> Path | None:
+        """Give the file that holds the database; none for a server's."""
+        ...

@@ -1,0 +1,181 @@
+"""MariaDB and MySQL, by aiomysql for accounts and by PyMySQL for the history.
+
+SQLAlchemy is told "mysql" for both brands, so that each statement is written the same for both.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sqlalchemy import case, event, func, or_, select, text
+
+from talaia.hub.errors import StoreDown
+from talaia.hub.store.dialects.statement_words import insert_head, split_names
+from talaia.hub.store.tables import write_turn
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from sqlalchemy import URL, Connection, Engine, Table
+    from sqlalchemy.engine.interfaces import DBAPIConnection
+    from sqlalchemy.pool import ConnectionPoolEntry
+
+    from talaia.hub.store.dialects.dialect import Query, Row, Values
+
+__all__ = ["MariadbDialect"]
+
+# A server may take so long to let us in (s).
+_CONNECT_S = 5
+# A lock's name is the whole server's, so the database's name is in it.
+_LOCK_NAME = "talaia migrations in "
+# So long a program waits for another one that changes the tables (s).
+_MIGRATE_S = 120
+
+
+class MariadbDialect:
+    """See `Dialect`."""
+
+    waiting = "mysql+aiomysql"
+    blocking = "mysql+pymysql"
+    extra = "mariadb"
+    is_server = True
+    has_checkpoints = False
+    remedy = "check that the server runs, and that the database and its user are there"
+
+    def connect_arguments(self, driver: str) -> Mapping[str, Any]:
+        """Bound the time it takes to be let in."""
+        del driver
+        return {"connect_timeout": _CONNECT_S}
+
+    def tls_argument(self, driver: str) -> str:
+        """Name it."""
+        del driver
+        return "ssl"
+
+    def prepare_accounts(self, engine: Engine) -> None:
+        """Mend what aiomysql has lost."""
+        event.listen(engine, "connect", _let_bytes_pass)
+
+    def prepare_history(self, engine: Engine, *, writes: bool) -> None:
+        """Allow the long texts that `fetch_columns` asks for."""
+        del writes
+        event.listen(engine, "connect", _gather_long)
+
+    def open_snapshot(self, engine: Engine) -> Engine:
+        """Take the level at which a transaction sees the state of its first statement."""
+        return engine.execution_options(isolation_level="REPEATABLE READ")
+
+    def driver_errors(self, engine: Engine) -> tuple[type[Exception], ...]:
+        """Give none: all are translated."""
+        del engine
+        return ()
+
+    def await_write_turn(self, connection: Connection) -> None:
+        """Lock the one row of a table that is there for this; it ends with the transaction."""
+        connection.execute(select(write_turn.c.id).with_for_update())
+
+    @contextlib.contextmanager
+    def hold_migrations(self, connection: Connection) -> Iterator[None]:
+        """Take a lock by name: row locks end with the first change of a table, this one lasts."""
+        name = {"name": _LOCK_NAME + (connection.engine.url.database or "")}
+        words = text("SELECT GET_LOCK(:name, :wait)")
+        if connection.execute(words, {**name, "wait": _MIGRATE_S}).scalar() != 1:
+            raise StoreDown("another program is changing the tables", "try again soon")
+        try:
+            yield
+        finally:
+            connection.execute(text("SELECT RELEASE_LOCK(:name)"), name)
+
+    def write_rows(
+        self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
+    ) -> None:
+        """Let the driver make one statement of all rows."""
+        values = [tuple(row.values()) for row in rows]
+        words = _insert_words(table, tuple(rows[0]), in_place)
+        connection.exec_driver_sql(words, values if len(values) > 1 else values[0])
+
+    def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
+        """Ask for one long text of each column: PyMySQL is Python, ten times slower by rows.
+
+        MariaDB shortens a number that it turns into a text before it is gathered, so NULL cannot
+        become a word there; buckets of nothing but NaN are rare enough to ask again for all.
+        """
+        columns = list(query.subquery().c)
+        has_null = case((or_(*(column.is_(None) for column in columns[1::2])), 1), else_=0)
+        texts = [func.group_concat(func.ifnull(column, 0)) for column in columns]
+        *found, empty = connection.execute(select(*texts, func.sum(has_null))).one()
+        if empty:
+            return iter(zip(*connection.execute(query).all(), strict=True))
+        if found[0] is None:
+            return iter(())
+        # Times are whole numbers that a float would round.
+        return (
+            np.fromstring(column or "", np.float64 if at % 2 else np.int64, sep=",")
+            for at, column in enumerate(found)
+        )
+
+    def advance_sequences(self, connection: Connection, table: Table) -> None:
+        """Do nothing: the next number is one past the greatest that is there."""
+        del connection, table
+
+    def time_of(self, microseconds: str) -> str:
+        """Write a time in UTC: a TIMESTAMP would end in 2038."""
+        return f"TIMESTAMPADD(MICROSECOND, {microseconds}, '1970-01-01 00:00:00.000000')"
+
+    def store_uncompressed(self, connection: Connection, table: Table) -> None:
+        """Do nothing: it compresses nothing unless it is told to."""
+        del connection, table
+
+    def product_name(self, connection: Connection) -> str:
+        """Name the brand that answers."""
+        return "MariaDB" if getattr(connection.dialect, "is_mariadb", False) else "MySQL"
+
+    def measure_size(self, connection: Connection) -> tuple[int, int]:
+        """Sum up the tables; what is free inside is the server's own matter."""
+        found = connection.exec_driver_sql(
+            "SELECT SUM(data_length + index_length) FROM information_schema.tables"
+            " WHERE table_schema = DATABASE()"
+        )
+        return int(found.scalar() or 0), 0
+
+    def file_of(self, url: URL) -> Path | None:
+        """Give none."""
+        del url
+        return None
+
+
+@cache
+def _insert_words(table: Table, names: tuple[str, ...], in_place: bool) -> str:  # noqa: FBT001
+    past = ""
+    if in_place:
+        _, others = split_names(table, names)
+        changes = ", ".join(f"{name} = VALUES({name})" for name in others)
+        past = f" ON DUPLICATE KEY UPDATE {changes}"
+    return f"{insert_head(table, names)}({', '.join(['%s'] * len(names))}){past}"
+
+
+def _let_bytes_pass(connection: DBAPIConnection, _record: object) -> None:
+    """Write bytes as MariaDB reads them: aiomysql 0.3 has lost how.
+
+    It imports from PyMySQL what is not there any more since its 1.2:
+    https://github.com/PyMySQL/PyMySQL/issues/1274.
+    """
+    driver: Any = connection.driver_connection
+    escape = driver.escape
+
+    def with_bytes(value: object) -> str:
+        said: str = f"_binary X'{value.hex()}'" if isinstance(value, bytes) else escape(value)
+        return said
+
+    driver.escape = with_bytes
+
+
+def _gather_long(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
+    """Let MariaDB make one text of many rows; it would cut it off at a megabyte, silently."""
+    cursor = connection.cursor()
+    cursor.execute("SET SESSION group_concat_max_len = 67108864")
+    cursor.close()

@@ -1,0 +1,221 @@
+"""SQLite: a commit lasts, and readers never wait."""
+
+from __future__ import annotations
+
+import contextlib
+import sqlite3
+from functools import cache
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import event
+from sqlalchemy.exc import OperationalError
+
+from talaia.hub.store.dialects.dialect import WRITES
+from talaia.hub.store.dialects.statement_words import insert_head, on_conflict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from sqlalchemy import URL, Connection, Engine, Table
+    from sqlalchemy.engine.interfaces import DBAPIConnection
+    from sqlalchemy.pool import ConnectionPoolEntry
+
+    from talaia.hub.store.dialects.dialect import Query, Row, Values
+
+__all__ = ["SqliteConnection", "SqliteDialect", "copy_file", "open_sqlite"]
+
+# A commit is on the disk when it ends (FULL), and stops no reader (WAL). Without a time to wait, a
+# second writer would fail at once.
+_ALWAYS = (
+    "busy_timeout=10000",
+    "journal_mode=WAL",
+    "synchronous=FULL",
+    "journal_size_limit=16777216",
+)
+# Of pages, each of the history's connections holds so many (KiB). More is of no use: each commit
+# makes the readers forget theirs, the journal is only ever added to, and what is read again comes
+# from the system's cache.
+_CACHE_KIB = 2048
+
+
+class SqliteConnection(sqlite3.Connection):
+    """Gives its locks back the moment it is closed; a ``factory`` of sqlite3.
+
+    SQLite itself waits with that until the last statement is gone
+    (https://sqlite.org/c3ref/close.html), and a statement lives as long as somebody holds the
+    exception that left its transaction: one request that was cut off would keep all others from
+    writing.
+    """
+
+    def close(self) -> None:
+        """Give up what was begun, and close."""
+        # One that is closed already says so, here and below.
+        with contextlib.suppress(sqlite3.Error):
+            self.rollback()
+        super().close()
+
+
+class SqliteDialect:
+    """See `Dialect`."""
+
+    waiting = "sqlite+aiosqlite"
+    blocking = "sqlite"
+    extra = "hub"
+    is_server = False
+    has_checkpoints = True
+    remedy = "check that its folder exists and is writable"
+
+    def connect_arguments(self, driver: str) -> Mapping[str, Any]:
+        """Let requests that were cut off give their locks back."""
+        return {"factory": SqliteConnection} if driver == self.waiting else {}
+
+    def tls_argument(self, driver: str) -> str:
+        """Refuse: a file has no network before it."""
+        raise ValueError(f"{driver} takes no TLS")
+
+    def prepare_accounts(self, engine: Engine) -> None:
+        """Begin transactions ourselves, and keep foreign keys."""
+        event.listen(engine, "connect", open_sqlite("foreign_keys=ON"))
+        event.listen(engine, "begin", _begin_accounts)
+
+    def prepare_history(self, engine: Engine, *, writes: bool) -> None:
+        """Begin transactions ourselves; `Checkpoints` copies the journal, not a commit."""
+        opened = open_sqlite("wal_autocheckpoint=0", f"cache_size=-{_CACHE_KIB}")
+        event.listen(engine, "connect", opened)
+        event.listen(engine, "begin", _begin_writing if writes else _begin_reading)
+
+    def open_snapshot(self, engine: Engine) -> Engine:
+        """Give it as it is: transactions see one state anyway, by no name of a level."""
+        return engine
+
+    def driver_errors(self, engine: Engine) -> tuple[type[Exception], ...]:
+        """Give none: sqlite3's errors are all translated."""
+        del engine
+        return ()
+
+    def await_write_turn(self, connection: Connection) -> None:
+        """Do nothing: ``BEGIN IMMEDIATE`` has waited for the turn."""
+        del connection
+
+    @contextlib.contextmanager
+    def hold_migrations(self, connection: Connection) -> Iterator[None]:
+        """Do nothing: the transaction has the turn to write, and changes of tables are in it."""
+        del connection
+        yield
+
+    def write_rows(
+        self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
+    ) -> None:
+        """Run one prepared statement for all rows."""
+        values = [tuple(row.values()) for row in rows]
+        words = _insert_words(table, tuple(rows[0]), in_place)
+        connection.exec_driver_sql(words, values if len(values) > 1 else values[0])
+
+    def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
+        """Take rows as the driver makes them: to make SQLAlchemy's of them takes as long again."""
+        result = connection.execute(query)
+        rows: Sequence[Sequence[Any]] = result.cursor.fetchall()
+        result.close()
+        if not rows:
+            return iter(())
+        # A zip of thousands of rows would make an iterator of each.
+        flat, count = list(chain.from_iterable(rows)), len(rows[0])
+        return (flat[at::count] for at in range(count))
+
+    def advance_sequences(self, connection: Connection, table: Table) -> None:
+        """Do nothing: the next number is one past the greatest that is there."""
+        del connection, table
+
+    def time_of(self, microseconds: str) -> str:
+        """Write a text in UTC: there is no type for times."""
+        return f"strftime('%Y-%m-%d %H:%M:%f', {microseconds} / 1000000.0, 'unixepoch')"
+
+    def store_uncompressed(self, connection: Connection, table: Table) -> None:
+        """Do nothing: it compresses nothing."""
+        del connection, table
+
+    def product_name(self, connection: Connection) -> str:
+        """Name it."""
+        del connection
+        return "SQLite"
+
+    def measure_size(self, connection: Connection) -> tuple[int, int]:
+        """Count pages: deleted ones stay in the file and are used again."""
+        pages = connection.exec_driver_sql("PRAGMA page_count").scalar() or 0
+        spare = connection.exec_driver_sql("PRAGMA freelist_count").scalar() or 0
+        size = connection.exec_driver_sql("PRAGMA page_size").scalar() or 0
+        return int((pages - spare) * size), int(spare * size)
+
+    def file_of(self, url: URL) -> Path | None:
+        """Give the file; none of a database in memory."""
+        return Path(url.database) if url.database else None
+
+
+def open_sqlite(*more: str) -> Callable[[DBAPIConnection, ConnectionPoolEntry], None]:
+    """Give a listener for SQLAlchemy's ``connect`` event that sets our pragmas and ``more``.
+
+    The driver would begin transactions late and commit before a change of tables; whoever listens
+    here begins them itself, so that nothing is ever half applied.
+    """
+
+    def opened(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
+        connection.isolation_level = None
+        cursor = connection.cursor()
+        for pragma in (*_ALWAYS, *more):
+            cursor.execute(f"PRAGMA {pragma}")
+        cursor.close()
+
+    return opened
+
+
+def copy_file(path: Path, file: Path) -> str:
+    """Copy a database that may be in use to a new ``file``; give its migration's number.
+
+    Raises:
+        sqlite3.Error: it cannot be read, or there is no room.
+
+    """
+    with (
+        contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as origin,
+        contextlib.closing(sqlite3.connect(file)) as copy,
+    ):
+        # In one step: it sees one state, and the hub goes on writing meanwhile.
+        origin.backup(copy)
+        # A backup is one file: WAL would leave two more beside it as soon as it is read.
+        copy.execute("PRAGMA journal_mode=DELETE")
+        found = copy.execute("SELECT version_num FROM alembic_version").fetchone()
+        return str(found[0]) if found else ""
+
+
+@cache
+def _insert_words(table: Table, names: tuple[str, ...], in_place: bool) -> str:  # noqa: FBT001
+    past = on_conflict(table, names) if in_place else ""
+    return f"{insert_head(table, names)}({', '.join('?' * len(names))}){past}"
+
+
+def _begin_accounts(connection: Connection) -> None:
+    # IMMEDIATE takes the turn to write at once: a transaction that read first could not take it
+    # later without failing, if another has written meanwhile.
+    writes = connection.get_execution_options().get(WRITES, False)
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+
+def _begin_writing(connection: Connection) -> None:
+    _begin_quickly(connection, "BEGIN IMMEDIATE")
+
+
+def _begin_reading(connection: Connection) -> None:
+    _begin_quickly(connection, "BEGIN")
+
+
+def _begin_quickly(connection: Connection, words: str) -> None:
+    # SQLAlchemy's own way to run a statement takes longer than SQLite takes to begin.
+    cursor = connection.connection.cursor()
+    try:
+        cursor.execute(words)
+    except connection.dialect.loaded_dbapi.Error as error:
+        raise OperationalError(words, None, error) from error
+    finally:
+        cursor.close()
