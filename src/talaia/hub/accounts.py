@@ -45,6 +45,7 @@ async def create_user(settings: Settings, name: str, password: str, role: str) -
     """
     check_name(name)
     check_password(password, name)
+    # Before the database is opened: bcrypt takes a while, and needs none.
     hashed = await Passwords(settings.password_cost).hash(password)
     async with _opened(settings) as database:
         await People(database, SystemClock()).add(name, hashed, role)
@@ -84,6 +85,7 @@ async def remove_factor(settings: Settings, name: str) -> bool:
         removed = await SecondFactors(database, SystemClock(), lambda: seal_of(key)).remove(
             person.id
         )
+        # Whoever had the lost device may be signed in somewhere.
         await Sessions(database, SystemClock(), settings).end_all(person.id)
         await append_audit_record(database, "person's second factor removed", name)
     return removed
@@ -134,15 +136,18 @@ async def append_audit_record(database: Database, kind: str, message: str, site:
     """Write down what was done past the pages; whoever may do it has the data folder or the URL."""
     audit = Audit(database, SystemClock())
     audit.append_record(kind, who=_WHO, message=message, site=site)
+    # Told to stop first: then `run` writes what waits, once, and returns.
     audit.stop()
     await audit.run()
 
 
 @asynccontextmanager
 async def _opened(settings: Settings) -> AsyncIterator[Database]:
+    # A command may be the first thing ever run on this folder.
     make_data_folder(settings)
     database = Database(settings.url)
     try:
+        # A hub of another version may have used it last.
         await database.migrate()
         yield database
     finally:

@@ -56,9 +56,12 @@ class Hub:
     def __init__(self, settings: Settings, clock: Clock, history: History | None = None) -> None:
         """Build every feature from those before it; nothing is opened yet."""
         self.settings = settings
+        # What the core holds belongs to no feature and is open before all of them.
         core = self.core = Core(settings=settings, clock=clock)
+        # First: features close in the reverse order, so the log is there until the end.
         self.audit = AuditFeature(core)
         log = self.audit.log
+        # Before people: a gateway's socket is admitted by the key that the registry knows.
         self.gateways = GatewaysFeature(core, audit=log)
         registry, links = self.gateways.registry, self.gateways.links
         self.people = PeopleFeature(core, audit=log, registry=registry)
@@ -67,6 +70,7 @@ class Hub:
         store = self.history.store
         self.media = MediaFeature(core, admission=admission, seats=seats, links=links)
         streams = self.media.streams
+        # Before whatever finds something: detectors, cameras and gateways all speak to the engine.
         self.alarms = AlarmsFeature(core, people=self.people.accounts, history=store, audit=log)
         alarms = self.alarms.engine
         self.notifications = NotificationsFeature(
@@ -100,6 +104,7 @@ class Hub:
             registry=registry,
             audit=log,
         )
+        # After all that a gateway's messages are led to.
         self.gateway_links = GatewayLinksFeature(
             core,
             admission=admission,
@@ -116,6 +121,7 @@ class Hub:
         )
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=store)
+        # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
             core,
             admission=admission,
@@ -149,6 +155,7 @@ class Hub:
 
     def driven(self) -> bool:
         """Tell whether somebody has control of a device anywhere."""
+        # A lease with a session is held by somebody; one without is free.
         return any(
             state.session for live in self.core.sites for state, _ in live.current.leases.values()
         )
@@ -162,6 +169,7 @@ class Hub:
             redirect_slashes=False,
         )
         answer_problems(app)
+        # The guard goes first: the limits count by the person that it finds.
         set_guards(app, self.people.access.guard, self.people.limits.ask)
         for feature in self.features:
             for socket in feature.sockets:

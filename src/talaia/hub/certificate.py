@@ -44,6 +44,7 @@ _LOG = logging.getLogger(__name__)
 _Key = ec.EllipticCurvePrivateKey | rsa.RSAPrivateKey | ed25519.Ed25519PrivateKey
 # Browsers do not take a longer life.
 _LIFE = dt.timedelta(days=825)
+# Before its end a certificate of our own is made anew; a running hub looks every hour.
 _RENEW = dt.timedelta(days=30)
 
 
@@ -76,14 +77,17 @@ def own_certificate(settings: Settings, now: dt.datetime) -> Certificate:
         CannotStart: a file is missing, cannot be read or written, or does not fit the other.
 
     """
+    # Given files are only checked: others renew them, and they are not ours to write.
     found = certificate_of(settings)
     if settings.cert is not None:
         _check_given(found, now)
         return found
     folder = found.cert.parent
+    # A name that was added since makes it due, too.
     names = {"localhost", "127.0.0.1", "::1", *settings.host_names}
     try:
         if not _is_good(found, names, now):
+            # Made with its rights: a chmod afterwards would leave it open for a moment.
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             _make(found, names, now)
         # Copied from a backup, they may have lost their rights.
@@ -104,6 +108,7 @@ def fresh_certificate(settings: Settings, now: dt.datetime, shown: str) -> Certi
 
     """
     found = own_certificate(settings, now)
+    # Compared by fingerprint, not by the file's time: a copy of the same certificate is no news.
     return None if fingerprint(found.cert) == shown else found
 
 
@@ -114,6 +119,7 @@ def fingerprint(cert: Path) -> str:
         CannotStart: the file holds no certificate.
 
     """
+    # Of the whole certificate: it changes at each renewal, while `key_hash` stays.
     return _read_cert(cert).fingerprint(hashes.SHA256()).hex(":").upper()
 
 
@@ -129,6 +135,7 @@ def key_hash(cert: Path) -> str:
 
 def _check_given(given: Certificate, now: dt.datetime) -> None:
     cert, key = _read_cert(given.cert), _read_key(given.key)
+    # OpenSSL would refuse the pair, too, but names neither file.
     if _public(cert.public_key()) != _public(key.public_key()):
         raise CannotStart(
             f"the key {given.key} is not that of the first certificate in {given.cert}",
@@ -144,12 +151,14 @@ def _check_given(given: Certificate, now: dt.datetime) -> None:
             f"the certificate {given.cert} begins on {cert.not_valid_before_utc:%Y-%m-%d}",
             "set this machine's clock",
         )
+    # A group may read it: so Debian's ssl-cert group does. The rest is warned of, not refused.
     if given.key.stat().st_mode & (stat.S_IRWXO | stat.S_IWGRP):
         _LOG.warning("others on this machine can read %s; run: chmod 600 %s", given.key, given.key)
 
 
 def _read_cert(path: Path) -> x509.Certificate:
     try:
+        # The first of the file; in a chain (RFC 8446, 4.4.2) the server's own stands first.
         return x509.load_pem_x509_certificate(_bytes_of(path))
     except ValueError as error:
         raise CannotStart(f"{path} holds no PEM certificate") from error
@@ -158,6 +167,7 @@ def _read_cert(path: Path) -> x509.Certificate:
 def _read_key(path: Path) -> _Key:
     try:
         found = serialization.load_pem_private_key(_bytes_of(path), None)
+    # So cryptography says that a password is needed and none was given.
     except TypeError as error:
         raise CannotStart(
             f"the key {path} is locked by a passphrase",
@@ -179,6 +189,7 @@ def _bytes_of(path: Path) -> bytes:
         ) from error
 
 
+# The SubjectPublicKeyInfo is what is pinned: it stays the same when the key is certified anew.
 def _public(key: CertificatePublicKeyTypes) -> bytes:
     return key.public_bytes(
         serialization.Encoding.DER, serialization.PublicFormat.SubjectPublicKeyInfo
@@ -191,16 +202,19 @@ def _is_good(own: Certificate, names: Iterable[str], now: dt.datetime) -> bool:
     try:
         found, key = _read_cert(own.cert), _read_key(own.key)
         said = found.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    # Ours, and unreadable: it is made anew rather than keep the hub from starting.
     except (CannotStart, x509.ExtensionNotFound):
         return False
     if _public(found.public_key()) != _public(key.public_key()):
         return False
+    # Names that are covered and wanted no more do no harm until the next renewal.
     covered = {str(name.value).lower() for name in said}
     return found.not_valid_after_utc - now > _RENEW and set(names) <= covered
 
 
 def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
     key = _key_of(own)
+    # For people only: what counts are the alternative names (RFC 9110, 4.3.4).
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "Talaia hub")])
     alternatives = [_alternative(name) for name in sorted(names)]
     cert = (
@@ -213,11 +227,14 @@ def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
         .not_valid_before(now - dt.timedelta(days=1))
         .not_valid_after(now + _LIFE)
         .add_extension(x509.SubjectAlternativeName(alternatives), critical=False)
+        # It certifies itself; the length lets it certify nobody who certifies others.
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]), critical=False)
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
+        # Ed25519 has its hash built in, and cryptography refuses another one.
         .sign(key, None if isinstance(key, ed25519.Ed25519PrivateKey) else hashes.SHA256())
     )
+    # Written aside: a hub that is killed here leaves the certificate of before whole.
     fresh = own.cert.with_suffix(".new")
     fresh.write_bytes(cert.public_bytes(serialization.Encoding.PEM))
     fresh.replace(own.cert)
@@ -230,12 +247,14 @@ def _key_of(own: Certificate) -> _Key:
             return _read_key(own.key)
         except CannotStart as error:
             _LOG.warning("a new key is made, gateways must enrol again: %s", error)
+    # P-256 is the curve that every browser takes.
     key = ec.generate_private_key(ec.SECP256R1())
     secret = key.private_bytes(
         serialization.Encoding.PEM,
         serialization.PrivateFormat.PKCS8,
         serialization.NoEncryption(),
     )
+    # With O_EXCL it is a new file, with these rights from the start, and no link is followed.
     own.key.unlink(missing_ok=True)
     with open(os.open(own.key, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
         file.write(secret)
@@ -244,6 +263,7 @@ def _key_of(own: Certificate) -> _Key:
 
 def _alternative(name: str) -> x509.GeneralName:
     try:
+        # An address must be said as one: browsers do not take it from a DNS name.
         return x509.IPAddress(ipaddress.ip_address(name))
     except ValueError:
         return x509.DNSName(name)

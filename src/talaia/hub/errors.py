@@ -41,6 +41,7 @@ class HubError(TalaiaError):
     def __init__(self, problem: str, remedy: str = "") -> None:
         """Keep problem and remedy apart, so a form can show each where it belongs."""
         super().__init__(problem, remedy)
+        # What is wrong, and what to do about it; the latter may be empty.
         self.problem = problem
         self.remedy = remedy
 

@@ -29,23 +29,31 @@ class RunningTask:
 
     def __init__(self, feature: str, task: BackgroundTask, first_pause_s: float) -> None:
         """Begin; an event loop runs."""
+        # What runs, and how it is told to end.
         self._task = task
         # Before it begins again for the first time (s).
         self._first_pause_s = first_pause_s
+        # For the log, and for whoever lists the tasks of the loop.
         self._name = f"{feature}: {task.name}"
+        # Set once, by `end`; from then on nothing begins again.
         self._stopping = asyncio.Event()
+        # Kept, so that it is waited for; the loop itself holds tasks only weakly.
         self._running = asyncio.create_task(self._supervise(), name=self._name)
 
     async def end(self) -> None:
         """Let the task end, and wait until it has."""
+        # Before the task is told: what ends because of that must not count as a death.
         self._stopping.set()
+        # It has nothing to write down; it may be ended anywhere.
         if self._task.stop is None:
             self._running.cancel()
         else:
             self._task.stop()
+        # A cancellation comes back as a value here: it is what was asked for.
         await asyncio.gather(self._running, return_exceptions=True)
 
     async def _supervise(self) -> None:
+        # The loop's clock is monotonic: a set wall clock makes no pause longer or shorter.
         loop, pause_s = asyncio.get_running_loop(), self._first_pause_s
         while True:
             began_s = loop.time()
@@ -58,6 +66,7 @@ class RunningTask:
                     _LOG.error("the background task %r ended by itself", self._name)
             if self._stopping.is_set():
                 return
+            # It ran well for a while: this is a new trouble, and no part of the one before.
             if loop.time() - began_s > LONGEST_PAUSE_S:
                 pause_s = self._first_pause_s
             _LOG.warning("the background task %r begins again in %g s", self._name, pause_s)
@@ -86,7 +95,9 @@ async def opened(
 
     """
     async with AsyncExitStack() as stack:
+        # Filled once all are open; what closes a feature that opened before has the list already.
         running: dict[str, list[RunningTask]] = {feature.name: [] for feature in features}
+        # Pushed before it opens: a migration that fails has connections open, too.
         stack.push_async_callback(core.close)
         await core.open()
         for feature in features:
@@ -99,6 +110,7 @@ async def opened(
         yield
 
 
+# Its tasks end while all that they use is still open.
 async def _close(feature: Feature, running: list[RunningTask]) -> None:
     for task in reversed(running):
         await task.end()

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LOCK", "HubRuns", "hub_lock"]
 
+# Never removed: were it, two programs could each have a lock on a file of that name.
 LOCK = "hub.lock"
 
 
@@ -32,6 +33,7 @@ def hub_lock(data: Path) -> Iterator[None]:
 
     """
     try:
+        # O_CLOEXEC: a program that is started from here would hold the lock on after our end.
         number = os.open(data / LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     except OSError as error:
         raise CannotStart(
@@ -40,6 +42,7 @@ def hub_lock(data: Path) -> Iterator[None]:
         ) from error
     try:
         try:
+            # The kernel drops it with the last descriptor: who is killed leaves no stale lock.
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             raise HubRuns(
@@ -48,4 +51,5 @@ def hub_lock(data: Path) -> Iterator[None]:
             ) from error
         yield
     finally:
+        # Lets go of the lock, too.
         os.close(number)

@@ -75,10 +75,13 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/enrol"): AccessNeed.OPEN,
     },
     "people": {
+        # Wrong tries are counted, and more of them must wait (`auth.throttle`).
         ("POST", "/api/login"): AccessNeed.OPEN,
+        # Whoever has the token that the hub wrote at its start; it is used up by the first admin.
         ("POST", "/api/setup"): AccessNeed.OPEN,
         ("POST", "/api/logout"): AccessNeed.OWN,
         ("GET", "/api/me"): AccessNeed.SESSION,
+        # A token that got out must not be able to take the account over.
         ("POST", "/api/me/password"): AccessNeed.OWN,
         ("GET", "/api/me/sessions"): AccessNeed.OWN,
         ("DELETE", "/api/me/sessions"): AccessNeed.OWN,
@@ -87,6 +90,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("POST", "/api/me/factor/confirm"): AccessNeed.OWN,
         ("POST", "/api/me/factor/remove"): AccessNeed.OWN,
         ("GET", "/api/me/tokens"): AccessNeed.OWN,
+        # A token must not outlive itself by making another.
         ("POST", "/api/me/tokens"): AccessNeed.OWN,
         ("DELETE", "/api/me/tokens/{token}"): AccessNeed.OWN,
         ("GET", "/api/people"): AccessNeed.ADMIN,
@@ -191,6 +195,7 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,
     },
     "pages": {
+        # For whoever watches the hub from outside, without an account.
         ("GET", "/api/health"): AccessNeed.OPEN,
         ("GET", "/api/openapi.json"): AccessNeed.ADMIN,
         # Lists what is open to the person, and no more.
@@ -198,14 +203,17 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/sites"): AccessNeed.SESSION,
         ("GET", "/api/sites/{site}"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/events"): AccessNeed.SEE,
+        # The pages' own files, before anybody is signed in; they hold nothing of a site.
         ("GET", "/{path:path}"): AccessNeed.OPEN,
     },
 }
 
+# Method and path as the route has it, with its placeholders.
 ROUTES: Mapping[tuple[str, str], AccessNeed] = {
     route: need for lines in ROUTES_OF.values() for route, need in lines.items()
 }
 
+# Asked at the upgrade; what is said over them is looked up message by message below.
 SOCKETS: Mapping[str, AccessNeed] = {
     "/ws": AccessNeed.SESSION,
     "/ws/media": AccessNeed.SEE,
@@ -267,6 +275,7 @@ TO_BROWSER: Mapping[type[Message], AccessNeed] = {
     browser.CameraPictureBoxes: AccessNeed.SESSION,
 }
 
+# A gateway may say these about its own site, which its key names, and about no other.
 FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
     (
         frames.Hello,
@@ -337,6 +346,7 @@ _RIGHT = {AccessNeed.VIEW: Right.VIEW, AccessNeed.USE: Right.USE, AccessNeed.ADM
 
 def need_of_route(method: str, path: str) -> AccessNeed:
     """Give what a route takes; ``path`` is the route's own, with its placeholders."""
+    # HEAD is answered like GET without the body, so it takes the same.
     return ROUTES.get(("GET" if method == "HEAD" else method, path), AccessNeed.NEVER)
 
 
@@ -359,12 +369,15 @@ def allows(
     """
     if need is AccessNeed.OPEN:
         return True
+    # No person is a gateway, whatever rights they have.
     if grants is None or need in {AccessNeed.NEVER, AccessNeed.GATEWAY}:
         return False
     if need in {AccessNeed.SESSION, AccessNeed.OWN}:
         return True
+    # Of the whole hub, or of a site that nobody knows: it takes the right on every site.
     if need is AccessNeed.ADMIN and site is None:
         return grants.may(Right.ADMIN, ANY)
+    # What is not there is open to nobody, so that a refusal does not tell the two apart.
     if site is None or (device and device not in site.devices):
         return False
     if need is AccessNeed.SEE:

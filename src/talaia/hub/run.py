@@ -55,6 +55,7 @@ if TYPE_CHECKING:
 __all__ = ["HubServer", "main", "renewed", "server_of"]
 
 _LOG = logging.getLogger(__name__)
+# Between two looks at the certificate (s); it is due 30 days before its end.
 _RENEW_S = 3600.0
 
 
@@ -64,7 +65,9 @@ class HubServer(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, on_ready: Callable[[], None]) -> None:
         """Call ``on_ready`` once requests are taken."""
         super().__init__(config)
+        # Called once, when the doors are open: whoever started the hub may rely on it then.
         self._on_ready = on_ready
+        # One for each listening socket; they are closed before uvicorn's own end.
         self._doorways: list[AcceptQueue] = []
 
     @contextlib.contextmanager
@@ -74,7 +77,9 @@ class HubServer(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, open the doors, and say so."""
+        # Without sockets uvicorn only runs the lifespan: accepting is the doorways' matter.
         await super().startup(sockets=[])
+        # The lifespan has failed, and has logged why.
         if not self.started:
             return
         for listener in sockets or ():
@@ -85,11 +90,13 @@ class HubServer(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Close the doors, then let go of who is in."""
+        # First, so that nobody comes in while the others are being let go.
         for doorway in self._doorways:
             await doorway.close()
         await super().shutdown(sockets)
 
     def _protocol(self) -> asyncio.Protocol:
+        # As uvicorn's own startup makes them, for each connection.
         protocol: asyncio.Protocol = self.config.http_protocol_class(  # type: ignore[call-arg]
             config=self.config, server_state=self.server_state, app_state=self.lifespan.state
         )
@@ -99,23 +106,32 @@ class HubServer(uvicorn.Server):
 def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServer:
     """Make the server of a hub; run it with ``serve(sockets=[…])``."""
     settings = hub.settings
+    # Made at the first start, so that the hub answers over TLS without any set-up.
     tls = None if settings.plain else own_certificate(settings, _now())
     config = uvicorn.Config(
         hub.asgi,
         ws="websockets-sansio",
         http=HubProtocol,
+        # The loop is made in `main`, with `uvloop`.
         loop="none",
+        # Not "auto": a hub that cannot open must end instead of serving without its lifespan.
         lifespan="on",
+        # Compressing each frame would take the loop's time, and pictures are packed already.
         ws_per_message_deflate=False,
+        # Links and pages have beats of their own, at the pace of the settings.
         ws_ping_interval=None,
+        # The largest message is a picture with what is said of it.
         ws_max_size=MAX_PICTURE + 65_536,
         ssl_certfile=tls.cert if tls else None,
         ssl_keyfile=tls.key if tls else None,
+        # `Proxies` reads them, and only from peers that the settings list.
         proxy_headers=False,
         server_header=False,
         access_log=False,
+        # `main` has set logging up; uvicorn would put its own in its place.
         log_config=None,
         log_level="warning",
+        # Pages and gateways dial again by themselves: nobody gains by a longer farewell (s).
         timeout_graceful_shutdown=1,
         timeout_keep_alive=30,
     )
@@ -134,11 +150,13 @@ def main(argv: Sequence[str]) -> int:
     # A thread that reads a description or writes the history may hold the interpreter this long
     # before a driving frame gets it; Python's own 5 ms would be more than the whole way down.
     sys.setswitchinterval(0.0005)
+    # Before any thread is started: the allocator makes its arenas with them.
     keep_little_free_memory()
     try:
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
             runner.run(_serve(_settings(options)))
     except HubError as error:
+        # A sentence with what to do, and no traceback: it is nothing that went wrong in the hub.
         sys.stderr.write(f"talaia hub: {error}\n")
         return 2
     return 0
@@ -225,6 +243,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def _settings(options: argparse.Namespace) -> Settings:
+    # On loopback it is for development, or for a proxy on this machine that ends TLS.
     if options.plain and not is_loopback(options.host):
         raise CannotStart(
             f"--plain would send passwords over the network on {options.host}",
@@ -257,28 +276,34 @@ def _networks(option: str, texts: Sequence[str]) -> tuple[Network, ...]:
 
 
 async def _serve(settings: Settings) -> None:
+    # Said here: SQLite would only say that it is unable to open the file.
     make_data_folder(settings)
     if not os.access(settings.data, os.W_OK | os.X_OK):
         raise CannotStart(
             f"the data folder {settings.data} cannot be written", "choose another with --data"
         )
+    # Two hubs on one folder would both write the history.
     with hub_lock(settings.data):
         await _serve_alone(settings)
 
 
 async def _serve_alone(settings: Settings) -> None:
     clock = SystemClock()
+    # Before the look for damage: what is looked at must be what the hub then opens.
     take_restored(settings.data, clock)
     set_aside_if_damaged(settings.url, clock)
     hub = build(settings, clock)
+    # A port that is taken is told now, before the database is opened and migrated.
     with _listen(settings) as listener:
         port = listener.getsockname()[1]
         manager = own_service_manager()
         server = server_of(hub, lambda: _announce(hub, port, manager))
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
+            # By the loop, between two callbacks; Python's own handlers run within any line.
             loop.add_signal_handler(number, _stop, server)
         report_usage_on_signal(loop, hub.cached_bytes)
+        # They end with the server; none of them holds anything that must be written.
         beside = [
             asyncio.create_task(keep_certificate(server, settings)),
             asyncio.create_task(collect_at_rest(hub.driven)),
@@ -290,14 +315,17 @@ async def _serve_alone(settings: Settings) -> None:
             manager.report_stopping()
             for task in beside:
                 task.cancel()
+        # uvicorn returns like after any end; it is told apart here by the exit status.
         if not server.started:
             raise CannotStart("the hub did not start", "its log above says why")
 
 
 async def keep_service_manager(hub: Hub, manager: ServiceManager) -> None:
     """Feed the service manager's watchdog for as long as alarms are being judged."""
+    # Several times in each period, so that one late turn of the loop ends nothing.
     while manager.watchdog_s:
         await asyncio.sleep(min(1.0, manager.watchdog_s / 4))
+        # A loop that turns while alarms stand still is not well: then it is started anew.
         if hub.alarms.engine.judging:
             manager.feed_watchdog()
 
@@ -322,8 +350,10 @@ async def renewed(context: ssl.SSLContext, settings: Settings, shown: str) -> st
         found = await asyncio.to_thread(fresh_certificate, settings, _now(), shown)
         if found is None:
             return shown
+        # Connections that are open keep what they shook hands with.
         context.load_cert_chain(found.cert, found.key)
         shown = fingerprint(found.cert)
+    # A renewal that failed must not end a hub that works; it is tried again in an hour.
     except (CannotStart, OSError) as error:
         _LOG.warning("the certificate of before stays: %s", error)
     else:
@@ -336,9 +366,11 @@ def _stop(server: HubServer) -> None:
 
 
 def _listen(settings: Settings) -> socket.socket:
+    # Only an IPv6 address has colons; a name is taken as IPv4.
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
         return socket.create_server((settings.host, settings.port), family=family, backlog=QUEUE)
+    # OverflowError: a port above 65535.
     except (OSError, OverflowError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise CannotStart(
@@ -357,10 +389,13 @@ def _announce(hub: Hub, port: int, manager: ServiceManager) -> None:
         lines.append(f"certificate: {fingerprint(cert)} (SHA-256)")
     if hub.people.setup_token:
         lines.append(
+            # After the #, which browsers do not send: so the token is in no proxy's log.
             f"set up the first admin within a day: {address}/setup#{hub.people.setup_token}"
         )
     sys.stdout.write("\n".join(lines) + "\n")
+    # Whoever reads this through a pipe waits for these lines.
     sys.stdout.flush()
+    # After the doors have opened; units that follow this one may connect now.
     manager.report_ready()
 
 

@@ -53,11 +53,11 @@ class Settings:
     """
 
     data: Path
-    host: str = "127.0.0.1"
+    host: str = "127.0.0.1"  # the address to listen on
     port: int = 8443
     plain: bool = False
     cert: Path | None = None
-    key: Path | None = None
+    key: Path | None = None  # of ``cert``; both are given, or neither
     hosts: tuple[str, ...] = ()
     proxies: tuple[Network, ...] = ()
     database_url: str = ""
@@ -74,7 +74,7 @@ class Settings:
     warn_s: float = 300.0
     unsure_s: float = 2.0
     setup_s: float = 86400.0
-    max_body: int = 1024 * 1024
+    max_body: int = 1024 * 1024  # of a request (bytes)
     commit_s: float = 0.2
     beat_s: float = 1.0
     check_s: float = 0.5
@@ -84,6 +84,7 @@ class Settings:
     @property
     def tls(self) -> bool:
         """Whether browsers and gateways speak TLS, with this hub or with the proxy before it."""
+        # With a proxy the cookies are for TLS although this hub speaks plain.
         return not self.plain or bool(self.proxies)
 
     @property
@@ -96,6 +97,7 @@ class Settings:
         """Names that the Host header may hold, without port, in lower case."""
         own = socket.gethostname()
         names = {"localhost", "127.0.0.1", "::1", own, self.host, *self.hosts}
+        # All interfaces are no name: nobody dials these.
         return frozenset(name.lower() for name in names if name not in {"0.0.0.0", "::", ""})  # noqa: S104 - compared, not bound
 
     @staticmethod
@@ -123,6 +125,7 @@ class Settings:
 
 def is_loopback(host: str) -> bool:
     """Tell whether an address reaches this machine only."""
+    # By its name only; another name could lead anywhere the next time it is asked.
     if host == "localhost":
         return True
     try:
