@@ -18,14 +18,17 @@ if TYPE_CHECKING:
 
 __all__ = ["DatabaseKind", "write_compose_file", "write_dockerfile"]
 
+# By minor version: to build anew brings the fixes of what lies below.
 PYTHON_IMAGE = "python:3.12-slim-bookworm"
 IMAGES = {"mariadb": "mariadb:11.4", "postgresql": "postgres:17", "phpmyadmin": "phpmyadmin:5.2"}
+# Numbers, not names: volumes keep their owner when the image is built anew.
 USER = "10001:10001"
 # Asks the hub itself, inside its own container; its certificate is its own, hence unverified.
 _HEALTH = (
     "import ssl,sys,urllib.request as u;c=ssl._create_unverified_context();"
     "sys.exit(u.urlopen('https://127.0.0.1:8443/api/health',context=c,timeout=3).status!=200)"
 )
+# Docker keeps logs without end unless it is told otherwise.
 _SMALL = {"max-size": "10m", "max-file": "3"}
 
 
@@ -50,6 +53,7 @@ def write_dockerfile(extras: Iterable[str], version: str, debian: Iterable[str] 
         if packages
         else ""
     )
+    # A list, which the recipe runs without a shell: brackets and names stay what they are.
     install = ["pip", "install", "--no-cache-dir", "--find-links", "/wheels", wanted]
     return f"""\
 FROM {PYTHON_IMAGE}
@@ -80,6 +84,7 @@ def write_compose_file(
     secrets: dict[str, object] = {}
     volumes: dict[str, object] = {"hub-data": {}, "link": {}, "gateway-data": {}}
     hub = _hub_service(port, hosts)
+    # It makes the key and ends; `on-failure` tries again only until that has worked.
     enrol = _base_service(
         {
             "build": {"context": ".", "dockerfile": "hub.Dockerfile"},
@@ -94,6 +99,7 @@ def write_compose_file(
                 f"wss://127.0.0.1:{port}",
             ],
             "restart": "on-failure",
+            # The hub's certificate is there, whose hash goes into the key's file, and SQLite's accounts.
             "volumes": ["hub-data:/data", "link:/link"],
             "depends_on": {"hub": {"condition": "service_healthy"}},
         }
@@ -103,6 +109,7 @@ def write_compose_file(
         services |= added
         volumes["database"] = {}
         secrets = {name: {"file": f"./secrets/{name}"} for name in _secret_files(database)}
+        # Both open the database.
         for service in (hub, enrol):
             service["environment"] = {"TALAIA_DATABASE_URL_FILE": "/run/secrets/database_url"}
             service["secrets"] = ["database_url"]
@@ -111,6 +118,7 @@ def write_compose_file(
     project: dict[str, object] = {"services": services, "volumes": volumes}
     if secrets:
         project["secrets"] = secrets
+    # Never folded: each value stays on its line.
     return yaml.safe_dump(_literal_text(project), sort_keys=False, width=1_000_000)
 
 
@@ -122,6 +130,7 @@ def _secret_files(database: DatabaseKind) -> list[str]:
 def _base_service(more: Mapping[str, object]) -> dict[str, object]:
     return {
         "restart": "unless-stopped",
+        # Without it the program would be process 1 and had to reap orphans itself.
         "init": True,
         "logging": {"driver": "json-file", "options": _SMALL},
         **more,
@@ -138,8 +147,10 @@ def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
             "command": words,
             "ports": [f"{port}:8443"],
             "volumes": ["hub-data:/data"],
+            # Only /data and /tmp can be written.
             "read_only": True,
             "tmpfs": ["/tmp"],  # noqa: S108 - of the container
+            # Its port is above 1024, so that no capability is needed.
             "cap_drop": ["ALL"],
             "security_opt": ["no-new-privileges:true"],
             "stop_grace_period": "15s",
@@ -173,6 +184,7 @@ def _gateway_service(ros_domain: int | None) -> dict[str, object]:
             ],
             "cap_drop": ["ALL"],
             "security_opt": ["no-new-privileges:true"],
+            # It starts when the key lies in the volume.
             "depends_on": {"enrol": {"condition": "service_completed_successfully"}},
         }
     )

@@ -71,6 +71,7 @@ def make_deployment(
     """
     domain = site.ros2.domain if site.ros2 is not None else None
     database = choice.database
+    # Each database has an extra of its name, with the driver.
     extras = ["hub"] if database is DatabaseKind.SQLITE else ["hub", database.value]
     looks = [
         stream.detect for device in site.devices.values() for stream in device.streams.values()
@@ -91,7 +92,9 @@ def make_deployment(
         ),
         "hub.Dockerfile": File(write_dockerfile(extras, choice.version)),
         "gateway.Dockerfile": File(_gateway_image(site, choice.version)),
+        # Keeps the folder, which the images' COPY needs.
         "wheels/.keep": File(""),
+        # Neither passwords nor units go to the builder.
         ".dockerignore": File("secrets\nsystemd\n"),
         ".gitignore": File("secrets/\n"),
         f"systemd/talaia-gateway-{site.site}.service": File(
@@ -104,6 +107,7 @@ def make_deployment(
         files["secrets/database_password"] = File(password, 0o600)
         if database is DatabaseKind.MARIADB:
             files["secrets/database_root_password"] = File(random(), 0o600)
+        # Letters and digits need no escape in a URL.
         url = f"{database.value}://talaia:{password}@database/talaia"
         # The hub's user in its container reads it, and only that container has it.
         files["secrets/database_url"] = File(url, 0o644)

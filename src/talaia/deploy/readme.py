@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["write_readme"]
 
+# Where CommonMark may see mark-up; a backslash before it takes that away.
 _MARKS = re.compile(r"([\\`*_{}\[\]()#+!|<>~-])")
 
 

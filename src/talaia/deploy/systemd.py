@@ -15,6 +15,7 @@ __all__ = ["gateway_unit", "hub_unit", "quoted_argument"]
 GATEWAY_WATCHDOG_S = 20
 HUB_WATCHDOG_S = 60
 # What systemd's own manual calls safe without quotes (systemd.service, COMMAND LINES).
+# `\Z`: before `$` a line end could stand.
 _PLAIN = re.compile(r"[A-Za-z0-9_./:=@,+-]+\Z")
 # No right but to run: the gateway needs the network, its own folder and nothing else.
 _HARDENED = """\
@@ -38,6 +39,7 @@ def quoted_argument(text: str) -> str:
     Specifiers (%) and variables ($) are doubled; what is not plain stands in double quotes with C
     escapes. A line end cannot end the line.
     """
+    # Doubled also within quotes: systemd expands both there as well.
     safe = text.replace("%", "%%").replace("$", "$$")
     if _PLAIN.match(safe):
         return safe
@@ -48,6 +50,7 @@ def quoted_argument(text: str) -> str:
 def _escaped_letter(letter: str) -> str:
     if letter.isprintable():
         return letter
+    # A lone surrogate has no UTF-8; it becomes a question mark.
     return "".join(f"\\x{byte:02x}" for byte in letter.encode("utf-8", "replace"))
 
 

@@ -55,8 +55,11 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
+# Of one line, either way: the job of a large description is one.
 MAX_LINE = 16 * 1024 * 1024
+# In letters: as many as a `Sentence` of the wire has.
 _MAX_SAID = 2000
+# As in <linux/prctl.h>.
 _PR_SET_PDEATHSIG = 1
 
 
@@ -79,7 +82,9 @@ class _Host:
         )
         self.devices = job.devices
         self.folder = Path(job.folder)
+        # What may be published: a mistyped address is an error where it is made, in the extension.
         self._known = frozenset(signal.address for signal in job.signals)
+        # To the gateway. Never drained: `AdapterHost` promises that `publish` does not block.
         self._writer = writer
 
     def connected(self) -> None:
@@ -119,8 +124,10 @@ class _Session:
         hearing = asyncio.ensure_future(self._hear(reader))
         try:
             await asyncio.wait([running, hearing], return_when=asyncio.FIRST_COMPLETED)
+            # When both end at once, what the adapter says is told.
             return running.result() if running.done() else EndMessage("the gateway has gone away")
         finally:
+            # Commands too: nothing of the adapter runs on behind its last word.
             tasks = [running, hearing, *self._acts.values()]
             for task in tasks:
                 task.cancel()
@@ -142,21 +149,25 @@ class _Session:
                     task = self._acts[act.number] = asyncio.ensure_future(self._run_command(act))
                     task.add_done_callback(partial(self._forget_task, act.number))
                 case CancelMessage(number=number):
+                    # One that has ended meanwhile is not there any more.
                     if number in self._acts:
                         self._acts[number].cancel()
                 case AdapterJob():
+                    # It comes once, as the first line, and was read before.
                     pass
 
     def _forget_task(self, number: int, _task: asyncio.Task[None]) -> None:
         self._acts.pop(number, None)
 
     async def _run_command(self, act: ActMessage) -> None:
+        # What stands if it is cancelled: then only `finally` is passed.
         done = DoneMessage(act.number, "unknown", "it was cancelled; check the device")
         try:
             # Without commands there are no keys that fit.
             keys = msgspec.convert(act.keys, self._declared.command or ExtensionKeys)
             said = await self._adapter.execute(ExtensionCommand(act.device, act.command, keys))
             done = DoneMessage(act.number, "succeeded", str(said or "")[:_MAX_SAID])
+        # Arguments that do not fit are found before anything is begun.
         except (CommandRefused, msgspec.ValidationError) as error:
             done = DoneMessage(act.number, "refused", str(error)[:_MAX_SAID])
         except ExecutionFailed as error:
@@ -166,6 +177,7 @@ class _Session:
             said = f"the extension failed: {type(error).__name__}: {error}"
             done = DoneMessage(act.number, "unknown", said[:_MAX_SAID])
         finally:
+            # In every case: the gateway waits for an answer to this number.
             self._host.send(done)
 
 
@@ -186,10 +198,12 @@ async def _exchange_messages(connection: socket.socket) -> None:
     reader, writer = await asyncio.open_connection(sock=connection, limit=MAX_LINE)
     first = await reader.readline()
     if not first:
+        # The gateway has closed before it said what is to be done.
         return
     job = read_to_adapter(first)
     assert isinstance(job, AdapterJob)  # noqa: S101 - the gateway's promise
     end = await _serve_gateway(job, reader, writer)
+    # Whoever would read it may be gone already.
     with contextlib.suppress(OSError):
         writer.write(write_message(end))
         await writer.drain()
@@ -202,12 +216,14 @@ async def _serve_gateway(
 ) -> EndMessage:
     declared = installed().adapters().get(job.extension)
     if declared is None:
+        # Why it could not be loaded, if that is the reason.
         said = [
             str(broken_extension)
             for broken_extension in installed().broken()
             if broken_extension.name == job.extension
         ]
         return EndMessage("; ".join(said) or "it is not installed here", broken=True)
+    # Checked again: only where it is installed is it known what the extension asks for.
     if findings := [str(finding) for finding in _job_findings(job, declared)]:
         return EndMessage("; ".join(findings)[:_MAX_SAID], broken=True)
     try:

@@ -50,6 +50,7 @@ class AdapterJob(msgspec.Struct, tag="job"):
 class ActMessage(msgspec.Struct, tag="act"):
     """A command to be done."""
 
+    # The gateway's own; `DoneMessage` and `CancelMessage` name it.
     number: int
     device: str
     command: str
@@ -106,6 +107,7 @@ class EndMessage(msgspec.Struct, tag="end"):
 
 ToAdapter = AdapterJob | ActMessage | CancelMessage
 FromAdapter = UpMessage | ValueMessage | ReachableMessage | ReportMessage | DoneMessage | EndMessage
+# Closed lists: a line of another kind is an error.
 _TO: msgspec.json.Decoder[ToAdapter] = msgspec.json.Decoder(ToAdapter)
 _FROM: msgspec.json.Decoder[FromAdapter] = msgspec.json.Decoder(FromAdapter)
 

@@ -57,6 +57,7 @@ class Declared:
 
     """
 
+    # The group of its entry points; each kind has its own.
     group: ClassVar[str] = ""
 
     api: int
@@ -80,6 +81,7 @@ class AdapterExtension(Declared):
 
     connection: type[ExtensionKeys]
     source: type[ExtensionKeys]
+    # `Any`: each extension takes a subclass of `ExtensionKeys` of its own.
     make: Callable[[Any, AdapterHost], ExtensionAdapter]
     command: type[ExtensionKeys] | None = None
 
@@ -138,6 +140,7 @@ class NotDelivered(TalaiaError):
     def __init__(self, problem: str, *, again: bool = True) -> None:
         """Say why; ``again`` where another try may do."""
         super().__init__(problem)
+        # A wrong address stays wrong; a server that is away may be back.
         self.again = again
 
 

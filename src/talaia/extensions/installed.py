@@ -46,6 +46,7 @@ KINDS_OF_EXTENSION: tuple[type[Declared], ...] = (
     NotifierExtension,
     ImporterExtension,
 )
+# Of a key: what YAML can say and a form can ask for.
 _PLAIN = (
     msgspec.inspect.BoolType,
     msgspec.inspect.IntType,
@@ -155,8 +156,11 @@ class InstalledExtensions:
         }
 
     def _usable_parts(self, kind: type[Declared]) -> dict[str, InstalledExtension]:
+        # When it is first asked for: to load an extension is to run its code.
         loaded = self._loaded.get(kind.group)
         if loaded is None:
+            # Entered before it is filled: an extension that asks for its own kind while it is
+            # imported finds what is there so far, and no endless loop.
             loaded = self._loaded[kind.group] = {}
             for point in self._points_of(kind):
                 self._load_point(kind, point, loaded)
@@ -176,6 +180,7 @@ class InstalledExtensions:
         try:
             declared = point.load()
             problem = _why_not(kind, point.name, declared)
+        # A module that calls `sys.exit` must not end this process.
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it does, it is named
             problem = f"it cannot be imported: {type(error).__name__}: {error}"
             _LOG.debug("%s", problem, exc_info=True)
@@ -196,6 +201,7 @@ def installed() -> InstalledExtensions:
 
 
 def _package_of(point: EntryPoint) -> str:
+    # One that was made by hand belongs to no package.
     return f"{point.dist.name} {point.dist.version}" if point.dist is not None else ""
 
 
@@ -205,6 +211,7 @@ def _why_not(kind: type[Declared], name: str, declared: object) -> str:
         return f"{finding.problem}; {finding.remedy}"
     if not isinstance(declared, kind):
         return f"its entry point names a {type(declared).__name__}, not a {kind.__name__}"
+    # Neither older nor newer: the number changes only when a name means something else.
     if declared.api != API_VERSION:
         return (
             f"it is written for version {declared.api!r} of talaia.extend, "

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ShownKey", "keys_shown"]
 
+# A line below ``Attributes:``, with the lines that are indented further behind it.
 _ATTRIBUTE = re.compile(r"^ {4}(\w+): (.*(?:\n {8,}.*)*)", re.MULTILINE)
 _WORDS = {
     msgspec.inspect.BoolType: "true or false",

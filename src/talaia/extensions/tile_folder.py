@@ -44,6 +44,7 @@ MOST_FILES: Final = 64
 MOST_BYTES: Final = 2 * 1024 * 1024
 """Of all files of one tile together; all of them stay in memory."""
 
+# What is not in it is not served. No HTML: a page of the hub's own origin could act as its user.
 _MEDIA_TYPES: Final[Mapping[str, str]] = {
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -142,16 +143,19 @@ def read_tiles(folder: Path) -> TileFolder:
         OSError: the folder cannot be listed.
 
     """
+    # Links are followed once, here; below, nothing may lead out of this folder.
     root = folder.resolve(strict=True)
     tiles: list[Tile] = []
     broken: list[BrokenTile] = []
     for entry in sorted(root.iterdir()):
+        # Also what version control and editors keep there.
         if entry.name.startswith(".") or not entry.is_dir():
             continue
         try:
             if len(tiles) >= MOST_TILES:
                 raise _TileProblem(f"a hub has at most {MOST_TILES} tiles")  # noqa: TRY301
             tiles.append(_read_tile(entry))
+        # `OSError`: it went away meanwhile or cannot be read; the other tiles are not touched.
         except (_TileProblem, OSError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             broken.append(BrokenTile(entry.name, reason))
@@ -159,6 +163,7 @@ def read_tiles(folder: Path) -> TileFolder:
 
 
 def _read_tile(folder: Path) -> Tile:
+    # It becomes part of an address.
     for finding in id_fits("its folder's name", folder.name):
         raise _TileProblem(f"{finding.problem}; {finding.remedy}")
     if folder.is_symlink():
@@ -173,6 +178,7 @@ def _files_of(folder: Path) -> Iterator[tuple[str, TileFile]]:
     total = count = 0
     for path in sorted(folder.rglob("*")):
         inside = path.relative_to(folder).as_posix()
+        # A link could name any file that the hub can read.
         if path.is_symlink() or not path.resolve().is_relative_to(folder):
             raise _TileProblem(f"{inside} is a symbolic link; copy the file itself")
         if path.is_dir() or any(part.startswith(".") for part in path.relative_to(folder).parts):
@@ -180,6 +186,7 @@ def _files_of(folder: Path) -> Iterator[tuple[str, TileFile]]:
         media_type = _MEDIA_TYPES.get(path.suffix)
         if media_type is None or not path.is_file():
             continue
+        # By its size on disk, before it is read: a huge file never gets into memory.
         count, total = count + 1, total + path.stat().st_size
         if count > MOST_FILES or total > MOST_BYTES:
             raise _TileProblem(
@@ -193,6 +200,7 @@ def _manifest_of(files: Mapping[str, TileFile]) -> TileManifest:
     if found is None:
         raise _TileProblem(f"it has no {MANIFEST}")
     try:
+        # The version first: a key of a newer one would only be called unknown.
         version = msgspec.json.decode(found.content, type=dict[str, object]).get("api")
         if version != TILE_API_VERSION:
             raise _TileProblem(
@@ -216,7 +224,9 @@ def _check_module(manifest: TileManifest, files: Mapping[str, TileFile]) -> None
         text = module.content.decode()
     except UnicodeDecodeError as error:
         raise _TileProblem(f"{manifest.module} is not JavaScript: it is no UTF-8 text") from error
+    # Saved as the page that shows it, for example: it begins with a mark of HTML.
     if "\0" in text or text.lstrip("\ufeff \t\r\n").startswith("<"):
         raise _TileProblem(f"{manifest.module} is not JavaScript")
+    # No parser: without this word in it there is certainly no export.
     if "export" not in text:
         raise _TileProblem(f"{manifest.module} is no module: it exports no custom element")

@@ -16,7 +16,9 @@ from talaia.wire.errors import PeerError
 
 __all__ = ["MAX_SAMPLES", "Columns", "PackedColumns", "pack", "part", "renumbered", "unpack"]
 
+# A sample is 14 bytes without its text, so that the columns of a full batch stay below 1 MiB.
 MAX_SAMPLES = 65_536
+# What an i32 holds: 35 minutes and 47 seconds.
 MAX_SPAN_US = 2**31 - 1
 
 
@@ -81,6 +83,7 @@ def part(columns: Columns, begin: int, end: int) -> Columns:
         columns.channel[begin:end],
         columns.time_us[begin:end],
         columns.value[begin:end],
+        # A text's key is its position, which is another one in the piece.
         {at - begin: text for at, text in columns.texts.items() if begin <= at < end},
     )
 
@@ -94,9 +97,11 @@ def renumbered(columns: Columns, order: NDArray[np.int64]) -> Columns:
 
     """
     channel = order[columns.channel]
+    # The usual case: nothing is left out, so texts stay where they are.
     kept = np.flatnonzero(channel >= 0)
     if kept.size == channel.size:
         return Columns(channel.astype(np.uint16), columns.time_us, columns.value, columns.texts)
+    # Only texts have to know where their sample went.
     place = {int(old): new for new, old in enumerate(kept)} if columns.texts else {}
     return Columns(
         channel[kept].astype(np.uint16),
@@ -117,8 +122,10 @@ def pack(columns: Columns) -> PackedColumns:
     count = len(columns)
     if count > MAX_SAMPLES:
         raise ValueError(f"{count} samples do not fit a batch of {MAX_SAMPLES}")
+    # The first sample's own time: samples come nearly in order, so that offsets are small.
     base = int(columns.time_us[0]) if count else 0
     offset = columns.time_us - base
+    # NumPy's cast below would wrap round without a word.
     if count and (offset.max() > MAX_SPAN_US or offset.min() < -MAX_SPAN_US):
         raise ValueError("the batch spans more time than its offsets hold")
     return PackedColumns(
@@ -138,6 +145,8 @@ def unpack(packed: _PackedMessage) -> Columns:
 
     """
     channel, offset, value, texts = packed.channel, packed.offset, packed.value, packed.texts
+    # From the shortest type's column; all three must tell the same number of samples. `frombuffer`
+    # would raise an error of its own for half a sample, which is no reason to close a link with.
     count = len(channel) // 2
     if len(channel) != 2 * count or len(offset) != 4 * count or len(value) != 8 * count:
         raise PeerError(
@@ -145,12 +154,15 @@ def unpack(packed: _PackedMessage) -> Columns:
         )
     if count > MAX_SAMPLES:
         raise PeerError(f"{count} samples in one batch; at most {MAX_SAMPLES}", 1009)
+    # A peer's positions: a negative one would count from the end.
     if any(not 0 <= position < count for position in texts):
         raise PeerError("a text stands outside its batch")
+    # With an offset added it must still be an i64.
     if not -(2**62) < packed.base_us < 2**62:
         raise PeerError("the batch's base time is out of range")
     return Columns(
         np.frombuffer(channel, "<u2"),
+        # Widened before the base is added: an i32 would overflow.
         np.frombuffer(offset, "<i4").astype(np.int64) + packed.base_us,
         np.frombuffer(value, "<f8"),
         texts,

@@ -19,11 +19,13 @@ from talaia.wire.errors import CodeMistyped
 __all__ = ["SECRET_LENGTH", "EnrolmentCode", "pin_of", "read_code", "secret_of"]
 
 _LETTERS = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
+# Letters that look like digits become those; what people put between groups goes.
 _AS = str.maketrans("ILO", "110", " -\t\r\n._")
 _GROUP = 5
 # 60 bits that live for minutes, and 105 bits of the key's hash.
 SECRET_LENGTH = 12
 _PIN_LENGTH = 21
+# 10 bits: of a thousand slips one is not seen here, and the hub refuses that one.
 _CHECK_LENGTH = 2
 
 
@@ -40,6 +42,7 @@ class EnrolmentCode(NamedTuple):
 
     def fits(self, key_hash: str) -> bool:
         """Tell whether a public key's SHA-256 (hexadecimal) is the one that the code names."""
+        # A public key's hash is no secret, so it needs no comparison in constant time.
         return self.pin == pin_of(key_hash)
 
 
@@ -55,6 +58,7 @@ def read_code(text: str) -> EnrolmentCode:
     if strange:
         raise CodeMistyped(f"a code has no {strange[0]!r}")
     longest = SECRET_LENGTH + _PIN_LENGTH + _CHECK_LENGTH
+    # With the hub's key in it or without; no other length is a code.
     if len(plain) not in {SECRET_LENGTH + _CHECK_LENGTH, longest}:
         raise CodeMistyped(f"it has {len(plain)} letters and digits, and a code has {longest}")
     said, check = plain[:-_CHECK_LENGTH], plain[-_CHECK_LENGTH:]
@@ -70,13 +74,17 @@ def secret_of(number: int) -> str:
 
 def pin_of(key_hash: str) -> str:
     """Give the part of a code that names a public key by its SHA-256 (hexadecimal)."""
+    # The first 105 of its 256 bits.
     return _written(int(key_hash, 16) >> (256 - 5 * _PIN_LENGTH), _PIN_LENGTH)
 
 
 def _check(text: str) -> str:
+    # The words in front keep this apart from every other hash of the same text.
     digest = hashlib.sha256(b"talaia enrolment code " + text.encode()).digest()
+    # Of these 16 bits the lowest ten are written.
     return _written(int.from_bytes(digest[:2], "big"), _CHECK_LENGTH)
 
 
 def _written(number: int, length: int) -> str:
+    # Five bits a letter, the highest first.
     return "".join(_LETTERS[number >> 5 * at & 31] for at in reversed(range(length)))

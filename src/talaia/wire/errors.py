@@ -41,5 +41,6 @@ class UnknownKind(PeerError):
 
     def __init__(self, kind: str) -> None:
         """Keep the tag."""
+        # The peer chose the word: only its beginning goes into logs.
         super().__init__(f"a message of the unknown kind {kind[:40]!r}")
         self.kind = kind

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MAX_FRAME", "PROTOCOL", "Codec", "Message", "speaks"]
 
+# A new field or a new kind does not raise it: who does not know them passes them over.
 PROTOCOL = 1
+# Of a codec that names no other.
 MAX_FRAME = 4 * 1024 * 1024
 
 
@@ -28,11 +30,13 @@ def speaks(protocol: int) -> bool:
     return abs(protocol - PROTOCOL) <= 1
 
 
+# Defaults are not sent, so that frames stay small.
 class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="t"):
     """Base of every message."""
 
 
 class _Tagged(msgspec.Struct, frozen=True):
+    # All that is read of a frame of an unknown kind.
     t: str
 
 
@@ -45,9 +49,11 @@ class Codec(Generic[M]):
     def __init__(self, union: UnionType | type, max_frame: int = MAX_FRAME) -> None:
         """Take the messages that may be met, as a union of `Message` classes."""
         self.max_frame = max_frame
+        # By these an unknown tag is told from a wrong field: msgspec has one error for both.
         self._kinds = frozenset(
             member.__struct_config__.tag for member in (get_args(union) or (union,))
         )
+        # Made once: a decoder works its types out as it is made.
         self._binary: msgspec.msgpack.Decoder[M] = msgspec.msgpack.Decoder(union)
         self._text: msgspec.json.Decoder[M] = msgspec.json.Decoder(union)
         self._pack = msgspec.msgpack.Encoder()
@@ -61,6 +67,7 @@ class Codec(Generic[M]):
             UnknownKind: a whole message, but none of the list.
 
         """
+        # Before it is decoded: what is too large costs no more than its receipt.
         if len(data) > self.max_frame:
             raise PeerError(
                 f"a frame of {len(data)} bytes is over the limit of {self.max_frame}", 1009
@@ -70,10 +77,12 @@ class Codec(Generic[M]):
                 return self._text.decode(data)
             return self._binary.decode(data)
         except msgspec.ValidationError as error:
+            # Looked up only now, so that a good frame is read once.
             kind = self._kind(data)
             if kind is not None and kind not in self._kinds:
                 raise UnknownKind(kind) from error
             raise PeerError(f"a frame that is not in the protocol: {error}") from error
+        # `RecursionError`: nested deeper than the decoder goes.
         except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
             raise PeerError(f"a frame that is not in the protocol: {error}") from error
 
@@ -85,6 +94,7 @@ class Codec(Generic[M]):
                 return msgspec.json.decode(data, type=_Tagged).t
             return msgspec.msgpack.decode(data, type=_Tagged).t
         except (msgspec.DecodeError, RecursionError, UnicodeDecodeError):
+            # Not even a map with a tag: it is a message of no kind at all.
             return None
 
     def encode(self, message: M) -> bytes:

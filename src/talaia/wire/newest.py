@@ -18,6 +18,7 @@ from talaia.wire.frames import NewestBatch
 
 __all__ = ["NewestSamples", "chosen_newest", "newest_frame", "newest_of", "runs_of"]
 
+# The difference of two such numbers is still an i64.
 _FARTHEST = 2**62
 
 
@@ -71,12 +72,16 @@ def newest_of(message: NewestBatch) -> NewestSamples:
     sequence = np.frombuffer(message.sequence, "<i8")
     time_us = np.frombuffer(message.time_us, "<i8")
     age_ms = np.frombuffer(message.age_ms, "<f8")
+    # Of no samples there is no least and no greatest.
     if count and (
         sequence.min() < 0
         or sequence.max() >= _FARTHEST
         or np.abs(time_us).max() >= _FARTHEST
+        # 10^15 ms are more than 30 000 years.
         or not (np.isfinite(age_ms) & (age_ms >= 0) & (age_ms < 1e15)).all()
+        # `runs_of` cuts where numbers do not follow each other: they have to rise.
         or bool((np.diff(sequence) <= 0).any())
+        # One sample a channel.
         or np.unique(channel).size != count
     ):
         raise PeerError("newest samples: a number, a time or an age that cannot be")
@@ -86,6 +91,7 @@ def newest_of(message: NewestBatch) -> NewestSamples:
 
 def chosen_newest(known: NewestSamples, keep: NDArray[np.bool_]) -> NewestSamples:
     """Give those for which ``keep`` is true."""
+    # Where each one that is kept stands afterwards.
     place = np.cumsum(keep) - 1
     texts = {int(place[at]): text for at, text in known.columns.texts.items() if keep[at]}
     columns = known.columns
@@ -103,6 +109,7 @@ def runs_of(known: NewestSamples, below: int) -> list[tuple[int, Columns]]:
     known = chosen_newest(known, known.sequence >= below)
     count = len(known.columns)
     cuts = np.flatnonzero(np.diff(known.sequence) != 1) + 1
+    # Of nothing there is one bound, and so no piece.
     bounds = [0, *cuts.tolist(), count] if count else [0]
     return [
         (int(known.sequence[begin]), part(known.columns, begin, end))

@@ -32,8 +32,10 @@ def inflated(data: bytes) -> str:
 
     """
     reader = zlib.decompressobj()
+    # Bounded while it is unpacked: a kilobyte can stand for megabytes.
     try:
         text = reader.decompress(data, MAX_TEXT)
+        # A rest that was not unpacked, or no end: neither is the whole text.
         if reader.unconsumed_tail or not reader.eof:
             raise PeerError(f"a description of more than {MAX_TEXT} bytes, or cut short", 1009)
         return text.decode()

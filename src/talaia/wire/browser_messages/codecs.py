@@ -95,12 +95,14 @@ ToBrowser = (
 )
 
 
+# Errors and the end of a session come on each socket: the page may have only this one open.
 MediaToBrowser = CameraPicture | CameraPictureBoxes | RequestError | SessionEnded
 
 
 MediaFromBrowser = PictureShown | ViewerAttention | BoxesRequest
 
 
+# The largest is a subscription to thousands of channels.
 FROM_BROWSER: Codec[FromBrowser] = Codec(FromBrowser, 1024 * 1024)
 
 
@@ -110,4 +112,5 @@ TO_BROWSER: Codec[ToBrowser] = Codec(ToBrowser)
 MEDIA_TO_BROWSER: Codec[MediaToBrowser] = Codec(MediaToBrowser, MAX_PICTURE)
 
 
+# Numbers and flags only, in the JSON form too.
 MEDIA_FROM_BROWSER: Codec[MediaFromBrowser] = Codec(MediaFromBrowser, 4096)

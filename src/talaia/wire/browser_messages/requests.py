@@ -68,6 +68,7 @@ class PageDrive(DeviceMessage, frozen=True, kw_only=True, tag="drive"):
 
     site: Name
     device: Name
+    # Of the lease: a frame that its holder before sent is refused.
     epoch: Count
     seq: Count
     tick: Count
@@ -90,6 +91,7 @@ class PageReset(DeviceMessage, frozen=True, kw_only=True, tag="reset"):
 
     site: Name
     device: Name
+    # Of the lease that the asker holds: nobody else may release STOP.
     epoch: Count
     token: Word = ""
 
@@ -129,6 +131,7 @@ class PageOverride(SiteMessage, frozen=True, kw_only=True, tag="override"):
     site: Name
     interlock: Name
     reason: Annotated[str, Meta(max_length=500)] = ""
+    # The wire's own bound; the gateway cuts it to `LONGEST_OVERRIDE_S`, half an hour.
     seconds: Annotated[float, Meta(ge=0, le=86_400)]
     condition: Word = ""
 

@@ -29,6 +29,8 @@ class MessageSubject(NamedTuple):
     stream: str = ""
 
 
+# For the type checker alone: what a message needs for the bases below. ``self`` is annotated with
+# them, so that a message without the field does not pass.
 class _HasSite(Protocol):
     @property
     def site(self) -> str: ...
@@ -73,5 +75,6 @@ class StreamMessage(Message, frozen=True, kw_only=True):
 
     def subject(self: _HasCamera) -> MessageSubject:
         """Name what it is about."""
+        # Without a slash the stream is empty, and the right is asked of the device.
         device, _, stream = self.camera.partition("/")
         return MessageSubject(self.site, device, stream)

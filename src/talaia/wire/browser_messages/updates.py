@@ -60,6 +60,7 @@ class Greeting(SessionMessage, frozen=True, kw_only=True, tag="greeting"):
     version: Word = ""
     who: Word
     role: Word
+    # The hub's clock as it greets (UTC).
     time_us: Micros
 
 
@@ -74,10 +75,15 @@ class SiteUpdate(SiteMessage, frozen=True, kw_only=True, tag="site"):
 
     site: Word
     online: bool
+    # Online or offline since then (UTC).
     since_us: Micros
+    # Another one than before: the description has changed, and a page asks for it anew.
     catalogue: Word = ""
+    # Hub to gateway and back, by the last beat.
     loop_ms: float = 0.0
+    # How far the gateway's wall clock is ahead of the hub's.
     skew_ms: float = 0.0
+    # Why it is away; empty while it is connected.
     why: Sentence = ""
     rival_us: Micros = 0
 
@@ -122,6 +128,7 @@ class LeaseUpdate(DeviceMessage, frozen=True, kw_only=True, tag="lease_news"):
     holder: Word = ""
     yours: bool = False
     epoch: Count = 0
+    # The lease ends after so long unless it is renewed.
     remains_ms: Millis = 0
     rival: Word = ""
     asking: bool = False

@@ -129,9 +129,11 @@ FilesFromGateway = FileOffer | FilmOffer | ArchiveOffer | FilePiece
 FilesFromHub = FileProgress | Bye
 
 
+# The hello is the largest: a description of up to 4 MiB, and its source.
 LINK_FROM_GATEWAY: Codec[FromGateway] = Codec(FromGateway, 8 * 1024 * 1024)
 
 
+# A change of the description is the largest; see `AskedText`.
 LINK_FROM_HUB: Codec[FromHub] = Codec(FromHub, 1024 * 1024)
 
 
@@ -141,6 +143,7 @@ MEDIA_FROM_GATEWAY: Codec[MediaFromGateway] = Codec(MediaFromGateway, MAX_PICTUR
 MEDIA_FROM_HUB: Codec[MediaFromHub] = Codec(MediaFromHub, 64 * 1024)
 
 
+# A piece of a file, or an offer that names a thousand topics.
 FILES_FROM_GATEWAY: Codec[FilesFromGateway] = Codec(FilesFromGateway, 512 * 1024)
 
 

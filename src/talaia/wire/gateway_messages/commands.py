@@ -39,6 +39,7 @@ class CommandRequest(Message, frozen=True, kw_only=True, tag="command_ask"):
     command: Name
     args: Arguments = {}
     units: Units = {}
+    # Not accepted within so long, it is refused (ms).
     ttl_ms: float
     who: Name
     over: Word = ""

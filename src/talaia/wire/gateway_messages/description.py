@@ -87,6 +87,7 @@ class ChangeRequest(Message, frozen=True, kw_only=True, tag="change"):
 
     id: Name
     source: AskedText
+    # If the file has another one by now, somebody changed it meanwhile: the change is refused.
     base: Digest
     who: Name
     seal: Digest

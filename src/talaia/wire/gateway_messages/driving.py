@@ -52,6 +52,7 @@ class LeaseState(Message, frozen=True, kw_only=True, tag="lease"):
     device: Name
     session: Word = ""
     who: Sentence = ""
+    # Higher with each grant, also across restarts; a frame of a lower one is refused.
     epoch: Count = 0
     remains_ms: Millis = 0
     rival: Word = ""

@@ -85,6 +85,7 @@ class PictureFrame(Message, frozen=True, kw_only=True, tag="picture"):
     stream: Name
     seq: Count
     time_us: Micros
+    # The hub makes it a time of its own clock by the beats; wall clocks may be wrong.
     mono_us: Micros
     width: Pixels
     height: Pixels

@@ -30,6 +30,7 @@ class CommandPhase(StrEnum):
     FAILED = "failed"
     REFUSED = "refused"
     CANCELLED = "cancelled"
+    # It may have been done and it may not: whoever asked has to look.
     UNKNOWN = "unknown"
 
 
@@ -45,10 +46,14 @@ class DriveFields(Message, frozen=True, kw_only=True):
     device: Name
     linear: float
     angular: float
+    # What part of the limits may be driven now; it falls with the loop time.
     cap: float
     loop_ms: float = 0.0
+    # Frames since this drive began.
     accepted: Count = 0
+    # Since the last drive ended; frames that began no drive count as well.
     refused: Count = 0
+    # Why the last frame was refused; empty when it was accepted.
     why: Sentence = ""
     sent: Word = ""
 
@@ -60,7 +65,9 @@ class StopFields(Message, frozen=True, kw_only=True):
     latched: bool
     confirmed: bool = False
     who: Sentence = ""
+    # When it was latched (UTC).
     time_us: Micros = 0
+    # Of the `StopRequest` that this answers, or else of the one that latched it.
     id: Word = ""
 
 
@@ -72,6 +79,7 @@ class CommandFields(Message, frozen=True, kw_only=True):
     command: Name
     phase: CommandPhase
     message: Sentence = ""
+    # 0 to 1, and never falling.
     progress: float = 0.0
     who: Sentence = ""
     blocked_by: Word = ""
@@ -87,4 +95,5 @@ class EventFields(Message, frozen=True, kw_only=True):
     message: Sentence = ""
     who: Sentence = ""
     time_us: Micros = 0
+    # False for what went wrong or was refused.
     good: bool = True

@@ -38,6 +38,7 @@ class SampleBatch(Message, frozen=True, kw_only=True, tag="samples"):
     value: ValueColumn
     texts: Texts = {}
     addresses: Annotated[list[Name], Meta(max_length=MAX_SAMPLES)] = []
+    # False for what was kept on disk and is sent later: it is stored, and is no news.
     live: bool = True
 
 

@@ -48,8 +48,10 @@ class Hello(Message, frozen=True, kw_only=True, tag="hello"):
     version: Sentence = ""
     site: Name
     boot: Name
+    # As much as `yaml_text.load` reads.
     description: Annotated[str, Meta(max_length=4 * 1024 * 1024)]
     catalogue: Name
+    # The gateway's wall clock as it says this: the hub tells by it how far the two are apart.
     time_us: Micros = 0
     source: Deflated = b""
     accepts: Word = ""
@@ -79,6 +81,7 @@ class DeviceState(Message, frozen=True, kw_only=True, tag="device_state"):
 class Beat(Message, frozen=True, kw_only=True, tag="beat"):
     """Are you there? Sent every second; three without a reply and the peer counts as gone."""
 
+    # Rises; its reply has the same.
     n: Count
     mono_us: Micros
 
