@@ -99,7 +99,7 @@ def write_compose_file(
                 f"wss://127.0.0.1:{port}",
             ],
             "restart": "on-failure",
-            # The hub's certificate is there, whose hash goes into the key's file, and SQLite's accounts.
+            # The hub's certificate is there, whose hash goes into the key file.
             "volumes": ["hub-data:/data", "link:/link"],
             "depends_on": {"hub": {"condition": "service_healthy"}},
         }
