@@ -29,17 +29,21 @@ class DiskRoom:
 
     def __init__(self, folder: Path, spare: int) -> None:
         """Leave ``spare`` bytes free for what matters more."""
+        # Any place on the disk will do for asking how much is free.
         self._folder = folder
-        self._spare = spare
+        self._spare = spare  # Bytes; 0: no bound, and the disk is not asked.
         self.full = False
 
     def see_failure(self, error: OSError) -> None:
         """Tell a full disk, where the oldest gives way, from one that takes nothing at all."""
+        # Not a warning: it comes with each record for as long as the disk is so.
         log.debug("spool: %s", error)
         self.full = error.errno in NO_ROOM
 
     def has_room(self, size: int) -> bool:
         """Tell whether so many bytes more leave free what is to stay free."""
+        # Set before the disk is asked: too little room is a full disk, and dropping the oldest
+        # helps.
         self.full = True
         if not self._spare:
             return True
@@ -48,5 +52,6 @@ class DiskRoom:
         except OSError as error:
             self.see_failure(error)
             return False
+        # `f_bavail`, below: what root alone may use is no room for a gateway.
         spare = min(self._spare, disk.f_blocks * disk.f_frsize * MOST_SPARE)
         return disk.f_bavail * disk.f_frsize - size >= spare

@@ -41,9 +41,9 @@ class SegmentHead(msgspec.Struct, frozen=True):
     runs: by it a segment's age is told, and a wall clock that jumps makes nothing old.
     """
 
-    boot: str
-    catalogue: str
-    addresses: list[str]
+    boot: str  # Names the run that wrote it.
+    catalogue: str  # Name of the channel list; the hub knows a list by it.
+    addresses: list[str]  # The channel list itself: a later run sends samples by it.
     ran_s: float = 0.0
 
 
@@ -51,14 +51,14 @@ class SegmentHead(msgspec.Struct, frozen=True):
 class Segment:
     """A file and the range it holds. ``turn`` counts how often it was emptied and used again."""
 
-    number: int
+    number: int  # Of the file's name; rises, and orders segments over all runs.
     path: Path
     head: SegmentHead
-    size: int
-    start: int
-    first: int = -1
-    end: int = 0
-    from_us: int = 0
+    size: int  # Bytes of whole records; a reader never goes beyond.
+    start: int  # Where records begin: behind the head.
+    first: int = -1  # Sequence number of the oldest sample; -1: there is none.
+    end: int = 0  # One past the newest.
+    from_us: int = 0  # Earliest and latest time in it (wall, µs).
     to_us: int = 0
     turn: int = 0
 
@@ -67,6 +67,7 @@ class Segment:
         if self.first < 0:
             self.first, self.from_us, self.to_us = record.first, record.from_us, record.to_us
         self.end = max(self.end, record.end)
+        # By `min` and `max`: the wall clock may have been set back between two records.
         self.from_us = min(self.from_us, record.from_us)
         self.to_us = max(self.to_us, record.to_us)
 
@@ -76,6 +77,7 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
     segment: Segment | None = None
     holes: list[tuple[int, int, int, int]] = []
     whole = 0
+    # Another file that ends in `.seg`: not ours, so it is set aside and not guessed at.
     try:
         number = int(path.stem)
     except ValueError:
@@ -88,9 +90,11 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
                 return None
             segment = Segment(number, path, head, end, end)
         elif segment is not None:
+            # Sequence numbers go on without a break in a segment, so a jump is damage.
             if segment.first >= 0 and record.first > segment.end:
                 holes.append((segment.end, record.first - 1, segment.to_us, record.from_us))
             segment.add(record)
+        # Also after a hole: what is whole behind it is kept.
         whole = end
     if segment is None:
         return None
@@ -105,6 +109,7 @@ def ranges_of(data: bytes) -> list[SampleRecord]:
 
 def boot_of(record: SampleRecord) -> str:
     """Tell whose samples a record holds, from the record itself; empty when it does not say."""
+    # The first frame will do: all frames of a record are of one boot.
     try:
         batches = unpacked(record)
         frame = LINK_FROM_GATEWAY.decode(batches[0].body)
@@ -120,7 +125,9 @@ def set_aside(path: Path) -> None:
         OSError: it cannot even be renamed.
 
     """
+    # Renamed, not copied: that works on a full disk, too.
     path.replace(path.with_suffix(ASIDE))
+    # Names are of one width, so the first are the oldest.
     for old in sorted(path.parent.glob(f"*{ASIDE}"))[:-MOST_ASIDE]:
         old.unlink(missing_ok=True)
 

@@ -40,9 +40,10 @@ class FormerNewest(NamedTuple):
 
 
 class _Found(NamedTuple):
-    sequence: int
-    time_us: int
+    sequence: int  # By it the order between channels is kept.
+    time_us: int  # Wall time of the run that heard it.
     value: float
+    # Text signals have NaN as their value; the text stands here.
     text: str
 
 
@@ -83,11 +84,13 @@ def newest_in(
         if not isinstance(frame, SampleBatch):
             continue
         columns = unpack(frame)
+        # Records that waited in memory over a change of the list name their channels themselves.
         named = frame.addresses or addresses
         # The first of the reversed column is the last.
         channels, at = np.unique(columns.channel[::-1], return_index=True)
         for channel, back in zip(channels.tolist(), at.tolist(), strict=True):
             place = len(columns) - 1 - back
+            # Damage may point beyond the list; such a sample has no name.
             if channel < len(named) and named[channel] not in known:
                 found[named[channel]] = _Found(
                     record.first + place,
@@ -95,6 +98,7 @@ def newest_in(
                     float(columns.value[place]),
                     columns.texts.get(place, ""),
                 )
+    # After the segment is read through: a later record of it overwrites an earlier one.
     known.update(found)
     return _as_told(boot, catalogue, found, now_us) if found else None
 
@@ -105,6 +109,7 @@ def _batches(data: bytes) -> Iterator[SampleRecord]:
             continue
         try:
             yield from unpacked(record)
+        # One record that cannot be read hides no other.
         except PeerError:
             # It is told as a gap when it is its turn to be sent.
             continue
@@ -112,6 +117,7 @@ def _batches(data: bytes) -> Iterator[SampleRecord]:
 
 def _as_told(boot: str, catalogue: str, found: dict[str, _Found], now_us: int) -> FormerNewest:
     rows = sorted(found.items(), key=lambda row: row[1].sequence)
+    # Local numbers from 0, for a list that names only these channels.
     times = np.array([row.time_us for _, row in rows], np.int64)
     columns = Columns(
         np.arange(len(rows), dtype=np.uint16),
@@ -120,6 +126,7 @@ def _as_told(boot: str, catalogue: str, found: dict[str, _Found], now_us: int) -
         {at: row.text for at, (_, row) in enumerate(rows) if row.text},
     )
     sequence = np.array([row.sequence for _, row in rows], np.int64)
+    # Never negative: the clock may have been set back since.
     ages = np.maximum(0, now_us - times) / 1e3
     return FormerNewest(
         boot,

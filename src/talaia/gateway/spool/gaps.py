@@ -25,11 +25,13 @@ class SpoolGaps:
 
     def __init__(self, path: Path) -> None:
         """Read what an earlier run left. A damaged file is left aside: it holds no samples."""
-        self._path = path
-        self._gaps: list[SampleGap] = []
+        self._path = path  # `gaps.json`; replaced whole at each change.
+        self._gaps: list[SampleGap] = []  # Until the hub has acknowledged past them; in no order.
+        # They differ from the file; set by every change, cleared when it is written.
         self._dirty = False
         try:
             self._gaps = msgspec.json.decode(path.read_bytes(), type=list[SampleGap])
+        # The usual first start; nothing to say.
         except FileNotFoundError:
             return
         except (OSError, msgspec.DecodeError) as error:
@@ -46,9 +48,11 @@ class SpoolGaps:
         )
         self._dirty = True
         for index, gap in enumerate(self._gaps):
+            # The same gap told again, as after damage that is read twice: the newer words count.
             if (gap.boot, gap.first, gap.last) == (lost.boot, lost.first, lost.last):
                 del self._gaps[index]
                 break
+            # A robot that is cut off for hours is one gap, not one for each batch.
             follows = gap.boot == lost.boot and gap.last + 1 == lost.first
             if follows and gap.reason == lost.reason:
                 lost = replace(
@@ -64,6 +68,7 @@ class SpoolGaps:
     def add_unknown(self, lost: SampleGap) -> None:
         """Record what of a range is in no gap yet."""
         first = lost.first
+        # By rising number, so that what is between two known gaps is found in one walk.
         for gap in sorted(self._gaps, key=lambda known: known.first):
             if gap.boot == lost.boot and gap.last >= first and gap.first <= lost.last:
                 if gap.first > first:
@@ -90,6 +95,7 @@ class SpoolGaps:
         try:
             write_whole(self._path, msgspec.json.encode(self._gaps))
             self._dirty = False
+        # Tried again with the next `sync`: they are kept in memory meanwhile.
         except OSError as error:
             log.debug("%s: %s", self._path, error)
 
@@ -101,10 +107,12 @@ class DroppedSamples:
     `MOST` stretches, neighbours become one.
     """
 
+    # Bounds the memory: only a hub that lost its database ever asks.
     MOST = 4096
 
     def __init__(self) -> None:
         """Begin with none."""
+        # First, end, earliest and latest time (µs); rising, and never overlapping.
         self._spans: list[tuple[int, int, int, int]] = []
 
     def add(self, first: int, end: int, from_us: int, to_us: int) -> None:
@@ -113,8 +121,10 @@ class DroppedSamples:
             return
         self._spans.append((first, end, from_us, to_us))
         if len(self._spans) > self.MOST:
+            # Halved by joining pairs: coarser times, but no number is forgotten.
             pairs = zip(self._spans[::2], self._spans[1::2], strict=False)
             joined = [(a[0], b[1], min(a[2], b[2]), max(a[3], b[3])) for a, b in pairs]
+            # With an odd number of spans the last has no neighbour and stays as it is.
             self._spans = joined + self._spans[len(joined) * 2 :]
 
     def since(self, below: int) -> list[tuple[int, int, int, int]]:

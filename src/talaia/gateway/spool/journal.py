@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 __all__ = ["SegmentHead", "Spool", "SpoolPosition", "StoredRecord"]
 
 log = logging.getLogger(__name__)
+# Words for people: the hub shows them beside the gap in the history.
 FULL = "the gateway's disk space for unsent samples was full"
 UNLEARNED = "the hub lost what it had stored, and the gateway had it no more"
 OLD = "it waited in the gateway for longer than it is kept"
@@ -89,6 +90,7 @@ class Spool:
             sizes: of its files.
 
         """
+        # Bytes, file sizes, and the age (s) beyond which what waits gives way.
         self._bound, self._sizes, self._age_s = bound, sizes, age_s
         # By boot: every sample below is stored at the hub for good.
         self._acked: dict[str, int] = {}
@@ -113,11 +115,11 @@ class Spool:
             began_us=wall_us(),
             machine=machine,
         )
-        self.former = self._progress.former
+        self.former = self._progress.former  # Read by whoever tells of the time between the runs.
         # On disk, oldest first; the last is the current one.
         self._segments = SegmentList(folder, open_folder(folder, self._gaps, self.former), now)
-        self._head = head
-        self._current = self._begin()
+        self._head = head  # Of this boot; what every new segment begins with.
+        self._current = self._begin()  # The segment that is written to; it may not be on disk yet.
 
     # ── writing ──
 
@@ -126,6 +128,8 @@ class Spool:
         segment = self._segments.add_new(self._head)
         self._current = segment
         self._writer.begin()
+        # While there is no room even for the head, the oldest gives way. A disk that fails
+        # otherwise leaves the segment without a file, and records wait in memory.
         while not self._writer.open_file(segment) and self._room.full and self._drop_oldest(FULL):
             pass
         return segment
@@ -137,8 +141,10 @@ class Spool:
         closed = self._current
         self._head = head
         self._begin()
+        # Gone already: reading it failed, and it was set aside.
         if closed not in self._segments:
             return
+        # Nothing was written to it: an empty file would only be scanned at the next start.
         if closed.first < 0:
             self._segments.remove(closed)
             unlinked(closed.path)
@@ -152,19 +158,25 @@ class Spool:
 
     def append(self, record: SampleRecord) -> None:
         """Keep a record of this boot. Never raises for a full disk: the oldest gives way."""
+        # Trimmed first: what the hub has stored must not count against the bound.
         self._trim()
         data = pack_record(record)
+        # Never the current segment, which is closed at a quarter of the bound.
         while self.kept + len(data) > self._bound and self._drop_oldest(FULL):
             pass
         # In order: what waits in memory comes first.
         while self._memory and self._place(pack_record(self._memory.oldest), self._memory.oldest):
             self._memory.pop_oldest()
         if self._memory or not self._place(data, record):
+            # What no longer fits there is the oldest; it is told as a gap.
             for lost in self._memory.add(record, self._sizes.memory):
                 self.lose(lost, FULL)
+        # Counts what waits in memory as well: if this run dies, the next one tells of it as
+        # missing.
         self._progress.advance(record.end, record.to_us)
 
     def _place(self, data: bytes, record: SampleRecord) -> bool:
+        # Asked before each try: `full` says afterwards whether dropping would make room at all.
         while not (self._room.has_room(len(data)) and self._write(data, record)):
             if not self._room.full or not self._drop_oldest(FULL):
                 return False
@@ -174,14 +186,18 @@ class Spool:
         segment = self._current
         # Quarter of the bound: dropping the oldest must not mean dropping nearly all.
         largest = min(self._sizes.segment, max(self._bound // 4, len(data)))
+        # So the oldest can be dropped for its age in small steps, however slowly it was filled.
         is_old = self._segments.waited_s(segment) > self._age_s / TURNS
         if segment.first >= 0 and (segment.size + len(data) > largest or is_old):
             closed, segment = segment, self._begin()
+            # Not the current one any more: nobody writes to it while it is packed.
             self._pack(closed)
+        # The disk did not take the file when the segment began; it is tried again with each record.
         if not self._writer.is_open and not self._writer.open_file(segment):
             return False
         if not self._writer.write_record(segment, data):
             return False
+        # Only what is whole in the file is counted in.
         segment.add(record)
         return True
 
@@ -192,12 +208,14 @@ class Spool:
 
     def _drop_oldest(self, why: str) -> bool:
         """Let the oldest segment give way; tell whether there was one besides the current."""
+        # The current segment is open and takes the next record; it is never dropped.
         if len(self._segments) < 2:
             return False
         self._drop(self._segments.oldest, why)
         return True
 
     def _drop(self, segment: Segment, why: str) -> None:
+        # What of it the hub has stored is not lost.
         first = max(segment.first, self._acked.get(segment.head.boot, 0))
         if first < segment.end:
             # The gap is on record before the file goes: a crash between leaves both, not neither.
@@ -208,6 +226,7 @@ class Spool:
         self._gaps.write()
 
     def _remove(self, segment: Segment) -> None:
+        # Only of this boot: `unlearn` is told nothing of former ones.
         if segment.head.boot == self._head.boot:
             self._gone.add(segment.first, segment.end, segment.from_us, segment.to_us)
         self._segments.remove(segment)
@@ -217,6 +236,7 @@ class Spool:
     def lose(self, record: SampleRecord, reason: str, boot: str = "") -> None:
         """Record that a batch is gone; of this boot when none is named."""
         self._gaps.add(gap_of(record, boot or self._head.boot, reason))
+        # The mark tells of this run only.
         if not boot:
             self._progress.count_lost(record.end)
 
@@ -228,6 +248,7 @@ class Spool:
 
     def ack(self, boot: str, below: int) -> None:
         """Note that every sample of ``boot`` below ``below`` is stored for good."""
+        # Never backwards: a late or repeated acknowledgement takes nothing back; `unlearn` does.
         if below > self._acked.get(boot, 0):
             self._acked[boot] = below
 
@@ -247,14 +268,18 @@ class Spool:
             self._gaps.add(SampleGap(boot=boot, reason=UNLEARNED, **span))
 
     def _trim(self) -> None:
+        # A list of its own: `_remove` changes the one that is walked through.
         for segment in [
             segment
             for segment in self._segments
             if segment.end <= self._acked.get(segment.head.boot, 0) and segment is not self._current
         ]:
+            # The mark is written before the file goes: a crash between would make a gap of stored
+            # samples.
             self._progress.save_acked()
             self._remove(segment)
         while (
+            # The current one is closed by `_write`, at a part of this age.
             len(self._segments) > 1 and self._segments.waited_s(self._segments.oldest) > self._age_s
         ):
             self._drop_oldest(OLD)
@@ -262,8 +287,10 @@ class Spool:
         if current.end <= acked and current.size > self._sizes.trim:
             # Emptied in place: with a hub that keeps up, the pages never reach the disk at all.
             self._empty(current)
+        # What waits in memory may have been sent live and stored meanwhile.
         for stored in self._memory.pop_below(acked):
             self._gone.add(stored.first, stored.end, stored.from_us, stored.to_us)
+        # Last: gaps are compared with what was acknowledged above.
         self._gaps.forget(self._acked)
 
     def all_heard(self) -> None:
@@ -271,10 +298,12 @@ class Spool:
         self._progress.all_heard()
 
     def _empty(self, current: Segment) -> None:
+        # As for a segment that goes: the mark first.
         self._progress.save_acked()
         if not self._writer.empty_file(current):
             return
         self._gone.add(current.first, current.end, current.from_us, current.to_us)
+        # Nothing is in it; `end` stays, so that `sync` compares with how far it had come.
         current.first = -1
         # Whoever reads at a place in it knows by this that the place means something else now.
         current.turn += 1
@@ -289,7 +318,9 @@ class Spool:
         self._trim()
         self._gaps.write()
         if heard_us:
+            # Silence moves the mark on as well, or the next run would tell of it as a gap.
             self._progress.advance(0, heard_us)
+        # What the hub has acknowledged since the last call needs no force: one period of grace.
         settled = self._acked.get(self._head.boot, 0) >= self._synced_end
         self._synced_end = self._current.end
         if not settled:
@@ -301,19 +332,25 @@ class Spool:
         """Give the next records not yet acknowledged, about ``most`` bytes; none at the end."""
         self._trim()
         for segment in self._segments:
+            # Read already, or nothing in it yet.
             if segment.number < place.number or segment.first < 0:
                 continue
             same = segment.number == place.number and segment.turn == place.turn
+            # Another segment, or the same one emptied or packed since: offsets in it mean nothing
+            # now.
             if not same:
                 place = SpoolPosition(segment.number, segment.turn, segment.start)
             try:
                 found, place = self._reader.read_segment(segment, place, most)
             except OSError as error:
+                # One file that cannot be read must not end the link; the ones behind it are given
+                # out.
                 self._give_up(segment, error)
                 continue
             if found:
                 return found, place
         last = self._segments.newest_number + 1
+        # Newer than all on disk, so it comes last; by the place it is given out once.
         if self._memory and place.number < last:
             return [StoredRecord(self._head, record) for record in self._memory], SpoolPosition(
                 last, 0, 0
@@ -326,6 +363,7 @@ class Spool:
 
     def newest_in(self, number: int, known: set[str], now_us: int) -> FormerNewest | None:
         """Give the newest samples of a segment (`former_runs`), or none when it is gone."""
+        # Dropped since its number was given: `former_segments` is asked in another turn.
         segment = self._segments.by_number(number)
         return None if segment is None else newest_of_segment(segment, known, now_us)
 
@@ -336,12 +374,14 @@ class Spool:
     def _give_up(self, segment: Segment, error: OSError) -> None:
         """Set a segment aside that the disk no longer gives back; the link goes on without it."""
         log.warning("%s cannot be read and is set aside: %s", segment.path, error)
+        # First, so that there is always a current segment behind the one that goes.
         if segment is self._current:
             self._begin()
         try:
             set_aside(segment.path)
         except OSError as failure:
             log.warning("%s cannot be set aside: %s", segment.path, failure)
+        # Acknowledged samples of it are at the hub, whatever became of the file.
         first = max(segment.first, self._acked.get(segment.head.boot, 0))
         if first < segment.end:
             self._gaps.add(gap_in(segment, first, DAMAGED))
@@ -349,10 +389,13 @@ class Spool:
 
     def close(self) -> None:
         """Force to disk and close; an empty current segment is removed."""
+        # Trimmed first: what the hub has need not be forced to disk.
         self._trim()
         self._gaps.write()
         self._progress.save_acked()
+        # Before the writer, which may raise: the mark's file is closed in any case.
         self._progress.close()
         self._writer.close()
+        # As in `redescribe`: an empty segment is nothing to take up.
         if self._current.first < 0:
             unlinked(self._current.path)

@@ -26,7 +26,7 @@ class MemoryQueue:
 
     def __init__(self) -> None:
         """Begin with none."""
-        self._records: deque[SampleRecord] = deque()
+        self._records: deque[SampleRecord] = deque()  # Oldest first.
         # Of their bodies; kept up to date with every record, as it is asked for with each batch.
         self.bytes = 0
 
@@ -46,6 +46,7 @@ class MemoryQueue:
         self._records.append(record)
         self.bytes += len(record.body)
         dropped = []
+        # The record that was just added goes as well when it alone is too large.
         while self.bytes > most:
             dropped.append(self.pop_oldest())
         return dropped
@@ -64,6 +65,7 @@ class MemoryQueue:
     def pop_below(self, end: int) -> list[SampleRecord]:
         """Give the records that end at sample ``end`` or before; they go from here."""
         stored = []
+        # From the front only: records are in rising order, so the first newer one ends it.
         while self._records and self._records[0].end <= end:
             stored.append(self.pop_oldest())
         return stored
@@ -71,12 +73,14 @@ class MemoryQueue:
     def name_channels(self, addresses: list[str]) -> None:
         """Let each record say itself what its channels are: the list they share is another soon."""
         self._records = deque(_alone(record, addresses) for record in self._records)
+        # Names make them larger: counted anew, for the bound is on what is really there.
         self.bytes = sum(len(record.body) for record in self._records)
 
 
 def _alone(record: SampleRecord, addresses: list[str]) -> SampleRecord:
     """Give a batch that says itself what its channels are."""
     frame = LINK_FROM_GATEWAY.decode(record.body)
+    # One that names its channels already was put here under an earlier list.
     if not isinstance(frame, SampleBatch) or frame.addresses:
         return record
     whole = replace(frame, addresses=addresses)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["DAMAGED", "TORN", "open_folder", "take_up", "tell_torn"]
 
 log = logging.getLogger(__name__)
+# Words for people: the hub shows them beside the gap in the history.
 DAMAGED = "damaged on disk"
 TORN = "the end of what waited on the gateway's disk is missing"
 
@@ -40,6 +41,7 @@ def open_folder(folder: Path, gaps: SpoolGaps, former: ProgressMark | None) -> l
     except OSError as error:
         # What a robot says waits in memory then; nothing that guards it waits for a disk.
         log.warning("the spool %s cannot be used now: %s", folder, error)
+    # After the segments are read: what they hold is not torn.
     if former is not None:
         tell_torn(former, found, gaps)
     return found
@@ -52,15 +54,20 @@ def take_up(folder: Path, gaps: SpoolGaps, former: ProgressMark | None = None) -
         OSError: the folder cannot be used.
 
     """
+    # A rewriting (segments, gaps) that a crash cut short; the old file is still in its place.
     for half in folder.glob("*.new"):
         unlinked(half)
+    # By boot: where its newest segment so far ends, and the latest time in it (µs).
     ends: dict[str, tuple[int, int]] = {}
     found: list[Segment] = []
+    # Names are numbers of ten digits, so their order is that in which they were written.
     for path in sorted(folder.glob("*.seg")):
         segment = _read(path, gaps, former)
         if segment is None:
             continue
         # Segments of one boot follow each other; the oldest may be gone, none between.
+        # The first of a boot is compared with itself: what was before it may have been
+        # acknowledged.
         end, end_us = ends.get(segment.head.boot, (segment.first, 0))
         if segment.first > end:
             gaps.add_unknown(
@@ -81,6 +88,7 @@ def take_up(folder: Path, gaps: SpoolGaps, former: ProgressMark | None = None) -
 def tell_torn(former: ProgressMark, segments: list[Segment], gaps: SpoolGaps) -> None:
     """Tell what the run before had heard, and the hub has not stored, and is nowhere now."""
     mine = [segment for segment in segments if segment.head.boot == former.boot]
+    # The mark ran ahead of the disk: what it counts beyond this was in memory, or torn off.
     first = max([former.acked, *(segment.end for segment in mine)])
     if first < former.end:
         from_us = max((gap.to_us for gap in mine), default=former.began_us)
@@ -89,6 +97,8 @@ def tell_torn(former: ProgressMark, segments: list[Segment], gaps: SpoolGaps) ->
                 boot=former.boot,
                 first=first,
                 last=former.end - 1,
+                # The wall clock may have been set back in that run; a span never ends before it
+                # begins.
                 from_us=min(from_us, former.heard_us),
                 to_us=former.heard_us,
                 reason=TORN,
@@ -100,6 +110,7 @@ def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment |
     try:
         data = path.read_bytes()
     except OSError as error:
+        # Not fatal: one bad file must not keep the gateway from the others.
         log.warning("%s cannot be read and is set aside: %s", path, error)
         _set_aside(path)
         return None
@@ -108,12 +119,14 @@ def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment |
         _leave(path, data, gaps)
         return None
     segment, holes, whole = scanned
+    # Behind it is half a record, which a crash or a power cut left.
     if whole < len(data):
         # On a disk that takes nothing it stays; readers go by the size that is known here.
         with contextlib.suppress(OSError):
             os.truncate(path, whole)
     # What the hub has acknowledged past needs no word: a gap it was told of has a number, too.
     mine = former is not None and former.boot == segment.head.boot
+    # Only the run before has left word of how far the hub had acknowledged.
     acked = former.acked if former is not None and mine else 0
     for hole, last, from_us, to_us in holes:
         first = max(hole, acked)
@@ -129,6 +142,7 @@ def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment |
                 reason=DAMAGED,
             )
         )
+    # A head and nothing behind it: all was acknowledged, or nothing was heard.
     if segment.first < 0:
         unlinked(path)
         return None
@@ -137,11 +151,13 @@ def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment |
 
 def _leave(path: Path, data: bytes, gaps: SpoolGaps) -> None:
     """Set a segment aside whose head cannot be read, and tell what was in it."""
+    # Made and not written, or taken by a power cut; what is missing the mark tells of.
     if not data:
         unlinked(path)
         return
     log.warning("%s is damaged and is set aside", path)
     for record in ranges_of(data):
+        # A record that cannot be read does not say whose it is; no gap can be told of it.
         boot = boot_of(record)
         if boot:
             gaps.add_unknown(

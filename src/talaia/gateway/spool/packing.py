@@ -23,24 +23,27 @@ if TYPE_CHECKING:
 
 __all__ = ["FRAME_SAMPLES", "GROUP_SAMPLES", "packed", "unpacked"]
 
+# Samples of one frame when it is given out again; see the module.
 FRAME_SAMPLES = 1024
+# Samples of one packed record: what is damaged with it, and what is held in memory to read it.
 GROUP_SAMPLES = 16 * FRAME_SAMPLES
 # The fastest: the bytes that carry noise stay as they are at any level.
 _LEVEL = 1
+# Of an inflated record; a damaged one must not be able to fill the memory.
 _MOST_BYTES = 16 * 1024 * 1024
 
 
 class _Group(msgspec.Struct, frozen=True, array_like=True):
     """Columns of the samples from ``first`` on, each shuffled; ``delta`` are steps in time."""
 
-    boot: str
+    boot: str  # Of the run that heard them.
     catalogue: str
-    first: int
-    base_us: int
-    channel: bytes
-    delta: bytes
-    value: bytes
-    texts: dict[int, str]
+    first: int  # Sequence number of the first sample.
+    base_us: int  # The first sample's time (µs, UTC); `delta` counts on from it.
+    channel: bytes  # u16 each.
+    delta: bytes  # i64 each: the wall clock may jump further than 32 bits hold.
+    value: bytes  # f64 each; NaN where a text stands.
+    texts: dict[int, str]  # By position in the group, not in a batch.
 
 
 _encoder = msgspec.msgpack.Encoder()
@@ -57,6 +60,7 @@ def packed(kept: Iterable[SampleRecord]) -> Iterator[SampleRecord]:
     for record in kept:
         frame = _frame_of(record)
         if frame is None:
+            # What it passes over ends the group: records must come out in the order they went in.
             yield from _close(group)
             group, count = [], 0
             yield record
@@ -75,16 +79,20 @@ def _frame_of(record: SampleRecord) -> tuple[SampleBatch, Columns] | None:
         return None
     try:
         frame = LINK_FROM_GATEWAY.decode(record.body)
+        # Such a batch has a channel list of its own, and a group has room for one only.
         if not isinstance(frame, SampleBatch) or frame.addresses:
             return None
         columns = unpack(frame)
+    # Passed on as it is: if it cannot be read, its gap is told when it is sent.
     except PeerError:
         return None
+    # A body that does not fit its head is not joined with others, or numbers would shift.
     return (frame, columns) if frame.first == record.first and len(columns) else None
 
 
 def _follows(last: tuple[SampleBatch, Columns], frame: SampleBatch) -> bool:
     before, columns = last
+    # Run, channel list and number must go on: a group names each only once.
     return (before.boot, before.catalogue, before.first + len(columns)) == (
         frame.boot,
         frame.catalogue,
@@ -100,6 +108,7 @@ def _close(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:
     texts: dict[int, str] = {}
     at = 0
     for _, columns in group:
+        # Positions of texts count from the group's begin.
         texts.update({at + position: text for position, text in columns.texts.items()})
         at += len(columns)
     body = _Group(
@@ -108,10 +117,12 @@ def _close(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:
         first.first,
         int(time_us[0]),
         _shuffled(np.concatenate([columns.channel for _, columns in group]).astype("<u2")),
+        # Steps from sample to sample are small and alike, and whole times are not.
         _shuffled(np.diff(time_us, prepend=time_us[0]).astype("<i8")),
         _shuffled(np.concatenate([columns.value for _, columns in group]).astype("<f8")),
         texts,
     )
+    # Earliest and latest: the first sample need not be the earliest.
     yield SampleRecord(
         first.first,
         at,
@@ -131,15 +142,18 @@ def unpacked(record: SampleRecord) -> list[SampleRecord]:
     """
     if record.kind != RecordKind.PACKED:
         return [record]
+    # An object, not `zlib.decompress`: only it can stop at a bound.
     inflate = zlib.decompressobj()
     try:
         group = _decoder.decode(inflate.decompress(record.body, _MOST_BYTES))
+        # Not at its end: either cut off, or larger than the bound.
         if not inflate.eof:
             raise PeerError("a packed record that ends too early, or is too large")
     except (zlib.error, msgspec.DecodeError) as error:
         raise PeerError(f"a packed record that cannot be read: {error}") from error
     count = record.samples
     channel = _in_order(group.channel, "<u2", count)
+    # The first step is 0, so the sum begins at `base_us`.
     time_us = group.base_us + np.cumsum(_in_order(group.delta, "<i8", count))
     value = _in_order(group.value, "<f8", count)
     columns = Columns(channel, time_us, value, group.texts)
@@ -159,6 +173,7 @@ def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
     try:
         packed = pack(columns)
     except ValueError:
+        # Halved until it fits; a single sample always does, so this ends.
         middle = len(columns) // 2
         head, tail = part(columns, 0, middle), part(columns, middle, len(columns))
         return [*_batches(group, first, head), *_batches(group, first + middle, tail)]
@@ -177,11 +192,14 @@ def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
 
 
 def _shuffled(column: np.ndarray) -> bytes:
+    # One row for each byte of weight: all low bytes, then the next ones, up to the high bytes.
     return column.view(np.uint8).reshape(-1, column.itemsize).T.tobytes()
 
 
 def _in_order(data: bytes, kind: str, count: int) -> np.ndarray:
     size = np.dtype(kind).itemsize
+    # Checked before `reshape`, whose error would be no `PeerError`.
     if len(data) != count * size:
         raise PeerError(f"a packed column of {len(data)} bytes for {count} samples")
+    # A copy, for `view` wants the bytes of each value side by side again.
     return np.frombuffer(data, np.uint8).reshape(size, count).T.copy().view(kind).ravel()

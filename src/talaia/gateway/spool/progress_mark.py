@@ -54,12 +54,14 @@ class MarkFile:
     def __init__(self, path: Path) -> None:
         """Read what the run before left; `former` is none where there was none."""
         self._path = path
-        self._file = -1
-        self.former: ProgressMark | None = None
+        self._file = -1  # Negative until the first mark; then open for the whole run.
+        self.former: ProgressMark | None = None  # Read once, before this run writes over it.
         try:
             self.former = msgspec.json.decode(path.read_bytes(), type=ProgressMark)
+        # No run before this one, or one whose data folder was removed.
         except FileNotFoundError:
             pass
+        # Not fatal: without a mark it is only not known what is missing.
         except (OSError, msgspec.DecodeError) as error:
             log.warning("%s cannot be read: %s", path, error)
 
@@ -68,7 +70,10 @@ class MarkFile:
         try:
             if self._file < 0:
                 self._file = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o600)
+            # Filled up with spaces, which JSON permits: a shorter mark leaves no rest of a longer
+            # one.
             os.pwrite(self._file, msgspec.json.encode(mark).ljust(_SIZE), 0)
+        # Comes with each batch while the disk is full; the next one is tried anyway.
         except OSError as error:
             log.debug("%s: %s", self._path, error)
 
@@ -81,8 +86,10 @@ class MarkFile:
 
 def machine_run() -> str:
     """Name the run of this machine, whose monotonic clock all its processes share."""
+    # Made anew by the kernel at each start of the machine.
     try:
         with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
             return file.read().strip()
     except OSError:
+        # Not Linux, or hidden by a container: then the clocks of two runs are not compared.
         return ""

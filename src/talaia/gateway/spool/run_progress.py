@@ -55,9 +55,9 @@ class RunProgress:
 
         """
         self._file = MarkFile(path)
-        self._gaps = gaps
-        self._acked = acked
-        self._now = now
+        self._gaps = gaps  # Asked whether what the former run lost is on disk.
+        self._acked = acked  # Shared with `Spool`, which writes to it.
+        self._now = now  # Monotonic (s), for the mark's `mono_s`.
         self.former = self._file.former
         # The former run's mark is in the file still.
         self._former_stands = self.former is not None
@@ -67,6 +67,8 @@ class RunProgress:
 
     def advance(self, end: int, heard_us: int) -> None:
         """Leave word that samples below ``end`` are in the spool, heard up to ``heard_us``."""
+        # The gaps first: they are made of the former mark, and with it gone nothing else tells of
+        # them.
         if self._gaps.dirty and self._former_stands:
             self._gaps.write()
             if self._gaps.dirty:
@@ -76,6 +78,7 @@ class RunProgress:
         # A clock that was set back a long way is believed; one that wavers is not.
         if abs(mark.heard_us - heard_us) < _JUMP_US:
             heard_us = max(mark.heard_us, heard_us)
+        # `max`: sync hands in no number, and a record that was lost has been counted already.
         self._mark = replace(
             mark, end=max(mark.end, end), acked=acked, heard_us=heard_us, mono_s=self._now()
         )
@@ -83,6 +86,7 @@ class RunProgress:
 
     def count_lost(self, end: int) -> None:
         """Count samples below ``end`` in that are lost; the next word that is left says so."""
+        # Not written at once: the next record, or the next `sync`, writes it.
         self._mark = replace(self._mark, end=max(self._mark.end, end))
 
     def all_heard(self) -> None:
@@ -94,6 +98,7 @@ class RunProgress:
 
         Otherwise the next run would take it for lost.
         """
+        # Asked first: it is called for every segment that goes, and mostly nothing is new.
         if self._acked.get(self._mark.boot, 0) > self._mark.acked:
             self.advance(self._mark.end, self._mark.heard_us)
 

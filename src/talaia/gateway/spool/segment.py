@@ -16,17 +16,20 @@ if TYPE_CHECKING:
 
 __all__ = ["HEAD", "RecordKind", "SampleRecord", "pack_record", "records"]
 
+# Not valid UTF-8, so no text in a body looks like it; bytes that do fail by the checksum.
 MAGIC = b"\xf7TLR"
 # magic, kind, body length, CRC-32 of all that follows it, first, count, from_us, to_us
 _HEAD = struct.Struct("<4sBIIQIqq")
 _CHECKED = struct.Struct("<QIqq")
 HEAD = _HEAD.size
+# More than any record has: a damaged length is found without reading that far.
 _MAX_BODY = 16 * 1024 * 1024
 
 
 class RecordKind:
     """What a record holds: the segment's own head, a batch of samples, or several, deflated."""
 
+    # Written to disk: a number keeps its meaning for ever.
     SEGMENT = 0
     SAMPLES = 1
     PACKED = 2
@@ -61,6 +64,7 @@ class SampleRecord(NamedTuple):
 def pack_record(record: SampleRecord) -> bytes:
     """Give a record's bytes."""
     checked = _CHECKED.pack(record.first, record.samples, record.from_us, record.to_us)
+    # The kind is the checksum's start value: so it is covered without another copy.
     crc = zlib.crc32(record.body, zlib.crc32(checked, record.kind))
     head = _HEAD.pack(
         MAGIC,
@@ -78,11 +82,13 @@ def pack_record(record: SampleRecord) -> bytes:
 def records(data: bytes, at: int = 0) -> Iterator[tuple[int, SampleRecord]]:
     """Give the whole records of ``data`` from ``at`` on, each with the offset where it ends."""
     while True:
+        # Damage is skipped up to the next magic, wherever that is.
         at = data.find(MAGIC, at)
         if at < 0:
             return
         record = _read(data, at)
         if record is None:
+            # By one byte, not by the head: a magic within a damaged record may be a true one.
             at += 1
             continue
         at += HEAD + len(record.body)
@@ -90,12 +96,15 @@ def records(data: bytes, at: int = 0) -> Iterator[tuple[int, SampleRecord]]:
 
 
 def _read(data: bytes, at: int) -> SampleRecord | None:
+    # A torn head at the end of the file.
     if len(data) - at < HEAD:
         return None
     _, kind, length, crc, first, count, from_us, to_us = _HEAD.unpack_from(data, at)
+    # A torn body, or a damaged length; either way it is no whole record.
     if length > _MAX_BODY or len(data) - at - HEAD < length:
         return None
     body = data[at + HEAD : at + HEAD + length]
+    # Over the decoded numbers and the body; a wrong length gives another body and so fails, too.
     checked = _CHECKED.pack(first, count, from_us, to_us)
     if zlib.crc32(body, zlib.crc32(checked, kind)) != crc:
         return None

@@ -27,9 +27,10 @@ class SegmentList:
 
     def __init__(self, folder: Path, taken_up: list[Segment], now: Callable[[], float]) -> None:
         """Begin with what former runs left, ``taken_up``; ``now`` is a clock that never jumps."""
-        self._folder = folder
-        self._now = now
-        self._segments = taken_up
+        self._folder = folder  # Where segments are; used for names only.
+        self._now = now  # Monotonic (s).
+        self._segments = taken_up  # Oldest first; the last is the one that is written.
+        # Above all that were found, for the order of names is the order of samples.
         self._next_number = 1 + max((segment.number for segment in taken_up), default=0)
         # For how long gateways ran before this one (s), less the clock's first reading: the age
         # of what waits counts only time in which it could have been sent.
@@ -66,6 +67,7 @@ class SegmentList:
         """Add an empty segment behind the others; there is no file of it yet."""
         number = self._next_number
         self._next_number += 1
+        # Of its begin: all in it is at most this old.
         head = replace(head, ran_s=self._ran_s + self._now())
         segment = Segment(number, self._folder / f"{number:010d}.seg", head, 0, 0)
         self._segments.append(segment)
@@ -77,6 +79,7 @@ class SegmentList:
 
     def waited_s(self, segment: Segment) -> float:
         """Give a segment's age (s); time in which no gateway ran is not in it."""
+        # By running time alone: a wall clock that jumps makes nothing old.
         return self._ran_s + self._now() - segment.head.ran_s
 
     def former_numbers(self, boot: str) -> list[int]:
@@ -94,5 +97,7 @@ class SegmentList:
         """Give where to read from to be given sample ``first`` of ``boot`` early on."""
         for segment in self._segments:
             if segment.head.boot == boot and segment.end > first:
+                # Turn -1 is no segment's: it is read from its begin, wherever in it the sample is.
                 return SpoolPosition(segment.number, -1)
+        # Not on disk any more: from the oldest on.
         return SpoolPosition()

@@ -22,16 +22,23 @@ def pack_segment(segment: Segment) -> None:
     """Write a closed segment anew, smaller; a crash leaves the old or the new."""
     beside = segment.path.with_suffix(".new")
     try:
+        # Into memory whole: a segment is bounded by its size, and only one is packed at a time.
         kept = [record for _, record in records(segment.path.read_bytes())]
+        # The head goes first and unpacked: without it nobody knows whose the rest is.
         whole = b"".join(pack_record(record) for record in [kept[0], *packed(kept[1:])])
         with beside.open("wb") as file:
             file.write(whole)
             file.flush()
+            # Forced before it takes the old one's place: else a power cut could leave an empty
+            # file.
             os.fdatasync(file.fileno())
         beside.replace(segment.path)
+    # IndexError: not even the head could be read. Packing only saves room, so nothing is lost.
     except (OSError, IndexError) as error:
         log.debug("%s stays as it is: %s", segment.path, error)
         unlinked(beside)
         return
+    # After the file is in its place, on the same thread as all readers.
     segment.size = len(whole)
+    # Offsets that readers hold were of the old file.
     segment.turn += 1

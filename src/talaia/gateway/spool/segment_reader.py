@@ -35,9 +35,9 @@ class SpoolPosition(NamedTuple):
     ``end`` is one past the last sample that it was given.
     """
 
-    number: int = 0
-    turn: int = 0
-    offset: int = 0
+    number: int = 0  # Of the segment.
+    turn: int = 0  # Of the segment, when it was read; see `Segment.turn`.
+    offset: int = 0  # Bytes from the file's begin.
     end: int = -1
 
 
@@ -52,7 +52,7 @@ class SegmentReader:
             gaps: take what is lost.
 
         """
-        self._acked = acked
+        self._acked = acked  # Shared with `Spool`, which writes to it.
         self._gaps = gaps
 
     def read_segment(
@@ -66,8 +66,11 @@ class SegmentReader:
         """
         found: list[StoredRecord] = []
         offset, expected = place.offset, place.end
+        # Opened for each call: a segment may be packed or removed between two.
         file = os.open(segment.path, os.O_RDONLY | os.O_CLOEXEC)
         try:
+            # `size` and not the file's own length: behind it may be half of a record that the disk
+            # did not take.
             while not found and offset < segment.size:
                 # Room for the longest batch, so that one that is cut off is read whole next time.
                 data = os.pread(file, min(most * 2, segment.size - offset), offset)
@@ -75,11 +78,16 @@ class SegmentReader:
                 for end, record in records(data):
                     if record.kind == RecordKind.SEGMENT:
                         continue
+                    # In order: a number that is skipped was written and is gone now.
                     self._see_hole(segment, expected, record)
                     expected = record.end
                     found += self._batches(segment, record)
+                    # Bytes of the file, not of what was found: the caller paces its reading of the
+                    # disk.
                     if end >= most:
                         break
+                # Nothing whole in this piece: the record is longer, or damaged; read once more to
+                # the end.
                 if end == 0:
                     most = segment.size - offset if len(data) < segment.size - offset else 0
                     if most == 0:
@@ -87,6 +95,7 @@ class SegmentReader:
                         self._see_hole(segment, expected, None)
                         offset = segment.size
                         break
+                # Only past whole records, so that the next call begins at one.
                 offset += end
         finally:
             os.close(file)
@@ -94,6 +103,7 @@ class SegmentReader:
 
     def _batches(self, segment: Segment, record: SampleRecord) -> list[StoredRecord]:
         acked = self._acked.get(segment.head.boot, 0)
+        # Before it is unpacked: what the hub has is not worth the time.
         if record.end <= acked:
             return []
         try:
@@ -102,6 +112,7 @@ class SegmentReader:
                 for record in unpacked(record)
                 if record.end > acked
             ]
+        # Told as a gap and passed over: it would be as unreadable the next time.
         except PeerError as error:
             self._gaps.add(
                 SampleGap(
@@ -117,8 +128,10 @@ class SegmentReader:
 
     def _see_hole(self, segment: Segment, expected: int, record: SampleRecord | None) -> None:
         """Tell of records that were whole when they were written and are not there now."""
+        # At the begin of a segment its own range says what should come first.
         first = max(segment.first if expected < 0 else expected, 0)
         past = segment.end if record is None else record.first
+        # What is damaged and acknowledged is at the hub: no gap.
         first = max(first, self._acked.get(segment.head.boot, 0))
         if first < past:
             lost = gap_in(segment, first, DAMAGED)

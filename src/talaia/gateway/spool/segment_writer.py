@@ -44,6 +44,7 @@ class SegmentWriter:
 
     def begin(self) -> None:
         """Close the file of the segment before; the next one is not there yet."""
+        # Not forced to disk here: a segment that is closed is packed, and that forces it.
         if self._file >= 0:
             os.close(self._file)
         self._file = -1
@@ -57,12 +58,14 @@ class SegmentWriter:
         try:
             # Made here: a disk that takes something again may have come up without the folder.
             segment.path.parent.mkdir(parents=True, exist_ok=True)
+            # Read by its owner only: what a robot says is nobody else's on this machine.
             file = os.open(segment.path, os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
             write_all(file, data)
         except OSError as error:
             self._room.see_failure(error)
             if file >= 0:
                 os.close(file)
+                # Half a head is no segment; without the file the next try begins anew.
                 unlinked(segment.path)
             return False
         self._file = file
@@ -87,10 +90,12 @@ class SegmentWriter:
     def empty_file(self, segment: Segment) -> bool:
         """Cut a segment off behind its head; tell whether the disk did so."""
         try:
+            # The head stays: the same segment goes on behind it.
             os.ftruncate(self._file, segment.start)
         except OSError as error:
             log.debug("%s is not emptied: %s", segment.path, error)
             return False
+        # Truncating does not move the place of writing; without this a hole of zeros would follow.
         os.lseek(self._file, segment.start, os.SEEK_SET)
         segment.size = segment.start
         return True
@@ -102,6 +107,7 @@ class SegmentWriter:
         # Before it is tried: a disk that cannot is not asked again until there is more.
         self._dirty = False
         try:
+            # Data and length only: nobody asks for the time of change.
             os.fdatasync(self._file)
         except OSError as error:
             log.warning("the spool cannot be forced to disk: %s", error)
@@ -114,6 +120,7 @@ class SegmentWriter:
 
         """
         if self._file >= 0:
+            # Closed in any case: the error goes to the caller.
             try:
                 os.fdatasync(self._file)
             finally:

@@ -17,7 +17,9 @@ class SpoolSizes(NamedTuple):
 
     """
 
+    # Small enough to be packed in memory and to be dropped without losing much at once.
     segment: int = 4 * 1024 * 1024
+    # Emptied only above this, so that a hub that keeps up does not cost a call for each batch.
     trim: int = 512 * 1024
     memory: int = 4 * 1024 * 1024
 

@@ -21,6 +21,7 @@ __all__ = ["SpoolThread"]
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
+# Bytes handed to the thread and not taken by it yet.
 MAX_WAITING = 32 * 1024 * 1024
 # What was heard longer ago than this has been given to the spool (µs).
 UNDER_WAY_US = 250_000
@@ -36,17 +37,19 @@ class SpoolThread:
 
     def __init__(self, spool: Spool) -> None:
         """Take over ``spool``; nobody else may call it from now on."""
-        self._spool = spool
+        self._spool = spool  # Touched on `_thread` only, but for `ack` and `former`.
+        # One thread: it is a queue as well, so all calls keep their order.
         self._thread = ThreadPoolExecutor(1, "talaia-spool")
         # How far the run before this one came, if there was one.
         self.former = spool.former
         # Two counters, each written by one thread only.
-        self._given = 0
-        self._taken = 0
+        self._given = 0  # Bytes given, by the event loop.
+        self._taken = 0  # Bytes taken, by the thread.
 
     def append(self, record: SampleRecord) -> None:
         """Keep a record."""
         size = len(record.body)
+        # A stale `_taken` only makes the queue look longer than it is.
         if self._given - self._taken + size > MAX_WAITING:
             self._thread.submit(self._spool.lose, record, "the gateway's disk stood still")
             return
@@ -62,6 +65,7 @@ class SpoolThread:
         self._thread.submit(self._spool.all_heard).add_done_callback(_log_failure)
 
     def _append(self, record: SampleRecord, size: int) -> None:
+        # Before the disk is waited for: at most one record more than the bound is in memory.
         self._taken += size
         self._spool.append(record)
 
@@ -108,6 +112,7 @@ class SpoolThread:
 
         One segment at a time, so that what is new is kept in between.
         """
+        # Newest first: what a later run heard of a channel hides what an earlier one did.
         for number in await self._run_on_thread(self._spool.former_segments):
             read = partial(self._spool.newest_in, number, known, now_us)
             found = await self._run_on_thread(read)
@@ -127,6 +132,7 @@ class SpoolThread:
         """Finish what waits, close the spool and end the thread."""
         try:
             await self._run_on_thread(self._spool.close)
+        # The process ends all the same; what was written survives it.
         except OSError as error:
             log.warning("the spool could not be closed well: %s", error)
         self._thread.shutdown(wait=True)
@@ -134,5 +140,6 @@ class SpoolThread:
 
 def _log_failure(future: Future[None]) -> None:
     error = future.exception()
+    # Nobody awaits these calls, so without this a fault would be silent.
     if error is not None:
         log.error("the spool failed: %s", error, exc_info=error)
