@@ -44,14 +44,18 @@ class ConditionWatch:
 
     def __init__(self, alarm: Alarm, *, on: bool) -> None:
         """Begin with ``on`` as it was last written down."""
+        # So long without a break it must be seen true before it counts, and false before it ceases.
         self._delay_ns = round(alarm.delay * SECOND)
         self._clear_ns = round(alarm.clear_delay * SECOND)
+        # None: that it cannot be judged never raises the alarm.
         self._unknown_ns = (
             None if alarm.unknown_after is None else round(alarm.unknown_after * SECOND)
         )
         self.on = on
         self.known = True
         self.why = ""
+        # When it was first seen so (monotonic ns); None: not so. That it was true outlasts a while
+        # in which it cannot be judged; that it was false does not.
         self._true_since: int | None = None
         self._false_since: int | None = None
         self._unknown_since: int | None = None
@@ -77,6 +81,7 @@ class ConditionWatch:
                 return self._unknown(verdict.why, now_ns)
 
     def _holds(self, why: str, now_ns: int) -> Edge | None:
+        # Seen true once is enough: the delay to clear begins anew.
         self._false_since = self._unknown_since = None
         if self.on:
             return None
@@ -87,6 +92,7 @@ class ConditionWatch:
         return self._turned(ConditionTurn.RAISE, why)
 
     def _false(self, why: str, now_ns: int) -> Edge | None:
+        # Seen false once is enough: the delay to raise begins anew.
         self._true_since = self._unknown_since = None
         if not self.on:
             return None
@@ -102,6 +108,7 @@ class ConditionWatch:
         self._false_since = None
         if self._unknown_since is None:
             self._unknown_since = now_ns
+        # One that is on stays on: what is not known is never taken for well.
         if self.on or self._unknown_ns is None:
             return None
         if now_ns - self._unknown_since < self._unknown_ns:

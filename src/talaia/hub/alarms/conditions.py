@@ -81,7 +81,9 @@ class AlarmCondition:
             self.happening = (alarm.signal, "")
         elif alarm.kind is AlarmKind.DETECTION:
             self.happening = (alarm.stream, alarm.label)
+        # Their names, units and greatest ages, by address.
         self._signals = {channel: addresses.signals[channel] for channel in self.channels}
+        # Parsed once, judged at every sample; only of the kind EXPRESSION.
         self._expression: Expression | None = None
         if alarm.kind is AlarmKind.EXPRESSION:
             self._expression = parse_condition(alarm.expression, addresses.kinds)
@@ -89,6 +91,7 @@ class AlarmCondition:
     @property
     def aged(self) -> bool:
         """Whether time alone can change what is so."""
+        # An anomaly is unknown once its channel's value is too old; a detection has no value.
         return self.happening is None or self.alarm.kind is AlarmKind.ANOMALY
 
     def judge(
@@ -125,6 +128,7 @@ class AlarmCondition:
             case AlarmKind.STATE:
                 return self._state(readings)
             case AlarmKind.GATEWAY:
+                # Never unknown: the missing link is what it watches.
                 if online:
                     return ConditionVerdict(Truth.FALSE, "its gateway has a link")
                 return ConditionVerdict(
@@ -147,6 +151,7 @@ class AlarmCondition:
         if not math.isfinite(reading.value):
             return None
         if signal.type is SignalType.STATE:
+            # A number outside the list is shown as it is, not hidden.
             at = round(reading.value)
             return signal.states[at] if 0 <= at < len(signal.states) else f"{at}"
         return reading.value
@@ -169,6 +174,7 @@ class AlarmCondition:
         value = self.value(address, readings)
         if not isinstance(value, float):
             return self._unknown(address, readings)
+        # Once on, it clears only when it is back by the hysteresis.
         slack = alarm.hysteresis if held else 0.0
         limits = [limit for limit in (alarm.above, alarm.below) if limit is not None]
         name, unit = self._signals[address].name, self._signals[address].unit
@@ -197,6 +203,7 @@ class AlarmCondition:
     def _stale(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         address = self.alarm.signal
         name, reading = self._signals[address].name, readings.get(address)
+        # Never heard of is stale too.
         if reading is None:
             return ConditionVerdict(Truth.HOLDS, f"{name} has never been heard of")
         if reading.age_s > self.longest_s(address):
@@ -208,6 +215,7 @@ class AlarmCondition:
     ) -> ConditionVerdict:
         address = self.alarm.signal
         name = self._signals[address].name
+        # One that goes on counts even while the channel is silent.
         for anomaly in seen:
             if anomaly.score >= self.alarm.score:
                 return ConditionVerdict(
@@ -225,6 +233,7 @@ class AlarmCondition:
                 return ConditionVerdict(
                     Truth.HOLDS, f"{many} seen ({sighting.confidence:.0%} sure)"
                 )
+        # That nothing is seen while nobody looks proves nothing.
         if not online:
             return ConditionVerdict(Truth.UNKNOWN, "the site is away")
         return ConditionVerdict(Truth.FALSE, f"no {alarm.label} seen")
@@ -243,6 +252,7 @@ class AlarmCondition:
     def _compared(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         values = {address: self.value(address, readings) for address in self.channels}
         found = self._expression.judge(values) if self._expression else None
+        # A channel without a value is the likelier reason, so it is named first.
         if found is None:
             missing = next((channel for channel in self.channels if values[channel] is None), None)
             if missing is not None:
@@ -264,9 +274,11 @@ class AlarmCondition:
 def format_number(value: float, limits: Sequence[float] = ()) -> str:
     """Say a number in four digits, or in as many as it takes to stand where it does to limits."""
     text = ""
+    # 17 digits tell any two floats apart.
     for digits in range(4, 18):
         text = f"{value:.{digits}g}"
         said = float(text)
+        # An exponent is harder to read than a few digits more.
         if abs(value) < _PLAIN and "e+" in text:
             continue
         if all((said > limit, said < limit) == (value > limit, value < limit) for limit in limits):

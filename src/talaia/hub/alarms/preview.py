@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Preview", "Span", "Track", "preview"]
 
+# Beyond these they are counted, not listed.
 _MOST_SPANS = 200
 _US = 1_000_000
 
@@ -63,14 +64,18 @@ def preview(
     condition: AlarmCondition, tracks: Mapping[str, Track], from_us: int, to_us: int
 ) -> Preview:
     """Let the samples of a window pass before a condition, with its delays."""
+    # As if it had been off before: what was so then is not known.
     watch = ConditionWatch(condition.alarm, on=False)
     spans: list[Span] = []
     begun, why, count, unknown, last = 0, "", 0, 0, from_us
     for now_us, readings in _moments(condition, tracks, from_us, to_us):
+        # It could not be judged at the moment before this one, so not until now.
         if not watch.known:
             unknown += now_us - last
         last = now_us
+        # Links and detectors are not in a preview: it counts as linked, and nothing is detected.
         verdict = condition.judge(readings, (), held=watch.on, online=True)
+        # Times of the history in place of a monotonic clock: only differences count.
         edge = watch.update_verdict(verdict, now_us * 1000)
         if edge is None:
             watch.known = verdict.truth is not Truth.UNKNOWN
@@ -78,6 +83,7 @@ def preview(
             begun, why, count = now_us, edge.why, count + 1
         elif len(spans) < _MOST_SPANS:
             spans.append(Span(begun, now_us, why))
+    # It stands at the end of the window.
     if watch.on and len(spans) < _MOST_SPANS:
         spans.append(Span(begun, to_us, why))
     return Preview(tuple(spans), count, unknown)
@@ -88,11 +94,14 @@ def _moments(
 ) -> Iterator[tuple[int, dict[str, ConditionReading]]]:
     """Go through the moments at which something may turn, with what was known at each."""
     alarm = condition.alarm
+    # At a sample itself, and when a delay that begins there is over.
     pauses = {0, round(alarm.delay * _US), round(alarm.clear_delay * _US)}
     moments = {from_us, to_us}
     for address, track in tracks.items():
+        # Between two points of a thinned track there may be samples that are not listed.
         longest = round(condition.longest_s(address) * _US) + track.step_us
         times = track.time_us
+        # 1 µs after the value of a long gap becomes too old.
         ends = times[np.flatnonzero(np.diff(times, append=to_us) > longest)] + longest + 1
         for pause in pauses:
             moments.update((times + pause).tolist())
@@ -100,12 +109,14 @@ def _moments(
     places = dict.fromkeys(tracks, 0)
     for now_us in sorted(moment for moment in moments if from_us <= moment <= to_us):
         readings = {}
+        # The moments are in order, so each track is gone through once.
         for address, track in tracks.items():
             place = places[address]
             while place < len(track.time_us) and track.time_us[place] <= now_us:
                 place += 1
             places[address] = place
             if place:
+                # Up to one step of it may have passed with samples that are not listed.
                 age = max(0, now_us - int(track.time_us[place - 1]) - track.step_us)
                 readings[address] = ConditionReading(
                     float(track.value[place - 1]),

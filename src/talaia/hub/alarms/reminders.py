@@ -21,6 +21,7 @@ def first_told(alarm: Alarm) -> tuple[str, ...]:
     if not alarm.escalate:
         return ()
     soonest = alarm.escalate[0].after
+    # Stages of the same delay as the first are told with it.
     return tuple(stage.who for stage in alarm.escalate if stage.after <= max(0.0, soonest))
 
 
@@ -33,8 +34,11 @@ class Reminding:
 
     def __init__(self, now_ns: int) -> None:
         """Begin at a moment (monotonic, ns)."""
+        # When people were last told (monotonic).
         self._told_ns = now_ns
+        # Episode and phase at the last look; None before it. Another one: people were just told.
         self._seen: tuple[int, Phase] | None = None
+        # How many of the accounts in `escalate` were told by then.
         self._steps = 0
 
     def next_due(self, alarm: Alarm, state: State, now_ns: int, now_us: int) -> Remind | None:
@@ -42,6 +46,7 @@ class Reminding:
         stands = (state.episode, state.phase)
         if stands != self._seen:
             # Raised or acknowledged just now; all of the steps that are due then were told.
+            # After a restart nothing was seen yet: what is due by now was told before it.
             fresh = self._seen is not None and self._seen[0] != state.episode
             self._seen, self._told_ns = stands, now_ns
             self._steps = len(first_told(alarm)) if fresh else len(self._due(alarm, state, now_us))
@@ -52,6 +57,7 @@ class Reminding:
         if active and len(due) > self._steps:
             return self._remind(due, now_ns, now_us)
         every = alarm.repeat if active else alarm.remind
+        # Monotonic: a clock that is set neither hastens nor delays a reminder.
         if every is None or now_ns - self._told_ns < round(every * SECOND):
             return None
         return self._remind(due, now_ns, now_us)
@@ -65,6 +71,7 @@ class Reminding:
         """Name who has been told by now, of those that are listed."""
         if not alarm.escalate:
             return ()
+        # By the wall clock since it was raised: stages go on over a restart.
         passed = (now_us - state.raised_us) / _SECOND_US
         soonest = alarm.escalate[0].after
         return tuple(stage.who for stage in alarm.escalate if stage.after <= max(passed, soonest))

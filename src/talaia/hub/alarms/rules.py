@@ -51,6 +51,7 @@ class Rule:
     quiet_from: int
     quiet_to: int
     quiet_least: Severity
+    # IANA name of the time zone by which quiet hours count.
     zone: str
     group_s: int
 
@@ -67,11 +68,13 @@ def wants(rule: Rule, site: str, severity: Severity, happened: Happened) -> bool
 
 def due_us(rule: Rule, severity: Severity, now_us: int) -> int:
     """Give when a message that comes up now may go out (µs, UTC)."""
+    # Grouping first: what counts is whether it is quiet when the message would go out.
     at = now_us + rule.group_s * _SECOND_US
     if rule.quiet_from == rule.quiet_to or severity.rank >= rule.quiet_least.rank:
         return at
     local = dt.datetime.fromtimestamp(at / 1e6, ZoneInfo(rule.zone))
     minute = local.hour * 60 + local.minute
+    # Modulo a day, for quiet hours may go over midnight.
     left = (rule.quiet_to - minute) % DAY_MIN
     length = (rule.quiet_to - rule.quiet_from) % DAY_MIN
     # Not quiet: the end is farther away than the quiet hours are long.

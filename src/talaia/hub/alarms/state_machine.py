@@ -63,6 +63,7 @@ class What(StrEnum):
     COMMENTED = "commented"
     SHELVED = "shelved"
     UNSHELVED = "unshelved"
+    # No description asks for it any more.
     RETIRED = "retired"
 
 
@@ -79,13 +80,18 @@ class State:
 
     phase: Phase = Phase.NORMAL
     episode: int = 0
+    # Why it was raised, as people read it; kept after the end for the log.
     why: str = ""
+    # Of the present episode or the last one.
     raised_us: int = 0
+    # 0 while it is on.
     cleared_us: int = 0
+    # Who has seen this episode; the next raise empties both.
     acked_us: int = 0
     acked_by: str = ""
     assigned: str = ""
     shelved_until_us: int = 0
+    # Both empty while it is not shelved.
     shelved_by: str = ""
     shelved_why: str = ""
 
@@ -213,6 +219,7 @@ def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
         case Raise():
             return _raised(state, event)
         case Remind():
+            # It may have changed while the reminder waited to be written.
             if not state.on or _is_shelved(state, event.time_us):
                 return state, ()
             seen = f" (acknowledged by {state.acked_by})" if state.acked_by else ""
@@ -226,6 +233,7 @@ def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
         case Assign():
             message = f"to {event.to}" if event.to else "to nobody"
             said = _happened(What.ASSIGNED, state, event.time_us, who=event.who, message=message)
+            # To whom it is assigned already: nothing to write.
             return (state, ()) if state.assigned == event.to else (_assigned(state, event), (said,))
         case Comment():
             return state, (
@@ -242,6 +250,7 @@ def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
 
 
 def _raised(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
+    # A repeat, for instance after a restart: no new episode.
     if state.on:
         return state, ()
     after = replace(
@@ -264,6 +273,7 @@ def _raised(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
 def _cleared(state: State, event: Clear) -> tuple[State, tuple[Happened, ...]]:
     if not state.on:
         return state, ()
+    # Acknowledged while it was on: nobody has to see it again.
     phase = Phase.CLEARED if state.phase is Phase.ACTIVE else Phase.NORMAL
     after = replace(state, phase=phase, cleared_us=event.time_us)
     tell = not _is_shelved(state, event.time_us)
@@ -276,6 +286,7 @@ def _acknowledged(state: State, event: Acknowledge) -> tuple[State, tuple[Happen
     if not state.unseen:
         by = f": {state.acked_by} has acknowledged it" if state.acked_by else ""
         raise NotNow(f"there is nothing to acknowledge{by}")
+    # It was over before: to have seen it ends it.
     phase = Phase.ACKNOWLEDGED if state.phase is Phase.ACTIVE else Phase.NORMAL
     after = replace(state, phase=phase, acked_us=event.time_us, acked_by=event.who)
     return after, (
@@ -300,6 +311,7 @@ def _shelved(state: State, event: Shelve) -> tuple[State, tuple[Happened, ...]]:
 
 
 def _unshelved(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ...]]:
+    # The automatic end is asked for at each look until it is written; only people are refused.
     if not state.shelved_until_us:
         if event.who:
             raise NotNow("it is not shelved")
@@ -314,6 +326,7 @@ def _unshelved(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ..
 
 
 def _retired(state: State, event: Retire) -> tuple[State, tuple[Happened, ...]]:
+    # The number stays: an alarm of this name that comes back goes on from it.
     after = State(episode=state.episode)
     if state == after:
         return state, ()

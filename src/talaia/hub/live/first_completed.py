@@ -21,8 +21,10 @@ async def until_first(*parts: Coroutine[Any, Any, object]) -> list[object]:
     tasks = [asyncio.create_task(part) for part in parts]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    # Also when whoever waits here is cancelled: no part runs on without it.
     finally:
         for task in tasks:
             task.cancel()
+        # Until each has run its `finally`; failures come back as values, so none hides another.
         results = await asyncio.gather(*tasks, return_exceptions=True)
     return results

@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["collect_at_rest", "wants"]
 
+# How often it is asked whether one is due (s).
 _LOOK_S = 1.0
+# More than the count gets to: Python makes no full collection by itself.
 _NEVER = 1_000_000
 # In collections of the young: how many make a full one due, and how many make it due at once. The
 # latter bounds what can have gathered to about 700 000 objects.
@@ -32,14 +34,18 @@ def wants(young: int, *, driven: bool) -> bool:
 async def collect_at_rest(driven: Callable[[], bool]) -> None:
     """Collect until cancelled; ``driven`` tells whether somebody has control of a device."""
     gc.collect()
+    # All that lives now is left out of later collections: it lasts as long as the process.
     gc.freeze()
     before = gc.get_threshold()
+    # The young and the middle generation are collected as before.
     gc.set_threshold(before[0], before[1], _NEVER)
     try:
         while True:
             await asyncio.sleep(_LOOK_S)
+            # The third count: collections of the middle generation since the last full one.
             if wants(gc.get_count()[2], driven=driven()):
                 gc.collect()
+    # As it was, for whoever goes on in this process, such as tests.
     finally:
         gc.set_threshold(*before)
         gc.unfreeze()

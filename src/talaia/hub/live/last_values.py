@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Latest"]
 
+# Before every moment of the monotonic clock: nothing was heard.
 _NEVER = np.iinfo(np.int64).min
 # What is under way is a little older when it comes.
 _SLACK_NS = 5 * SECOND
@@ -26,14 +27,19 @@ class Latest:
 
     def __init__(self, channels: int) -> None:
         """Start with nothing known."""
+        # NaN may be a sample too: whether there is one is told by `arrived_ns`.
         self.value = np.full(channels, np.nan)
+        # When it was measured (µs, UTC), by the gateway's clock.
         self.time_us = np.zeros(channels, np.int64)
+        # When it came here (monotonic ns), by which it ages.
         self.arrived_ns = np.full(channels, _NEVER, np.int64)
+        # By channel, of channels that say texts.
         self.texts: dict[int, str] = {}
         # Of which run the sample is, and one past a number of that run which it does not exceed;
         # 0 where that is not known.
         self._run = np.zeros(channels, np.int64)
         self._end = np.zeros(channels, np.int64)
+        # Numbers of runs by their names, from 1 on, for arrays hold no names; 0: no run.
         self._runs: dict[str, int] = {}
 
     def update(self, columns: Columns, now_ns: int, boot: str = "", end: int = 0) -> None:
@@ -47,6 +53,7 @@ class Latest:
 
         """
         channel = columns.channel
+        # Of a channel that comes twice numpy keeps the last value that is assigned.
         self._run[channel] = self._number(boot)
         self._end[channel] = end
         self.value[channel] = columns.value
@@ -75,6 +82,7 @@ class Latest:
         """
         channel = told.columns.channel
         run, arrived = self._run[channel], self.arrived_ns[channel]
+        # Without a run there are no numbers to compare.
         same = (run == self._number(boot)) & (run != 0)
         if current:
             heard = now_ns - told.age_ms * 1e6
@@ -97,6 +105,7 @@ class Latest:
         other.value[there], other.time_us[there] = self.value[here], self.time_us[here]
         other.arrived_ns[there] = self.arrived_ns[here]
         other._run[there], other._end[there] = self._run[here], self._end[here]
+        # The same dict, so that numbers of runs mean the same in both.
         other._runs = self._runs
         if here in self.texts:
             other.texts[there] = self.texts[here]

@@ -47,22 +47,28 @@ class OfflineSites:
             try:
                 description = load_site(known.description)
             except DescriptionError as error:
+                # One that this version cannot read must not keep the others away.
                 _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
                 continue
             await self._history.describe(description)
             live = self._sites.describe(description, known.catalogue)
+            # A gateway that says the same again need not have it read a second time.
             live.gateway.fingerprint = fingerprint_of(known.description, known.catalogue)
+            # UTC, for no monotonic time outlives the process that took it.
             live.presence.since_us = live.presence.last_seen_us = known.last_seen_us
+            # Shown in the place of a lost link, which this process has not seen.
             live.presence.why = "its gateway has not connected since the hub was started"
             await self._remember_values(known.site, live)
 
     async def _remember_values(self, site: str, live: LiveSite) -> None:
         addresses = [channel.address for channel in live.every]
+        # Of another process, so their ages can only be told by the wall clock.
         wall, monotonic = self._clock.wall_ns(), self._clock.monotonic_ns()
         last = await self._history.last(site, addresses)
         for at, address in enumerate(addresses):
             if address in last:
                 time_us, value, text = last[address]
+                # A gateway's clock may be ahead of ours; no age is below 0.
                 age_ns = max(0, wall - time_us * 1000)
                 live.latest.remember(
                     at, time_us=time_us, value=value, text=text, arrived_ns=monotonic - age_ns
@@ -90,6 +96,7 @@ class ImportedSites:
 
     async def imported(self, head: Head, how: ImportResult) -> None:
         """Write an import down, and know a site of which only recordings came."""
+        # What a gateway said is newer than the head of a recording: it stays.
         if self._sites.get(head.site) is None:
             description = load_site(head.description)
             await self._history.describe(description)

@@ -137,6 +137,7 @@ class RivalGateways:
         if boot in self.boots:
             return False
         if len(self.boots) >= _MOST_RIVALS:
+            # All at once: at worst people are told of a rival a second time.
             self.boots.clear()
         self.boots.add(boot)
         return True

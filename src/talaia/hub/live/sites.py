@@ -61,6 +61,7 @@ class LiveSite:
     @property
     def edition(self) -> str:
         """A name for the description as it is now: another one has another."""
+        # 64 bits of the hash: enough to tell the descriptions of one site apart.
         said, catalogue = self.gateway.fingerprint
         return said.hex()[:16] if said else catalogue or self.catalogue
 
@@ -90,6 +91,7 @@ class LiveSite:
     def detach(self, now_us: int) -> None:
         """End the link at ``now_us`` (UTC)."""
         self.presence.detach(now_us)
+        # Nobody is kept out while no link stands.
         self.rivals.seen_us = 0
 
     def forget_current(self) -> None:
@@ -111,6 +113,7 @@ class Sites:
 
     def __iter__(self) -> Iterator[LiveSite]:
         """Go through the sites in the order of their names."""
+        # A copy: a site may be added meanwhile.
         return iter([self._sites[name] for name in sorted(self._sites)])
 
     def get(self, name: str) -> LiveSite | None:
@@ -126,11 +129,13 @@ class Sites:
         """
         live = self._sites.get(description.site)
         channels = description.channels()
+        # Scores behind the rest: a gateway numbers its batches by `channels` alone.
         every = (*channels, *score_channels(description, len(channels)))
         if live is None:
             live = LiveSite(description, catalogue, channels, every, Latest(len(every)))
             self._sites[description.site] = live
             return live
+        # Most descriptions leave the list as it is, and values in their places.
         if every != live.every:
             live.latest = _moved(live.latest, live.every, every, renamed or {})
         live.description, live.catalogue = description, catalogue
@@ -146,6 +151,7 @@ def _moved(
 ) -> Latest:
     """Carry the newest values over to another list of channels."""
     moved = Latest(len(channels))
+    # By the addresses that they have now.
     number = {
         renamed.get(channel.address, channel.address): at for at, channel in enumerate(before)
     }

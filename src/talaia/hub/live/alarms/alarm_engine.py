@@ -51,6 +51,7 @@ _LOG = logging.getLogger(__name__)
 # Conditions are looked at so often at least: values age, delays end (s).
 _TICK_S = 0.5
 _TICK_NS = round(_TICK_S * SECOND)
+# Between two attempts to write while the database fails (s).
 _RETRY_S = 1.0
 # Without a look for so long something is wrong with whoever looks.
 _LONGEST_LOOK_NS = 10 * SECOND
@@ -59,6 +60,7 @@ _MOST_A_COMMIT = 200
 
 
 class _Ask(NamedTuple):
+    # The events of an alarm take effect in the order of the queue, those of people among them.
     """Something to be done to an alarm; ``done`` gets the outcome, where a person waits for it."""
 
     live: LiveAlarm
@@ -79,10 +81,15 @@ class AlarmEngine:
         clock: Clock,
     ) -> None:
         """Begin without any; `open` brings back what the database has."""
+        # The sites as they are now; only read here.
         self._sites = sites
+        # Pages; told of a state only once it is in the database.
         self._browsers = browsers
+        # States, what happened, and alarms made in the page.
         self._store = store
+        # Read for messages that could not be delivered.
         self._notices = notices
+        # Monotonic for looks and delays, wall for what is written down.
         self._clock = clock
         # By site: what its description asks for, and what was made in the page.
         self._of: dict[str, SiteAlarms] = {}
@@ -98,6 +105,7 @@ class AlarmEngine:
         self._stopping = False
         # When all conditions were evaluated last (monotonic).
         self._looked_ns = clock.monotonic_ns()
+        # Wakes whoever delivers messages; does nothing until `on_notice` is called.
         self._wake_delivery: Callable[[], None] = lambda: None
 
     def on_notice(self, wake: Callable[[], None]) -> None:
@@ -106,6 +114,7 @@ class AlarmEngine:
 
     async def open(self) -> None:
         """Bring back what the database has, for the sites that are known."""
+        # Before any description is taken: `_begins` looks them up.
         self._states = await self._store.states()
         for made in await self._store.made():
             self._made.setdefault(made.site, {})[made.alarm] = made
@@ -133,6 +142,7 @@ class AlarmEngine:
             state = self._states[site, name]
             if name not in known.alarms and name not in before and _stands(state):
                 self._retire(ghost(live, name, state))
+        # Also those that stay: their names or units may be other ones now.
         for alarm in known.alarms.values():
             self._publish(alarm)
         self._news.set()
@@ -155,11 +165,13 @@ class AlarmEngine:
         # One whose former self is in the queue yet: the database will have it so.
         for ask in self._queue:
             if ask.live is before:
+                # `settle` refuses it too, and whoever asked is told there.
                 with contextlib.suppress(NotNow):
                     state = step(state, ask.event)[0]
         return state
 
     def _retire(self, gone: LiveAlarm) -> None:
+        # Before it is published: pages are told that it is gone.
         gone.alarm = None
         self._enqueue(gone, Retire(self._now_us()))
         self._publish(gone)
@@ -226,6 +238,7 @@ class AlarmEngine:
 
     async def define(self, live: LiveSite, made: MadeAlarm) -> None:
         """Keep an alarm that was made in the page, in place of the one of its name."""
+        # First in the database: no page sees an alarm that a restart would lose.
         await self._store.define(made)
         self._made.setdefault(made.site, {})[made.alarm] = made
         self.redescribe(live)
@@ -242,20 +255,25 @@ class AlarmEngine:
         """Look, write down and tell, until `stop`; what is decided by then is written first."""
         failing = False
         while not self._stopping or self._queue:
+            # Time alone makes values too old and ends delays, so there is a look without news too.
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(_TICK_S):
                     await self._news.wait()
+            # Before the work: what comes meanwhile wakes it again.
             self._news.clear()
             try:
                 self._look_again()
                 await self.settle()
             except StoreDown:
+                # Logged when it begins to fail, not at each attempt.
                 if not failing:
                     _LOG.exception("what happens to alarms cannot be written down; it waits")
                 failing = True
+                # The end of the hub does not wait for a database; the next start judges anew.
                 if self._stopping:
                     return
                 await asyncio.sleep(_RETRY_S)
+                # There is work left, so the next turn does not wait for news.
                 self._news.set()
             except Exception:  # noqa: BLE001 - logged, and tried again
                 # Alarms that end without a word would be the worst of all.
@@ -293,6 +311,7 @@ class AlarmEngine:
 
         """
         while self._queue:
+            # A copy: after a failure all of it is still in the queue, in its order.
             batch = [self._queue[at] for at in range(min(len(self._queue), _MOST_A_COMMIT))]
             changes, states, refused = _worked_out(batch)
             try:
@@ -301,19 +320,24 @@ class AlarmEngine:
             except StoreDown as error:
                 self._put_back(batch, error)
                 raise
+            # Nothing is awaited from here on: who awaits `done` sees the new state when it wakes.
             for ask in batch:
+                # Those of this batch are still in front: others were appended while the commit was
+                # awaited.
                 self._queue.popleft()
                 if ask.done is not None and not ask.done.done():
                     if id(ask) in refused:
                         ask.done.set_exception(refused[id(ask)])
                     else:
                         ask.done.set_result(states[ask.live])
+            # Only after the commit: `state` is what the database has.
             for live, state in states.items():
                 live.state = state
                 self._states[live.about.site, live.about.alarm] = state
             self._show(changes)
 
     def _put_back(self, batch: list[_Ask], error: StoreDown) -> None:
+        # A person can ask again; what a condition has decided stays and is tried again.
         for ask in batch:
             if ask.done is not None:
                 self._queue.remove(ask)
@@ -322,15 +346,19 @@ class AlarmEngine:
 
     def _show(self, changes: list[tuple[LiveAlarm, AlarmChange]]) -> None:
         """Tell of what is in the database now."""
+        # Once for each alarm, with its last state, however often it changed in this batch.
         for live in dict.fromkeys(live for live, _ in changes):
             self._publish(live)
         for live, change in changes:
             for happened in change.happened:
                 self._browsers.broadcast_message(event_news(live, happened))
                 if happened.what is What.RAISED:
+                    # A new episode: whether messages of the last one failed is of no interest any
+                    # more.
                     live.undelivered = ""
                     _begin_recording(self._sites.get(live.about.site), live, happened)
         if changes:
+            # The messages were put into the outbox by the same commit.
             self._wake_delivery()
 
     async def refresh_troubles(self) -> None:
@@ -338,6 +366,7 @@ class AlarmEngine:
         troubles = await self._notices.troubles()
         for site, known in self._of.items():
             for name, alarm in known.alarms.items():
+                # Only what differs is told.
                 problem = troubles.get((site, name), "")
                 if problem != alarm.undelivered:
                     alarm.undelivered = problem
@@ -366,6 +395,7 @@ def _begin_recording(live: LiveSite | None, raised: LiveAlarm, happened: Happene
     """Ask the site's gateway to record around an alarm, where its description wants that."""
     if raised.alarm is None or not raised.alarm.record or live is None or live.link is None:
         return
+    # At most what a request may hold.
     why = f"alarm {raised.about.name}: {happened.message}"[:500]
     live.link.send(RecordingRequest(on=True, who="alarm", why=why, alarm=True))
 
@@ -382,6 +412,7 @@ def _definitions(
             continue
         try:
             yield name, msgspec.json.decode(made.definition, type=Alarm), True
+        # One that cannot be read any more must not take the site's other alarms with it.
         except msgspec.MsgspecError:
             _LOG.exception("the alarm %s of %s cannot be read", name, site.site)
 
@@ -394,6 +425,7 @@ def _worked_out(
     changes: list[tuple[LiveAlarm, AlarmChange]] = []
     refused: dict[int, NotNow] = {}
     for ask in batch:
+        # Several events of an alarm in one batch build on each other.
         before = states.get(ask.live, ask.live.state)
         try:
             after, happened = step(before, ask.event)
@@ -401,10 +433,12 @@ def _worked_out(
             refused[id(ask)] = error
             after, happened = before, ()
         states[ask.live] = after
+        # A comment changes no state and is written all the same.
         if happened or after != before:
             changes.append((ask.live, AlarmChange(ask.live.about, after, happened)))
     return changes, states, refused
 
 
 def _stands(state: State) -> bool:
+    # A normal alarm may be shelved, and retiring ends that too.
     return state.phase is not Phase.NORMAL or bool(state.shelved_until_us)

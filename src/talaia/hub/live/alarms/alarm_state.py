@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["LiveAlarm", "alarm_news", "device_of", "event_news", "ghost"]
 
 
+# Compared by identity: it is a key of dicts, and a queue may hold two of one name.
 @dataclass(slots=True, eq=False)
 class LiveAlarm:
     """One alarm, now.
@@ -35,21 +36,26 @@ class LiveAlarm:
 
     """
 
+    # Names, device and severity in the words of the description; a new description replaces it.
     about: About
     alarm: Alarm | None
     made: bool
     state: State
+    # Its delays and whether it can be judged now; not kept in the database.
     watch: ConditionWatch
     condition: AlarmCondition | None = None
     problem: str = ""
     undelivered: str = ""
+    # Why it cannot be judged, as pages were last told; empty: they know it as judged.
     shown_unknown: str = ""
+    # When people were last told; the first look sets the time, so it may begin with 0.
     reminding: Reminding = field(default_factory=lambda: Reminding(0))
 
 
 def device_of(addresses: Addresses, alarm: Alarm) -> str:
     """Name the one device that an alarm is about; empty when it is about more: the whole site."""
     devices = {address.partition("/")[0] for address in signals_of(addresses, alarm)}
+    # A camera's stream is no signal, so its device is not among those above.
     if alarm.stream:
         devices = {alarm.stream.partition("/")[0]}
     return next(iter(devices)) if len(devices) == 1 else ""
@@ -92,15 +98,18 @@ def event_news(live_alarm: LiveAlarm, happened: Happened) -> page.EventUpdate:
         site=about.site,
         kind=f"alarm {happened.what}",
         device=about.device,
+        # Without a message no colon is left at the end.
         message=f"{about.name}: {happened.message}".rstrip(": ")[:500],
         who=happened.who,
         time_us=happened.time_us,
+        # What wants somebody's attention is marked; a routine entry is not.
         good=happened.what not in {What.RAISED, What.REMINDED, What.UNSHELVED},
     )
 
 
 def ghost(live: LiveSite, name: str, state: State) -> LiveAlarm:
     """Give an alarm of which nothing is known any more but how it stood."""
+    # Any kind does: it is never judged, and pages are told that it is gone.
     alarm = Alarm(name=name, kind=AlarmKind.LIMIT)
     about = About(live.name, name, "", alarm.severity, name, live.description.name, "")
     return LiveAlarm(about, None, made=True, state=state, watch=ConditionWatch(alarm, on=state.on))

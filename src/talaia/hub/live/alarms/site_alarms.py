@@ -59,12 +59,15 @@ class SiteAlarms:
     ) -> None:
         """Begin without any; ``put`` takes what is to happen, ``tell`` what is no longer known."""
         self.alarms: dict[str, LiveAlarm] = {}
+        # Monotonic for ages and delays, wall for what is written down.
         self._clock = clock
+        # Into the engine's queue; nothing is changed here before the database has it.
         self._enqueue = put
         self._publish = tell
         # For each channel of the wire's list, whether anybody looks at it, and who does.
         self._watched: NDArray[np.bool_] = np.zeros(0, bool)
         self._lookers: dict[int, list[LiveAlarm]] = {}
+        # The addresses of that list, in its order.
         self._addresses: tuple[str, ...] = ()
         # The newest value, its text and when it came (monotonic ns), by address.
         self._values: dict[str, tuple[float, str, int]] = {}
@@ -101,6 +104,7 @@ class SiteAlarms:
         self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
     ) -> None:
         """Hold live samples against the conditions; see `AlarmEngine.evaluate_samples`."""
+        # Between a new description and `described` the numbers would be of two lists.
         if not self._lookers or not len(columns) or len(self._watched) != len(live.channels):
             return
         keep = self._watched[columns.channel]
@@ -108,12 +112,14 @@ class SiteAlarms:
             return
         mine = pick(columns, keep)
         now = self._clock.monotonic_ns()
+        # Of what was held back at most one sample of a channel comes, so nothing is made fewer.
         if heard_ns is not None:
             heard = heard_ns[keep].astype(np.int64).tolist()
         else:
             mine = conflate(mine) if len(mine) > _MOST_AT_ONCE else mine
             heard = [now] * len(mine)
         values = mine.value.tolist()
+        # Each sample by itself: one that is beyond a limit for a moment counts too.
         for place, at in enumerate(mine.channel.tolist()):
             text = mine.texts.get(place, "")
             self._values[self._addresses[at]] = (values[place], text, heard[place])
@@ -152,6 +158,7 @@ class SiteAlarms:
         for live_alarm in self.alarms.values():
             self._judge(live, live_alarm, now)
             until = live_alarm.state.shelved_until_us
+            # Asked for again at each look until it is written; the state machine ignores repeats.
             if until and until <= now_us:
                 self._enqueue(live_alarm, Unshelve(now_us))
             if live_alarm.alarm is not None:
@@ -168,10 +175,13 @@ class SiteAlarms:
         self._lookers = {}
         for live_alarm in self.alarms.values():
             for address in live_alarm.condition.channels if live_alarm.condition else ():
+                # Every address is in the list: a condition is made only where `alarm_findings`
+                # finds nothing.
                 at = number[address]
                 self._watched[at] = True
                 self._lookers.setdefault(at, []).append(live_alarm)
         latest = live.latest
+        # Begun with the newest values, so that an alarm described now is judged at once.
         self._values = {
             self._addresses[at]: (
                 float(latest.value[at]),
@@ -179,6 +189,7 @@ class SiteAlarms:
                 int(latest.arrived_ns[at]),
             )
             for at in self._lookers
+            # Channels that were never heard of are unknown, not NaN.
             if latest.arrived_ns[at] != np.iinfo(np.int64).min
         }
 
@@ -200,10 +211,12 @@ class SiteAlarms:
         condition = live_alarm.condition
         if condition is None:
             return ConditionVerdict(Truth.UNKNOWN, live_alarm.problem)
+        # Of a device out of reach no value counts, however young; the first test spares the split.
         readings = {
             address: ConditionReading(value, text, (now - arrived) / SECOND)
             for address in condition.channels
             if (found := self._values.get(address)) is not None
+            # A loop over one item: it binds names within a comprehension.
             for value, text, arrived in (found,)
             if not live.current.unreached or address.partition("/")[0] not in live.current.unreached
         }
@@ -243,9 +256,11 @@ def _made_live(
         live.description.name,
         alarm.advice,
     )
+    # One that did not fit before (`condition` is None) begins anew.
     same = before is not None and before.alarm == alarm and before.condition is not None
     if before is not None and same and finding is None:
         before.about, before.made = about, made
+        # The alarm is the same, but names and units that its condition reads may be others.
         before.condition = AlarmCondition(addresses, alarm)
         return before
     return LiveAlarm(
@@ -253,8 +268,10 @@ def _made_live(
         alarm,
         made,
         state,
+        # Delays begin anew; whether it is on is as the database has it.
         ConditionWatch(alarm, on=state.on),
         None if finding else AlarmCondition(addresses, alarm),
+        # `$` is only the root of the path within the alarm: it says nothing to people.
         str(finding).removeprefix("$.") if finding else "",
         before.undelivered if before else "",
     )

@@ -15,6 +15,7 @@ class StoredRun:
     def __init__(self, below: int) -> None:
         """Every sequence number under ``below`` is stored."""
         self.below = below
+        # What is stored beyond the first hole: first number to one past the last.
         self._above: dict[int, int] = {}
 
     def add(self, first: int, end: int) -> None:
@@ -22,9 +23,11 @@ class StoredRun:
         if end <= self.below:
             return
         if first > self.below:
+            # Of two that begin alike the longer counts.
             self._above[first] = max(end, self._above.get(first, 0))
             return
         self.below = end
+        # What is now without a hole before it moves `below` on.
         while self._above:
             start = min(self._above)
             if start > self.below:

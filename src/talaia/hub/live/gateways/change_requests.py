@@ -25,7 +25,9 @@ class ChangeRequestClient:
     def __init__(self, registry: SiteRegistry) -> None:
         """Seal with what ``registry`` keeps of the gateways' keys."""
         self._registry = registry
+        # Site and answer of each change that somebody waits for, by its id.
         self._asked: dict[str, tuple[str, asyncio.Future[ChangeState]]] = {}
+        # How each came about, in a few words; kept with the version that comes of it.
         self._notes: dict[str, str] = {}
 
     async def ask(self, live: LiveSite, text: str, who: str, note: str = "") -> ChangeState:
@@ -47,6 +49,7 @@ class ChangeRequestClient:
             return ChangeState(
                 id=name, phase=ChangePhase.REFUSED, message="the gateway is not connected now"
             )
+        # Which text the change was made from.
         base = digest_of(live.gateway.source)
         data = await asyncio.to_thread(deflated, text)
         seal = seal_of(key_hash, change_id=name, who=who, base=base, text=text)
@@ -73,6 +76,7 @@ class ChangeRequestClient:
         if not state.id:
             live.gateway.problem = state if state.phase is ChangePhase.REFUSED else None
             return
+        # An id answers for its own site only: no gateway ends the change of another's.
         site, answer = self._asked.get(state.id, ("", None))
         final = state.phase is not ChangePhase.WAITING
         if answer is not None and site == live.name and final and not answer.done():
@@ -83,4 +87,5 @@ class ChangeRequestClient:
         message = "the connection was lost; look which description the gateway goes by"
         for name, (site, answer) in self._asked.items():
             if site == live.name and not answer.done():
+                # Not refused: the gateway may go by it all the same.
                 answer.set_result(ChangeState(id=name, phase=ChangePhase.WAITING, message=message))

@@ -32,9 +32,13 @@ class ChannelMaps:
         self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str] | None = None
     ) -> None:
         """Begin with the list of the hello; ``renamed`` are former addresses of its channels."""
+        # By the name of each list, the oldest first; with the addresses as they are now.
         self._lists: dict[str, tuple[str, ...]] = {catalogue: tuple(addresses)}
+        # Present addresses by former ones.
         self._renamed = dict(renamed or {})
+        # What pages are shown now: it follows when a description is stored, after the lists.
         self._shown: tuple[str, ...] = tuple(addresses)
+        # For each list the place of its channels in `_shown`, or -1; made when it is needed.
         self._order: dict[tuple[str, ...], NDArray[np.int64]] = {}
 
     def add_map(self, catalogue: str, addresses: Sequence[str], renamed: Mapping[str, str]) -> None:
@@ -43,14 +47,18 @@ class ChannelMaps:
         What still comes by an earlier one is taken for the channels that those have become.
         """
         now = set(addresses)
+        # Former addresses lead to the newest ones.
         earlier = {old: renamed.get(new, new) for old, new in self._renamed.items()}
         moved = {**earlier, **renamed}
+        # An address that is used again is the new channel's.
         self._renamed = {old: new for old, new in moved.items() if old not in now}
         lists = {name: self._called_now(channels) for name, channels in self._lists.items()}
         lists.pop(catalogue, None)
+        # A dict keeps the order of insertion: the oldest goes.
         while len(lists) >= _MOST:
             lists.pop(next(iter(lists)))
         self._lists = {**lists, catalogue: tuple(addresses)}
+        # It was made by the former addresses.
         self._order.clear()
 
     def shown(self, addresses: tuple[str, ...]) -> None:
@@ -79,12 +87,14 @@ class ChannelMaps:
         return self._addresses(message, told.columns), told
 
     def _addresses(self, message: SampleBatch | NewestBatch, columns: Columns) -> tuple[str, ...]:
+        # With its own addresses: what waited in the gateway from before.
         if message.addresses:
             addresses = self._called_now(tuple(message.addresses))
         elif message.catalogue in self._lists:
             addresses = self._lists[message.catalogue]
         else:
             raise PeerError(f"samples of the catalogue {message.catalogue!r} without its addresses")
+        # Later the numbers index arrays, so they are checked where they come in.
         if len(columns) and int(np.max(columns.channel)) >= len(addresses):
             raise PeerError("a sample's channel is not in the catalogue")
         return addresses

@@ -6,6 +6,7 @@ from collections import deque
 
 __all__ = ["ClockOffset"]
 
+# Beats; older ones are given up, since two clocks drift apart.
 _KEPT = 60
 
 
@@ -17,7 +18,9 @@ class ClockOffset:
 
     def __init__(self) -> None:
         """Start without an estimate."""
+        # Time there and back, and offset, of the last beats.
         self._seen: deque[tuple[int, int]] = deque(maxlen=_KEPT)
+        # Time there and back of the last beat.
         self.loop_us = 0
         # Beats that came back, so that the one who sends them sees how many did not.
         self.heard = 0
@@ -26,9 +29,11 @@ class ClockOffset:
         """Take a beat sent and received on our clock, answered at ``peer_us`` on theirs."""
         self.heard += 1
         loop = received_us - sent_us
+        # No beat comes back before it is sent: this answer belongs to none of ours.
         if loop < 0:
             return
         self.loop_us = loop
+        # As if the way there and the way back take equally long.
         self._seen.append((loop, peer_us - (sent_us + received_us) // 2))
 
     @property

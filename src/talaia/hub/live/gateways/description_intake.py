@@ -36,7 +36,9 @@ if TYPE_CHECKING:
 __all__ = ["DescriptionIntake", "Redescription", "source_of"]
 
 _LOG = logging.getLogger(__name__)
+# Between two attempts while the database fails (s).
 _RETRY_S = 1.0
+# While these are raised the database is away; anything else is a defect.
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
 
@@ -73,6 +75,7 @@ class DescriptionIntake:
         self._history = history
         self._registry = registry
         self._versions = versions
+        # Knows why a change was asked for, and who waits for its end.
         self._changes = changes
 
     async def greeted(
@@ -87,11 +90,14 @@ class DescriptionIntake:
         site = description.site
         live = self._sites.get(site)
         told = fingerprint_of(hello.description, hello.catalogue)
+        # Word for word what it said before: there is nothing to store.
         if live is None or live.gateway.fingerprint != told:
+            # Before `describe`, which would make new channels for the new names.
             if live is not None:
                 await self._history.rename(site, renames(live.description, description))
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
             await self._history.describe(description)
+        # The text that a person wrote may change while what it describes does not.
         if live is None or live.gateway.fingerprint != told or live.gateway.source != source:
             note = "first seen" if live is None else "changed at the gateway"
             await self._versions.add(
@@ -161,9 +167,12 @@ class DescriptionIntake:
             self._reporting.publish_message(
                 live, frames.InterlockState(interlock=name, locked=False)
             )
+        # Nothing is awaited from here on: no page and no part sees half of it.
         self._sites.describe(description, told.catalogue, told.renamed)
+        # A hello that says the same is known by it.
         live.gateway.fingerprint = fingerprint_of(said, told.catalogue)
         live.gateway.source = source
+        # What was wrong with its file is put right: this text can be used.
         live.gateway.problem = None
         live.drop_undescribed()
         self.notify_followers(live)
@@ -185,18 +194,24 @@ class Redescription:
         self._live = live
         self._lists = lists
         self._ingest = ingest
+        # Each with its note, and what is set once its channels are renamed in the history.
         self._waiting: asyncio.Queue[tuple[frames.DescriptionUpdate, str, asyncio.Event]] = (
             asyncio.Queue()
         )
+        # States of devices that came while a description was waiting; told after it is shown.
         self._later: list[frames.DeviceState] = []
+        # Descriptions that came and are not shown yet.
         self.pending = 0
 
     def enqueue_description(self, told: frames.DescriptionUpdate) -> None:
         """Take a description; from here on batches may be numbered by its list."""
+        # At once, though it is not stored yet: the next batch may be numbered by it.
         self._lists.add_map(told.catalogue, told.addresses, told.renamed)
+        # Former addresses lead to the newest ones.
         renamed = {old: told.renamed.get(new, new) for old, new in self._live.renamed.items()}
         self._live.renamed = {**renamed, **told.renamed}
         self.pending += 1
+        # Asked now: whoever asked for the change may have given up waiting when it is stored.
         note = self._describing.note_of(told)
         self._waiting.put_nowait((told, note, self._ingest.rename(told.renamed)))
 
@@ -223,13 +238,16 @@ class Redescription:
     async def _apply(self, told: frames.DescriptionUpdate, note: str) -> None:
         live = self._live
         source = source_of(told)
+        # A large description takes a while to read: not in the way of other links.
         said, description = await asyncio.to_thread(_read, told.description)
         if description.site != live.name:
             raise PeerError(f"the description is of {description.site!r}, not {live.name!r}")
+        # Samples are numbered by that list: by another, values would go to other channels.
         if [channel.address for channel in description.channels()] != list(told.addresses):
             raise PeerError("the description has other channels than its list")
         number = await self._stored(description, told, said=said, source=source, note=note)
         self._describing.show(live, description, told, said=said, source=source, number=number)
+        # From here on samples are shown by the new numbers.
         self._lists.shown(tuple(channel.address for channel in live.channels))
         _LOG.info("%s is described anew: version %d", live.name, number)
 

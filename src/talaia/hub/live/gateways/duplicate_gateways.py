@@ -26,6 +26,7 @@ class DuplicateGateways:
 
     def keeps_out(self, live: LiveSite | None, boot: str) -> bool:
         """Tell whether the run ``boot`` must leave the site to the one that is linked."""
+        # The same run again is no rival: its former link is dead, and is replaced.
         if live is None or live.link is None or boot >= live.gateway.boot:
             return False
         self._publish(live, boot, "the one that was started earlier is kept out")

@@ -104,10 +104,13 @@ class Ingest:
         """Take a batch or a gap; what finds no room will be asked for again."""
         if self._samples >= _MOST_WAITING:
             last = item.last if isinstance(item, SampleGap) else item.first + len(item.columns) - 1
+            # One span for each run, over what was stored in between too: storing twice changes
+            # nothing.
             first, end = self._owed.get(item.boot, (item.first, last + 1))
             self._owed[item.boot] = (min(first, item.first), max(end, last + 1))
             return
         self._waiting.append(item)
+        # A gap counts as well, so that a flood of them is bounded too.
         self._samples += len(item.columns) if isinstance(item, Batch) else 1
         self._news.set()
 
@@ -139,6 +142,7 @@ class Ingest:
                     if not failing:
                         _LOG.exception("samples of %s cannot be stored; they wait", self._site)
                     failing = True
+                    # The gateway keeps what is not acknowledged, and sends it on its next link.
                     if self._ending:
                         return
                     await asyncio.sleep(_RETRY_S)
@@ -149,8 +153,10 @@ class Ingest:
 
     async def _store_some(self) -> None:
         first = self._waiting[0]
+        # Nothing is stored beside it: what follows has the new addresses.
         if isinstance(first, Renaming):
             await self._history.rename(self._site, first.moves)
+            # Only when it is done: after a failure it is still the first.
             self._waiting.popleft()
             first.done.set()
             return
@@ -175,9 +181,11 @@ class Ingest:
             stored = await asyncio.gather(
                 *(self._append(piece) for piece in pieces), return_exceptions=True
             )
+            # Pieces that were stored are stored once more then, which changes nothing.
             for failure in stored:
                 if isinstance(failure, BaseException):
                     raise failure
+        # Asks the database for a run that is new, so it stands before the first change here.
         runs = {boot: await self._run(boot) for boot in dict.fromkeys(boot for boot, _, _ in spans)}
         for item in taken:
             self._waiting.popleft()
@@ -203,6 +211,7 @@ class Ingest:
         pieces: list[list[Batch]] = []
         expected, count = -1, 0
         for item in self._waiting:
+            # One batch is taken however large it is, or it would wait for ever.
             if not isinstance(item, Batch) or (
                 pieces and count + len(item.columns) > _MOST_A_COMMIT
             ):

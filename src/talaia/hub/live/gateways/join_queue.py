@@ -33,6 +33,7 @@ class JoinQueue:
     def __init__(self) -> None:
         """Begin with nobody."""
         self._turns = asyncio.Semaphore(self.AT_ONCE)
+        # Gateways that have no turn yet; those that hold one do not count.
         self._waiting = 0
 
     @property
@@ -54,6 +55,7 @@ class JoinQueue:
         try:
             await self._turns.acquire()
         finally:
+            # Also when its link ended while it waited.
             self._waiting -= 1
         try:
             yield

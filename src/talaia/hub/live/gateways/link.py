@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["GONE", "GatewayLink"]
 
 _LOG = logging.getLogger(__name__)
+# One that does not read must not hold up the end of its link (s).
 _FAREWELL_S = 0.5
 # What a socket raises when the other side has gone or does not take anything.
 GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
@@ -31,14 +32,19 @@ class GatewayLink:
 
     def __init__(self, socket: WebSocket) -> None:
         """Speak over ``socket``, which is accepted already."""
+        # Of its clock, by beats; counts those that were answered too.
         self.offset = ClockOffset()
         self._socket = socket
+        # What waits to go down; written by `write` alone.
         self._lanes = PrioritySendQueue()
+        # Something waits.
         self._wake = asyncio.Event()
+        # The end that somebody asked for, with the reason; the first one stays.
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 
     def send(self, message: FromHub) -> None:
         """Queue a message."""
+        # So much waits that it cannot be reading.
         if not self._lanes.enqueue_message(message):
             self.dismiss("it does not listen")
         self._wake.set()
@@ -57,6 +63,7 @@ class GatewayLink:
             data = event.get("bytes")
             try:
                 return LINK_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
+            # A newer gateway may say more than this hub knows.
             except UnknownKind as error:
                 _LOG.debug("a gateway sent %s", error)
 
@@ -64,12 +71,15 @@ class GatewayLink:
         """Send what is queued, for ever."""
         while True:
             await self._wake.wait()
+            # Before the lanes are emptied: what is queued meanwhile sets it again.
             self._wake.clear()
             while self._lanes:
+                # One at a time: a STOP that comes during a send goes out next.
                 await self._socket.send_bytes(LINK_FROM_HUB.encode(self._lanes.next_message()))
 
     async def dismissed(self) -> str:
         """Wait until somebody dismisses this link; give the reason."""
+        # The cancelled wait would cancel the future itself.
         return await asyncio.shield(self._over)
 
     async def farewell(self, reason: str, code: int, after_s: float = 0.0) -> None:

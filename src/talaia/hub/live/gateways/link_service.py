@@ -52,10 +52,15 @@ if TYPE_CHECKING:
 __all__ = ["LinkService", "fingerprint_of"]
 
 _LOG = logging.getLogger(__name__)
+# Beats without an answer after which a gateway counts as gone.
 _MISSED_BEATS = 3
+# At each of so many beats pages are told how a site stands: its loop time, a rival's end.
 _NEWS_EVERY = 5
+# What waits may take so long to be stored after the end of a link (s); the gateway has the rest.
 _FINISH_S = 1.0
+# While these are raised the database is away; anything else is a defect.
 _STORE_FAILS = (SQLAlchemyError, TalaiaError, OSError)
+# Codes from 4000 on are left to applications (RFC 6455, 7.4.2); 1013 is "try again later".
 REFUSED = 4400
 REPLACED = 4409
 TRY_LATER = 1013
@@ -119,6 +124,7 @@ class LinkService:
     async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
         """Serve the link of a gateway until it ends."""
         link = GatewayLink(socket)
+        # Counted from the start, so that a key that is revoked during the hello ends this link too.
         with self._links.opened(key.id, link):
             await self._serve(link, key, socket.client.host if socket.client else "")
 
@@ -127,6 +133,7 @@ class LinkService:
         try:
             hello, description = await self._hello(link, site)
             source = "" if hello is None else source_of(hello)
+        # Before `GONE`, which has `TimeoutError` too: one that is late with its hello is told why.
         except (PeerError, DescriptionError, TimeoutError) as error:
             reason = str(error) or "no hello in time"
             _LOG.warning("the gateway of %s is refused: %s", site, reason)
@@ -137,6 +144,7 @@ class LinkService:
         if hello is None or description is None:
             return
         told = fingerprint_of(hello.description, hello.catalogue)
+        # Before anything is looked up: a rival dials again and again.
         if self._rivals.keeps_out(self._sites.get(site), hello.boot):
             await link.farewell(KEPT_OUT, REPLACED)
             return
@@ -153,9 +161,12 @@ class LinkService:
             said = "the hub cannot store anything now; try again later"
             await link.farewell(said, TRY_LATER, STORE_AFTER_S)
             return
+        # Again: while this one waited for its turn a later run may have been linked. Nothing is
+        # awaited from here to `_attach`, so no other comes between.
         if self._rivals.keeps_out(self._sites.get(site), hello.boot):
             await link.farewell(KEPT_OUT, REPLACED)
             return
+        # Only queued; `_run` writes it.
         link.send(
             frames.Welcome(
                 version=__version__,
@@ -173,6 +184,7 @@ class LinkService:
         try:
             await self._run(link, live, ingest)
         finally:
+            # Pages see it as away at once; what came is stored after that.
             self._detach(link, live)
             ingest.finish()
             await asyncio.wait({storing}, timeout=_FINISH_S)
@@ -183,12 +195,14 @@ class LinkService:
     async def _hello(self, link: GatewayLink, site: str) -> tuple[frames.Hello | None, Site | None]:
         async with asyncio.timeout(self._settings.hello_s):
             hello = await link.receive()
+        # It has hung up without a word.
         if hello is None:
             return None, None
         if not isinstance(hello, frames.Hello):
             raise PeerError("expected hello as the first message", REFUSED)
         if not speaks(hello.protocol):
             raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
+        # A key is for one site: otherwise a gateway could speak for another's robots.
         if hello.site != site:
             raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
         live = self._sites.get(site)
@@ -199,6 +213,7 @@ class LinkService:
             return hello, live.description
         # A large description takes a while to read: not in the way of the others.
         description = await asyncio.to_thread(_read, hello.description)
+        # The site is named in the description too, and that one must fit the key as well.
         if description.site != site:
             raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
         return hello, description
@@ -209,13 +224,16 @@ class LinkService:
         site = description.site
         before = self._sites.get(site)
         if before is not None and before.link is not None:
+            # Its own `_serve` ends by this, and `_detach` there finds that another has its place.
             before.link.dismiss("another gateway of this site has connected")
+            # Before the new link begins: its leases are free and its commands unknown.
             self._reporting.link_lost(before)
             self._rivals.replaced(before, hello.boot)
         changed = before is None or before.description != description
         renamed = {} if before is None else renames(before.description, description)
         known = {} if before is None else before.renamed
         live = self._sites.describe(description, hello.catalogue, renamed)
+        # A channel that was renamed twice is found by its first address too.
         live.renamed = {
             **formers(description),
             **{old: renamed.get(new, new) for old, new in known.items()},
@@ -223,6 +241,7 @@ class LinkService:
         }
         live.attach(link, gateway, self._clock.wall_ns() // 1000)
         self._sightings.attached(live)
+        # 0: the gateway does not say.
         if hello.time_us:
             live.presence.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
@@ -238,6 +257,7 @@ class LinkService:
         return live
 
     def _detach(self, link: GatewayLink, live: LiveSite) -> None:
+        # Another link has taken its place: what stands now belongs to that one.
         if live.link is not link:
             return
         live.detach(self._clock.wall_ns() // 1000)
@@ -251,6 +271,7 @@ class LinkService:
         addresses = [channel.address for channel in live.channels]
         lists = ChannelMaps(live.catalogue, addresses, live.renamed)
         redescription = Redescription(self._describing, live, lists, ingest)
+        # Whichever ends first ends the link: a hang-up, a fault, missed beats, or a dismissal.
         results = await until_first(
             self._read_all(link, live, ingest=ingest, lists=lists, redescription=redescription),
             redescription.run(),
@@ -258,13 +279,18 @@ class LinkService:
             link.write(),
             link.dismissed(),
         )
+        # The last is `dismissed`: a text if somebody has ended the link.
         said = results[-1] if isinstance(results[-1], str) else ""
+        # 1000 is a normal closure (RFC 6455, 7.4.1).
         code = REPLACED if said else 1000
         for result in results:
             if isinstance(result, PeerError):
                 said, code = str(result), result.code
                 _LOG.warning("the gateway of %s is sent away: %s", live.name, result)
+            # Parts that were cancelled return no `Exception`; a socket that has gone is no fault of
+            # ours.
             elif isinstance(result, Exception) and not isinstance(result, GONE):
+                # 1011: the server met something that it did not expect (RFC 6455).
                 await link.farewell("the hub failed; see its log", 1011)
                 raise result
         await link.farewell(said, code)
@@ -296,6 +322,7 @@ class LinkService:
                     redescription.enqueue_description(message)
                 case frames.ChangeState():
                     self._describing.receive_change_state(live, message)
+                # It may be of a device that only the description in hand brings.
                 case frames.DeviceState() if redescription.pending:
                     redescription.later(message)
                 case frames.SampleGap():
@@ -332,23 +359,27 @@ class LinkService:
         if newer.any():
             fresh = chosen_newest(shown, newer)
             self._samples.publish_newest(live, fresh, message.boot, now_ns)
+        # What is stored already is left out.
         for first, columns in runs_of(told, ingest.below(message.boot)):
             ingest.enqueue_batch(Batch(message.boot, first, addresses, columns))
 
     async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
         sent = 0
         while True:
+            # Read before the next beat goes, whose answer cannot be there yet.
             heard = link.offset.heard
             link.send(frames.Beat(n=sent, mono_us=self._now_us()))
             sent += 1
             if sent - heard > _MISSED_BEATS:
                 link.dismiss("it has not answered for three beats")
+            # A rival that dials no more is forgotten before the site is shown.
             if sent % _NEWS_EVERY == 0:
                 self._reporting.forget_rival(live)
                 self._reporting.publish_site(live)
             await asyncio.sleep(self._settings.beat_s)
 
     def _now_us(self) -> int:
+        # Beats measure spans, which a clock that is set must not change.
         return self._clock.monotonic_ns() // 1000
 
 

@@ -32,6 +32,7 @@ class LiveSamples:
         self, live: LiveSite, columns: Columns, *, boot: str = "", end: int = 0
     ) -> None:
         """Hand on a live batch; ``boot`` is its run and ``end`` one past its last number there."""
+        # First: whoever asks for the newest value from here on is to get this one.
         live.latest.update(columns, self._clock.monotonic_ns(), boot, end)
         self._fanout.publish(live, columns)
         self._alarms.evaluate_samples(live, columns)
@@ -43,6 +44,7 @@ class LiveSamples:
 
     def publish_newest(self, live: LiveSite, newest: NewestSamples, boot: str, now_ns: int) -> None:
         """Hand on the newest sample of each channel, with the age it had at ``now_ns``."""
+        # Before `publish_known`, which has pages told what `latest` holds.
         live.latest.correct(newest, boot, now_ns)
         self._fanout.publish_known(live, newest.columns.channel)
         self._alarms.evaluate_samples(live, newest.columns, now_ns - newest.age_ms * 1e6)

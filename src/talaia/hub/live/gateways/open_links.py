@@ -36,6 +36,7 @@ class OpenLinks:
         """Ask ``registry`` whose key is still good."""
         self._sites = sites
         self._registry = registry
+        # The gateway's number, by connection; it may have two: its link, and one for pictures.
         self._open: dict[OpenConnection, int] = {}
 
     @contextmanager
@@ -58,6 +59,7 @@ class OpenLinks:
 
     def hang_up(self, gateway: int, reason: str) -> None:
         """Close every connection of a gateway, at once."""
+        # A copy: what is dismissed goes out of it.
         for connection, of in list(self._open.items()):
             if of == gateway:
                 connection.dismiss(reason)
@@ -80,6 +82,7 @@ class OpenLinks:
             await asyncio.sleep(every_s)
             try:
                 await self.check()
+            # Links stay: that nobody can look revokes no key.
             except StoreDown:
                 if not failing:
                     _LOG.exception("gateways' keys cannot be checked: the database does not answer")

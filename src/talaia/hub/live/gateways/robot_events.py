@@ -28,6 +28,7 @@ __all__ = ["RobotEvents", "site_news"]
 
 # One that is kept out dials again at least this often (µs), and then some.
 RIVAL_US = 120_000_000
+# After one of these nothing more comes of a command.
 _FINAL = frozenset(
     {
         CommandPhase.SUCCEEDED,
@@ -60,10 +61,13 @@ class RobotEvents:
         self, *, sites: Sites, browsers: Browsers, alarms: AlarmEngine, audit: Audit, clock: Clock
     ) -> None:
         """Write down in ``audit`` what happened and how it ended."""
+        # Only greets pages from here; what alarms come to they tell by themselves.
         self._alarms = alarms
         self._sites = sites
         self._browsers = browsers
+        # Takes records into memory and writes them by itself: nothing here waits for the database.
         self._audit = audit
+        # Monotonic for what runs out, wall for moments that people read.
         self._clock = clock
 
     def greet(self, browser: Browser) -> None:
@@ -72,6 +76,7 @@ class RobotEvents:
             browser.send_message(site_news(live))
             for device in live.current.leases:
                 browser.send_message(self._lease_news(live, device, browser))
+            # Kept over a lost link: a latched STOP is shown while the gateway is away too.
             for stop in live.retained.stops.values():
                 browser.send_message(relay_message(page.StopUpdate, stop, live.name))
             for drive in live.current.drives.values():
@@ -81,6 +86,7 @@ class RobotEvents:
                 browser.send_message(_device_news(live, device))
             now_ns = self._clock.monotonic_ns()
             for state, heard_ns in live.current.acting.values():
+                # A page that comes late counts on from when it was heard.
                 later_s = (now_ns - heard_ns) / SECOND
                 browser.send_message(_command_news(live, state, state.who, later_s))
         self._alarms.greet(browser)
@@ -107,6 +113,7 @@ class RobotEvents:
                 self._lease(live, told)
             case frames.ControlTick():
                 news = relay_message(page.TickUpdate, told, live.name)
+                # Only pages that hold a lease drive by it.
                 for session in {state.session for state, _ in live.current.leases.values()}:
                     browser = self._browsers.get(session)
                     if browser is not None:
@@ -117,6 +124,7 @@ class RobotEvents:
             case frames.StopState():
                 self._stop(live, told)
             case frames.ResetToken():
+                # Only for the page that asked: nobody else is to release the STOP by its token.
                 browser = self._browsers.get(told.session)
                 if browser is not None:
                     browser.send_message(
@@ -131,9 +139,11 @@ class RobotEvents:
                 self._command_state(live, told)
             case frames.InterlockState():
                 live.current.interlocks[told.interlock] = (told, self._clock.monotonic_ns())
+                # One by one: how much is said depends on the rights of each.
                 for browser in self._browsers:
                     self._tell_interlock(live, told.interlock, browser)
             case frames.EnclosureState():
+                # Kept for the alarms, which look at it; no page is told of it here.
                 live.retained.enclosures[told.enclosure] = told.why
             case frames.RecorderState():
                 live.retained.recorder = told
@@ -162,6 +172,7 @@ class RobotEvents:
         time_us: int = 0,
     ) -> None:
         """Write an event down and tell it to all who may know."""
+        # Written down first: its moment stands in where the gateway gives none.
         entry = self._audit.append_record(
             kind, who=who, site=live.name, device=device, message=message, good=good
         )
@@ -183,6 +194,7 @@ class RobotEvents:
         if live is None:
             return
         device, _, signal = news.channel.partition("/")
+        # The description may have changed since the detector looked.
         described = live.description.devices.get(device)
         known = described.signals.get(signal) if described is not None else None
         name = known.name if known is not None else signal
@@ -213,6 +225,7 @@ class RobotEvents:
             forgiven=watched.forgiven,
             learning=watched.learning,
         )
+        # Encoded once in each form, for all pages.
         encoded: dict[bool, Frame] = {}
         for browser in self._browsers:
             if sees_signal(browser.who.grants, live.description, device, signal):
@@ -225,11 +238,14 @@ class RobotEvents:
 
     def forget_rival(self, live: LiveSite) -> None:
         """Show it no more once the other gateway has not been there for a while."""
+        # Wall time, as pages are shown; a clock that is set hides the rival sooner or later, no
+        # more.
         if live.rivals.seen_us and self._clock.wall_ns() // 1000 - live.rivals.seen_us > RIVAL_US:
             live.rivals.seen_us = 0
 
     def link_lost(self, live: LiveSite) -> None:
         """Show all leases as free and every command under way as unknown."""
+        # A copy: `_lease` writes into it.
         for device in list(live.current.leases):
             self._lease(live, frames.LeaseState(device=device))
         for pending in list(live.current.pending.values()):
@@ -237,6 +253,7 @@ class RobotEvents:
                 live,
                 frames.CommandState(
                     id=pending.id,
+                    # Not failed: it may well have been done.
                     device=pending.device,
                     command=pending.command,
                     phase=CommandPhase.UNKNOWN,
@@ -248,11 +265,13 @@ class RobotEvents:
         live.forget_current()
 
     def _device_state(self, live: LiveSite, state: frames.DeviceState) -> None:
+        # The gateway may still speak of a device that was taken out.
         if state.device not in live.description.devices:
             return
         if state.reached:
             live.current.unreached.pop(state.device, None)
         else:
+            # For how long is said, not since when: the gateway's wall clock may be wrong.
             since_us = self._clock.wall_ns() // 1000 - state.for_ms * 1000
             live.current.unreached[state.device] = (state.why, since_us)
         self._browsers.broadcast_message(_device_news(live, state.device))
@@ -271,6 +290,7 @@ class RobotEvents:
     def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
         before = live.current.leases.get(state.device)
         live.current.leases[state.device] = (state, self._clock.monotonic_ns())
+        # A refusal is the answer to one page; nobody else is told.
         if state.refused:
             browser = self._browsers.get(state.asked)
             if browser is not None:
@@ -278,9 +298,11 @@ class RobotEvents:
         else:
             for browser in self._browsers:
                 browser.send_message(self._lease_news(live, state.device, browser))
+        # Renewals change neither the session nor its epoch, and are not written down.
         held = (before[0].session, before[0].epoch) if before else ("", 0)
         if held[0] != state.session or (state.session and held[1] != state.epoch):
             kind = "lease taken" if state.session else "lease freed"
+            # A lease that is free names nobody: it was the former holder's.
             who = state.who or (before[0].who if before else "")
             self._append_record(
                 live, kind, who, device=state.device, message=f"epoch {state.epoch or held[1]}"
@@ -291,6 +313,7 @@ class RobotEvents:
     ) -> page.LeaseUpdate:
         state, heard_ns = live.current.leases[device]
         yours = state.session == browser.key
+        # Spans are counted on by our own monotonic clock, so that no two clocks are compared.
         passed_ms = (self._clock.monotonic_ns() - heard_ns) // MS
         answer_ms = max(0, state.rival_ms - passed_ms) if state.rival else 0
         return page.LeaseUpdate(
@@ -298,11 +321,13 @@ class RobotEvents:
             device=device,
             holder=state.who if state.session else "",
             yours=yours,
+            # Driving needs it: only the holder is told.
             epoch=state.epoch if yours else 0,
             remains_ms=max(0, state.remains_ms - passed_ms) if state.session else 0,
             rival=state.rival_who if answer_ms else "",
             asking=bool(answer_ms) and state.rival == browser.key,
             answer_ms=answer_ms,
+            # A page that is greeted later has not asked.
             refused=state.refused if answer else "",
             forceable=answer and state.forceable,
         )
@@ -312,6 +337,7 @@ class RobotEvents:
         live.retained.stops[state.device] = state
         self._browsers.broadcast_message(relay_message(page.StopUpdate, state, live.name))
         said = (state.latched, state.confirmed)
+        # A gateway repeats itself; only what is new is written down.
         if said != ((before.latched, before.confirmed) if before else (False, False)):
             what = "stop released"
             if state.latched:
@@ -320,6 +346,7 @@ class RobotEvents:
 
     def _command_state(self, live: LiveSite, state: frames.CommandState) -> None:
         pending = live.current.pending.get(state.id)
+        # What a lost link ends names nobody; the hub knows who asked.
         who = state.who or (pending.who if pending else "")
         if state.acting and state.phase not in _FINAL:
             live.current.acting[state.id] = state, self._clock.monotonic_ns()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PrioritySendQueue"]
 
+# In one lane; above it the gateway counts as gone.
 _MOST_WAITING = 4096
 
 
