@@ -27,11 +27,14 @@ def keep_little_free_memory() -> bool:
 
     Tells whether it will; with another C library nothing is changed.
     """
+    # Others (musl) have no `mallopt`, or none that does anything.
     if platform.libc_ver()[0] != "glibc":
         return False
+    # The process itself: glibc is loaded already, whatever its file is called.
     mallopt = ctypes.CDLL(None).mallopt
     taken = 0
     options = ((_ARENA_MAX, _ARENAS), (_MMAP_THRESHOLD, _FIRST), (_TRIM_THRESHOLD, _FIRST))
     for option, value in options:
+        # It gives 1 for an option that it took, and 0 else.
         taken += mallopt(option, value)
     return taken == len(options)

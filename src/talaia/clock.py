@@ -12,6 +12,7 @@ from typing import Protocol
 
 __all__ = ["MS", "SECOND", "Clock", "HandClock", "SystemClock"]
 
+# In nanoseconds, as all times of a `Clock` are.
 MS = 1_000_000
 SECOND = 1_000_000_000
 
@@ -45,7 +46,9 @@ class HandClock:
 
     def __init__(self, wall_ns: int = 1_700_000_000 * SECOND, monotonic_ns: int = 0) -> None:
         """Start at the given times."""
+        # When it is (UTC, ns); `advance` and `jump_wall` move it.
         self._wall_ns = wall_ns
+        # How long it has run (ns); `advance` alone moves it, and never back.
         self._monotonic_ns = monotonic_ns
 
     def wall_ns(self) -> int:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["report_usage_on_signal", "usage"]
 
 _LOG = logging.getLogger(__name__)
+# One line of a log; what leaks is among the most frequent.
 _MOST_NAMED = 15
 
 
@@ -29,7 +30,10 @@ def report_usage_on_signal(
     loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | None = None
 ) -> None:
     """From now on write `usage` to the log at each SIGUSR1, where the system has that signal."""
+    # Windows has none.
     if hasattr(signal, "SIGUSR1"):
+        # On the loop, not in a signal handler: the set of tasks must not change while it is
+        # counted.
         report = partial(usage, loop, cached_bytes)
         loop.add_signal_handler(signal.SIGUSR1, lambda: _LOG.info("%s", report()))
 
@@ -43,6 +47,7 @@ def usage(loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | Non
     named = ", ".join(f"{count} {name}" for name, count in tasks.most_common(_MOST_NAMED))
     figures = [f"tasks {tasks.total()}", f"threads {threading.active_count()}"]
     with contextlib.suppress(OSError):
+        # Only Linux has /proc; elsewhere the line lacks this one.
         figures.append(f"descriptors {len(os.listdir('/proc/self/fd'))}")
     if cached_bytes is not None:
         figures.append(f"cached {cached_bytes() / 2**20:.2f} MiB")
@@ -51,4 +56,5 @@ def usage(loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | Non
 
 def _what_runs(task: asyncio.Task[object]) -> str:
     work = task.get_coro()
+    # Not every awaitable has a name of its own; its type has one.
     return getattr(work, "__qualname__", type(work).__name__)

@@ -28,7 +28,9 @@ class ServiceManager:
     def __init__(self, address: str = "", watchdog_s: float = 0.0) -> None:
         """Take the socket's address: a path, or ``@name`` in the abstract namespace."""
         self.watchdog_s = watchdog_s
+        # A leading NUL is how Linux writes an address that is in no file system (unix(7)).
         self._address = "\0" + address[1:] if address.startswith("@") else address
+        # None without a manager and after `close`; then nothing is sent.
         self._socket: socket.socket | None = None
         if self._address:
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
@@ -39,7 +41,10 @@ class ServiceManager:
     def from_environment(cls, environment: Mapping[str, str], pid: int) -> ServiceManager:
         """Take what systemd left in ``environment``; a watchdog for another ``pid`` is not ours."""
         seconds = 0.0
+        # Where it is unset the watchdog is taken for ours, as libsystemd does.
         if environment.get("WATCHDOG_PID", str(pid)) == str(pid):
+            # An unreadable number is as none: better no watchdog than a service that does not
+            # start.
             with contextlib.suppress(ValueError):
                 seconds = max(0, int(environment.get("WATCHDOG_USEC", "0"))) / 1e6
         return cls(environment.get("NOTIFY_SOCKET", ""), seconds)
@@ -73,6 +78,7 @@ class ServiceManager:
 def own_service_manager() -> ServiceManager:
     """Give the service manager of this process; processes that it starts have none."""
     manager = ServiceManager.from_environment(os.environ, os.getpid())
+    # A child that inherited them could report itself ready, or feed the watchdog, in our name.
     for name in ("NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID"):
         os.environ.pop(name, None)
     return manager

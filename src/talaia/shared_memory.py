@@ -49,10 +49,13 @@ def remove_dead_segments(folder: Path = _FOLDER) -> Removed:
     """Remove this user's segments whose owners are dead; what cannot be removed stays."""
     removed = Removed()
     try:
+        # Ports have other names, and so they stay.
         locks = [name for name in os.listdir(folder) if _LOCK.fullmatch(name)]
+    # Another system, or a container without it: there is nothing to remove.
     except OSError:
         return removed
     for name in locks:
+        # Gone meanwhile, another user's, or a link: one that resists must not keep the others.
         with contextlib.suppress(OSError):
             found = _remove_if_dead(folder / name)
             removed = Removed(*map(sum, zip(removed, found, strict=True)))
@@ -73,6 +76,7 @@ def _remove_twice() -> None:
     first = remove_dead_segments()
     second = Removed()
     if first.young:
+        # Then those of a crash just before this start are old enough to be judged.
         time.sleep(_SETTLED_S)
         second = remove_dead_segments()
     segments, size = first.segments + second.segments, first.size + second.size
@@ -86,20 +90,26 @@ def _remove_twice() -> None:
 
 def _remove_if_dead(lock: Path) -> Removed:
     """Remove a lock file and its segment unless the owner lives, may be young, or is a stranger."""
+    # /dev/shm is everybody's: no link is followed to another's file, and a FIFO does not hold us
+    # up.
     file = os.open(lock, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK)
     try:
         found = os.fstat(file)
         if not _ours(found):
             return Removed()
+        # The wall clock, for a file's time is of it; one from the future counts as young.
         if time.time() - found.st_mtime < _SETTLED_S:
             # Not even tried: its owner, about to lock it, must not find it locked by us.
             return Removed(young=1)
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        # Its owner lives.
         except BlockingIOError:
             return Removed()
+        # Between open and lock it was removed and made anew: that lock is another process's.
         if not os.path.samestat(found, os.lstat(lock)):
             return Removed()
+        # The segment first: were the lock gone before it, nobody would find the segment again.
         size = _unlink_segment(lock.with_name(lock.name.removesuffix("_el")))
         lock.unlink()
         return Removed(1, size)
@@ -111,13 +121,16 @@ def _unlink_segment(path: Path) -> int:
     """Remove a segment of ours; gives the room that it took (bytes)."""
     try:
         found = path.lstat()
+    # Removed already, or its owner was killed before it was made.
     except FileNotFoundError:
         return 0
     if not _ours(found):
         raise PermissionError(f"{path} belongs to another user")
     path.unlink()
+    # Blocks are of 512 bytes (stat(2)); a segment may be sparse, so its length says too much.
     return found.st_blocks * 512
 
 
 def _ours(found: os.stat_result) -> bool:
+    # Root could remove others' files as well: they are left to their owners.
     return stat.S_ISREG(found.st_mode) and found.st_uid == os.geteuid()

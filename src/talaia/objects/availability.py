@@ -45,10 +45,13 @@ def detection_availability(site: Site, folder: Path) -> Iterator[DetectionAvaila
 
 
 def _missing_part(site: Site, folder: Path, model: str) -> str:
+    # Not imported: the library takes a while to load, and nothing is to be looked at here.
     if importlib.util.find_spec("onnxruntime") is None:
         return "onnxruntime is not installed; run: pip install 'talaia[objects]'"
     if not model:
+        # The empty name is the detector that comes with the package.
         return "" if OWN_FILE.is_file() else f"{OWN_FILE} is missing; {OWN_REMEDY}"
+    # An absolute path stays itself when it is joined.
     file = folder / site.object_models[model].file
     if file.is_file():
         return ""

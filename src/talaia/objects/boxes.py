@@ -33,7 +33,9 @@ MOST = 100
 class Box(NamedTuple):
     """One thing on a picture; places are parts of its width and height, from the upper left."""
 
+    # Index into the detector's list of classes.
     label: int
+    # What the detector gave after its own sigmoid, 0 to 1.
     score: float
     left: float
     top: float
@@ -74,19 +76,23 @@ def fit_to_square(picture: NDArray[np.uint8], side: int) -> tuple[NDArray[np.uin
     scale = side / max(width, height)
     new_height, new_width = max(1, round(height * scale)), max(1, round(width * scale))
     top, left = (side - new_height) // 2, (side - new_width) // 2
+    # 114 is the grey that YOLO pads with when it is trained.
     square = np.full((side, side, 3), 114, np.uint8)
     rows = _linear_weights(height, new_height)
     columns = _linear_weights(width, new_width)
+    # As floats: a difference of two bytes would wrap around below zero.
     upper = picture[rows[0]].astype(np.float32)
     lines = upper + (picture[rows[1]] - upper) * rows[2][:, None, None]
     first = lines[:, columns[0]]
     shown = first + (lines[:, columns[1]] - first) * columns[2][None, :, None]
+    # Rounded: cut off, interpolated pixels would be half a step darker on average.
     square[top : top + new_height, left : left + new_width] = np.rint(shown)
     return square, Letterbox(scale, left, top, width, height)
 
 
 def _linear_weights(old: int, new: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
     """Between which two pixels each new one lies, and how far; centres lie on centres."""
+    # The centre of new pixel k lies at k + 1/2; half a pixel off would move every box.
     at = (np.arange(new) + 0.5) * old / new - 0.5
     at = np.clip(at, 0, old - 1)
     low = np.floor(at).astype(np.int64)
@@ -108,9 +114,11 @@ def boxes_from_distances(bins: Floats, side: int, step: int) -> Floats:
         cells × 4: left, top, right, bottom (px of the square).
 
     """
+    # Rounded up: the last column of cells may stand out of the square.
     across = -(-side // step)
     count = bins.shape[1] // 4
     shaped = bins.reshape(-1, 4, count)
+    # The greatest is taken off first, so that `exp` cannot overflow.
     raised = np.exp(shaped - shaped.max(axis=2, keepdims=True))
     mean = (raised @ np.arange(count, dtype=np.float32)) / raised.sum(axis=2) * step
     cell = np.arange(across * across)
@@ -141,6 +149,7 @@ def suppress_overlaps(
         Class, score and corners of each.
 
     """
+    # A broken file may give NaN; `argmax` would prefer it to everything.
     label = np.nan_to_num(scores, nan=0.0).argmax(axis=1)
     sure = np.nan_to_num(scores, nan=0.0)[np.arange(len(label)), label]
     fine = (sure >= least) & np.isfinite(boxes).all(axis=1)
@@ -150,6 +159,7 @@ def suppress_overlaps(
     while order.size and len(found) < most:
         best, order = order[0], order[1:]
         found.append((int(label[best]), float(sure[best]), boxes[best]))
+        # Only within a class: a person on a bicycle is both.
         alike = (label[order] == label[best]) & (_overlap_with(boxes[best], boxes[order]) > same)
         order = order[~alike]
     return found
@@ -162,6 +172,7 @@ def _overlap_with(box: Floats, others: Floats) -> Floats:
     both = np.prod(np.maximum(high - low, 0), axis=1)
     area = np.prod(np.maximum(box[2:] - box[:2], 0))
     areas = np.prod(np.maximum(others[:, 2:] - others[:, :2], 0), axis=1)
+    # Two boxes without any area would divide zero by zero.
     return np.asarray(both / np.maximum(area + areas - both, 1e-9), np.float32)
 
 
@@ -169,8 +180,10 @@ def as_picture_parts(found: list[tuple[int, float, Floats]], frame: Letterbox) -
     """Give boxes as parts of the picture; those that lie beside it are left out."""
     boxes = []
     for label, score, box in found:
+        # A detector's boxes may stand out into the grey around the picture.
         x = np.clip((box[[0, 2]] - frame.left) / (frame.scale * frame.width), 0, 1)
         y = np.clip((box[[1, 3]] - frame.top) / (frame.scale * frame.height), 0, 1)
+        # Nothing is left of a box that lay in the grey alone.
         if x[1] > x[0] and y[1] > y[0]:
             boxes.append(Box(label, score, float(x[0]), float(y[0]), float(x[1]), float(y[1])))
     return boxes

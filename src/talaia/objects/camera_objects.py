@@ -55,8 +55,11 @@ class CameraObjects:
             counted: by whatever names them: the sources of signals that count what it sees.
 
         """
+        # The camera's keys; with others the owner makes another instance.
         self._detect = detect
+        # Sources by signal; changed by `recount` alone.
         self._counted = dict(counted)
+        # What comes into sight and goes; counts do not wait for it.
         self._sightings = Sightings(detect.classes, detect.confidence, detect.max_rate)
         # The best picture of each class that is in sight, until its sighting is reported.
         self._moments: dict[str, NDArray[np.uint8]] = {}
@@ -67,6 +70,7 @@ class CameraObjects:
 
     def count(self, things: Sequence[Detection]) -> dict[str, int]:
         """Say how many each signal counts on one picture."""
+        # Drawn from `SHOWN_FROM` on, counted from the description's confidence on.
         sure = [thing for thing in things if thing.score >= self._detect.confidence]
         return {
             name: sum(counts_as(source, thing) for thing in sure)
@@ -77,6 +81,7 @@ class CameraObjects:
         self, things: Sequence[Detection], rgb: NDArray[np.uint8], at_us: int
     ) -> list[SightingNews]:
         """Take what is on a picture (rows × columns × 3), in order of time; give what is new."""
+        # First: only it knows which classes this picture shows best.
         news = self._sightings.add_picture(things, at_us)
         for label in self._sightings.fresh:
             best = max(
@@ -96,6 +101,8 @@ class CameraObjects:
     def _with_pictures(self, news: Sequence[ObjectSighting]) -> list[SightingNews]:
         told = []
         for sighting in news:
+            # Told once with a picture; a later one comes only when a surer moment was cut out
+            # meanwhile.
             moment = self._moments.pop(sighting.label, None)
             told.append(SightingNews(sighting, b"" if moment is None else jpeg_of(moment)))
         return told
@@ -117,11 +124,14 @@ def cut_out(rgb: NDArray[np.uint8], thing: Detection) -> NDArray[np.uint8]:
     height, width = rgb.shape[:2]
 
     def span(low: float, high: float, size: int) -> slice:
+        # A share of the box, and at the least some pixels: a far thing is shown with its
+        # surroundings.
         more = max((high - low) * size * AROUND, AROUND_PX)
         first = int(np.clip(low * size - more, 0, max(0, size - 1)))
         return slice(first, int(np.clip(high * size + more, first + 1, size)))
 
     cut = rgb[span(thing.top, thing.bottom, height), span(thing.left, thing.right, width)]
+    # Every n-th pixel, rounded up: the longer side is never above the limit.
     by = -(-max(cut.shape[:2]) // THUMBNAIL_PX)
     return np.ascontiguousarray(cut[::by, ::by])
 
@@ -129,6 +139,7 @@ def cut_out(rgb: NDArray[np.uint8], thing: Detection) -> NDArray[np.uint8]:
 def jpeg_of(rgb: NDArray[np.uint8]) -> bytes:
     """Write a thumbnail; empty where it cannot be made small enough, or no encoder is there."""
     try:
+        # An extra; without it sightings are told, only without pictures.
         import simplejpeg
     except ImportError:
         return b""

@@ -47,14 +47,18 @@ def main() -> None:
     # Libraries may print: the answers' pipe is for answers.
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)
+    # Before the file is loaded: loading alone takes the processor and the memory of a whole
+    # detector.
     _lower_priority()
     source = os.fdopen(0, "rb", buffering=0)
+    # No handler is set: the kernel's own action ends the process, which needs no Python to run.
     signal.alarm(LONGEST_LOAD_S)
     try:
         detector, classes = _load_network(json.loads(_read_line(source)))
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
         _write_answer(answers, problem=_problem_text(error))
         return
+    # An empty answer: it is loaded, and pictures may come. No alarm runs while none does.
     _write_answer(answers)
     signal.alarm(0)
     while True:
@@ -65,7 +69,9 @@ def main() -> None:
         body = _read_exactly(source, rows * columns * 3)
         if body is None:
             return
+        # No copy; the array is over the buffer that was read into.
         picture = np.frombuffer(body, np.uint8).reshape(rows, columns, 3)
+        # Only now, with the whole picture here: a slow writer is not the detector's fault.
         signal.alarm(LONGEST_LOOK_S)
         try:
             boxes = detector.seen(picture, least)
@@ -85,10 +91,13 @@ def _lower_priority() -> None:
         # Never takes the processor from another just because a picture has come.
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     with contextlib.suppress(OSError):
+        # 1000 is the highest: the kernel ends this process before any other. No right is needed.
         Path("/proc/self/oom_score_adj").write_text("1000", encoding="ascii")
     with contextlib.suppress(OSError, ValueError):
+        # Data, not address space: libraries map far more than they use.
         resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, MOST_MEMORY))
     with contextlib.suppress(OSError, ValueError):
+        # A core dump of a detector may be as large as its memory, and fill the robot's disk.
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     # Ctrl-C in a terminal reaches the whole group; whoever began this ends it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -105,14 +114,19 @@ def _load_network(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
     if not Path(file).is_file():
         raise DetectorError(f"{file}: there is no such file; {job['remedy']}")
     try:
+        # Here, not at the top: without it the answer must still be a sentence.
         import onnxruntime
     except ImportError as error:
         raise DetectorError(f"{error}; install talaia[objects]") from error
+    # 3 is errors: its warnings about a file's graph are of no use to who drives.
     onnxruntime.set_default_logger_severity(3)
     options = onnxruntime.SessionOptions()
+    # One thread, which sleeps between pictures instead of spinning: the other cores are the
+    # robot's.
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     try:
+        # The processor alone, so that a detector behaves alike on every machine.
         session = onnxruntime.InferenceSession(file, options, providers=["CPUExecutionProvider"])
     except Exception as error:
         raise DetectorError(f"{file} cannot be loaded: {_problem_text(error)}") from error
@@ -140,6 +154,7 @@ def _load_network(job: dict[str, Any]) -> tuple[Detector, Sequence[str]]:
 
 
 def _problem_text(error: BaseException) -> str:
+    # One line, for an answer is one line; a library's message may be pages long.
     said = " ".join(str(error).split())[:1000]
     return said if isinstance(error, DetectorError) else f"{type(error).__name__}: {said}"
 
@@ -152,6 +167,7 @@ def _read_line(source: BinaryIO) -> bytes:
     """Read up to a line's end and not a byte further."""
     said = b""
     while not said.endswith(b"\n"):
+        # Byte by byte: the file is not buffered, and what follows the line is a picture's head.
         more = source.read(1)
         if not more:
             break
@@ -164,6 +180,7 @@ def _read_exactly(source: BinaryIO, count: int) -> bytearray | None:
     data = bytearray(count)
     view, at = memoryview(data), 0
     while at < count:
+        # Straight into place: a pipe gives a picture in many pieces.
         more = source.readinto(view[at:])  # type: ignore[attr-defined]
         if not more:
             return None

@@ -13,7 +13,9 @@ LABEL_LETTERS = 200
 class Detection(NamedTuple):
     """One thing on a picture; places are parts of its width and height, from the upper left."""
 
+    # The class's name, not its number: numbers mean something else with another detector.
     label: str
+    # 0 to 1, as the detector gives it.
     score: float
     left: float
     top: float

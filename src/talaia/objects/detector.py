@@ -65,6 +65,7 @@ class Setting(NamedTuple):
 NANODET = Setting(
     OutputFormat.NANODET, 416, (103.53, 116.28, 123.675), (57.375, 57.12, 58.395), blue_first=True
 )
+# Pixels of the square from cell to cell, in each of NanoDet's three grids.
 STEPS = (8, 16, 32)
 
 
@@ -78,6 +79,8 @@ class Detector:
         run: Callable[[NDArray[np.float32]], Sequence[NDArray[np.float32]]],
     ) -> None:
         """Use ``run``, which takes 1 × 3 × side × side and gives the file's outputs."""
+        # What does not change while the detector lives; an instance keeps nothing from picture to
+        # picture.
         self._setting, self._classes, self._run = setting, classes, run
         self._mean = np.array(setting.mean, np.float32)
         self._factor = 1 / np.array(setting.spread, np.float32)
@@ -95,8 +98,11 @@ class Detector:
         """
         square, frame = fit_to_square(picture, self._setting.side)
         if self._setting.blue_first:
+            # A view; the copy is made once, below.
             square = square[:, :, ::-1]
         shown = (square.astype(np.float32) - self._mean) * self._factor
+        # Rows × columns × colours to one batch of colours × rows × columns, as detectors are
+        # exported.
         outputs = self._run(np.ascontiguousarray(shown.transpose(2, 0, 1)[None]))
         boxes, scores = self._decode_outputs(outputs)
         return as_picture_parts(suppress_overlaps(boxes, scores, least), frame)
@@ -107,6 +113,7 @@ class Detector:
         if self._setting.kind is OutputFormat.YOLO:
             return self._read_yolo(outputs)
         side, count = self._setting.side, len(self._classes)
+        # Outputs are known by their shapes: their names and order differ from export to export.
         by_cells: dict[int, dict[bool, NDArray[np.float32]]] = {}
         for output in outputs:
             if output.ndim == 3:
@@ -130,6 +137,7 @@ class Detector:
         count = len(self._classes)
         if len(outputs) != 1 or outputs[0].ndim != 3 or outputs[0].shape[1] != 4 + count:
             raise self._shape_error(f"1 × {4 + count} × boxes, for {count} classes", outputs)
+        # One row for each box: the file has one column for each.
         told = outputs[0][0].T
         return boxes_from_centres(told[:, :4]), told[:, 4:]
 

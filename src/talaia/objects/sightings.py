@@ -49,9 +49,14 @@ class _Watch:
     """What is known of one class."""
 
     def __init__(self) -> None:
+        # When it was seen sure enough (µs), before it is told; emptied when its sighting ends.
         self.hits: list[int] = []
+        # As it was told last; none while nothing is open.
         self.told: ObjectSighting | None = None
+        # When it was last seen (µs): the end of its sighting, not the moment that the end was
+        # noticed.
         self.last_us = 0
+        # The surest score and the most at once since the first hit.
         self.best, self.most = 0.0, 0
 
     def over(self, told: ObjectSighting) -> ObjectSighting:
@@ -70,12 +75,14 @@ class Sightings:
 
     def __init__(self, wanted: Sequence[str], least: float, rate: float = 10.0) -> None:
         """Follow classes, when they are as sure as ``least``, on ``rate`` pictures a second."""
+        # What is less sure is not there at all (0 to 1).
         self._least = least
         # What is known of each wanted class.
         self._watches = {label: _Watch() for label in wanted}
         # Mean time between two pictures (µs), followed while they come, and the newest one's time.
         self._between_us = 1e6 / rate
         self._at_us: int | None = None
+        # Set anew by each picture; `CameraObjects` cuts its thumbnails by it.
         self.fresh: frozenset[str] = frozenset()
 
     def add_picture(self, things: Sequence[Detection], at_us: int) -> list[ObjectSighting]:
@@ -86,6 +93,8 @@ class Sightings:
             end yet.
 
         """
+        # First, for the limits below are counted in pictures; then what is over, so that something
+        # that comes back after a gap is another sighting.
         self._measure_pace(at_us)
         news = self.pass_time(at_us)
         fresh = set()
@@ -96,6 +105,8 @@ class Sightings:
                 if thing.label == label and thing.score >= self._least
             ]
             if scores:
+                # Before the sighting is told, each picture that is the surest so far is kept for
+                # it.
                 before = watch.best if watch.told is not None else 0.0
                 told = self._update_sighting(
                     label, watch, count=len(scores), score=max(scores), at_us=at_us
@@ -123,6 +134,7 @@ class Sightings:
 
     def _measure_pace(self, at_us: int) -> None:
         """Follow how far pictures are apart, a fifth of the way each time."""
+        # A clock set back, or a camera that was off, says nothing of its pace.
         if self._at_us is not None and 0 < at_us - self._at_us <= LONGEST_BETWEEN_US:
             self._between_us += (at_us - self._at_us - self._between_us) / 5
         self._at_us = at_us
@@ -133,9 +145,11 @@ class Sightings:
         told = watch.told
         if told is None:
             within_us = max(WITHIN_US, WITHIN_PICTURES * self._between_us)
+            # Hits with a later time are of before the clock was set back.
             watch.hits = [hit_us for hit_us in watch.hits if 0 <= at_us - hit_us <= within_us] + [
                 at_us
             ]
+            # Older hits have lapsed: what they saw is not of this sighting.
             if len(watch.hits) == 1:
                 watch.best, watch.most = 0.0, 0
         watch.last_us = at_us
@@ -143,6 +157,7 @@ class Sightings:
         if told is None:
             if len(watch.hits) < HITS:
                 return None
+            # It began with its first hit, though it took three to be believed.
             watch.told = ObjectSighting(label, watch.most, watch.best, watch.hits[0], None)
             return watch.told
         if watch.most > told.most or watch.best >= told.score + SURER:

@@ -33,7 +33,9 @@ class SteadyCounts:
 
     def __init__(self, detect: Detect) -> None:
         """Have seen nothing yet."""
+        # As sure as a box must be by itself (0 to 1).
         self._confidence = detect.confidence
+        # How long a count stays after it was lower (µs); the description has it in seconds.
         self._hold_us = round(detect.hold * 1e6)
         # What counted within the hold time, with when (µs).
         self._counted: list[tuple[int, Detection]] = []
@@ -54,6 +56,7 @@ class SteadyCounts:
 
         """
         if self._counted and at_us < self._counted[-1][0]:
+            # A clock set back would keep old counts until time has caught up with them.
             self._counted, self._past, self._sure_us = [], {}, {}
         for thing in things:
             if thing.score >= self._confidence:
@@ -61,6 +64,7 @@ class SteadyCounts:
         since_us = at_us - self._hold_us
         before = [(when, name) for when, name in self._counted if when >= since_us]
         believed = [thing for thing in things if self._is_believed(thing, before, at_us)]
+        # Weak boxes that are believed are kept, too: a person who moves slowly is followed so.
         self._counted = [*before, *((at_us, thing) for thing in believed)]
         counts = {}
         for name, source in sources.items():
@@ -69,6 +73,7 @@ class SteadyCounts:
             # Only what could still be the greatest is kept.
             kept = [count for count in past if count[1] > now]
             self._past[name] = [*kept, (at_us, now)]
+            # The greatest within the hold time: a miss in one picture must not open an interlock.
             counts[name] = max(many for _, many in self._past[name])
         return counts
 

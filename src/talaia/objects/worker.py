@@ -94,9 +94,13 @@ class Worker:
             times: of each detector's process.
 
         """
+        # Of each process; tests give shorter ones.
         self._times = times
+        # As described now; `redescribe` compares with it.
         self._models = dict(models)
+        # For relative paths of models; the package's own detector has an absolute one.
         self._folder = folder
+        # Called on the event loop, on a change only: why it cannot see, or an empty text.
         self._told = told
         # Detectors that run or wait to be started again, by the model's name.
         self._running: dict[str, _Running] = {}
@@ -106,6 +110,7 @@ class Worker:
     def redescribe(self, models: Mapping[str, ObjectModel]) -> None:
         """Use these detectors from here on; those that are the same go on."""
         for name in list(self._running):
+            # The empty name is the package's own detector, which no description changes.
             if name and models.get(name) != self._models.get(name):
                 self._end(name)
         self._models = dict(models)
@@ -159,6 +164,7 @@ class Worker:
         }
 
     def _end(self, model: str) -> None:
+        # Taken out first: a picture that comes now begins another process and waits for nobody.
         task = asyncio.ensure_future(self._running.pop(model).close())
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)
@@ -178,7 +184,9 @@ class _Running:
     ) -> None:
         self._told = told
         self._times = times
+        # Used by the thread below; the loop only kills it and sets `closed`.
         self._child = _Child(job)
+        # One thread: the pipe has one writer, and an answer belongs to the picture before it.
         self._thread = ThreadPoolExecutor(1, "talaia-objects")
         # One picture at a time; asyncio's locks are fair, so pictures keep their order.
         self._turn = asyncio.Lock()
@@ -189,14 +197,18 @@ class _Running:
         # Monotonic time of the next start, and of the last failure (s).
         self._not_before = 0.0
         self._failed_at = 0.0
+        # Set once by `close`; the failure that follows from it is no news.
         self._closed = False
 
     async def seen(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
         """See `Worker.seen`."""
         async with self._turn:
+            # The turn may come after the end, for one who waited for it.
             if self._closed:
                 raise DetectorError("the detector has been ended")
             if time.monotonic() < self._not_before:
+                # At once, with the reason of before: who waits for a dead detector must not wait
+                # for its start.
                 raise DetectorError(self._why)
             loop = asyncio.get_running_loop()
             asked = loop.run_in_executor(self._thread, self._child.ask, rgb, least)
@@ -215,11 +227,14 @@ class _Running:
     def _fail_waiting(self, why: str) -> None:
         if self._closed:
             return
+        # Monotonic: a clock that is set must neither hold a start back for hours nor forget a
+        # failure.
         self._failed_at = time.monotonic()
         wait = min(LONGEST_WAIT_S, self._times.first_wait * 2**self._failures)
         self._not_before = self._failed_at + wait
         # Bounded, for 2 to the power of it must stay a number.
         self._failures = min(self._failures + 1, 10)
+        # Told once for a row of failures, though each may have another reason.
         if not self._why:
             self._told(why)
         self._why = why
@@ -231,8 +246,10 @@ class _Running:
             self._told("")
 
     async def close(self) -> None:
+        # Before the kill: a thread that is just starting a process sees it and ends that one, too.
         self._closed = self._child.closed = True
         self._child.kill()
+        # Its read ends with the process; only then may another thread clear up after it.
         await asyncio.to_thread(self._thread.shutdown)
         await asyncio.to_thread(self._child.end)
 
@@ -241,6 +258,7 @@ class _Child:
     """The process. One thread asks and ends it; `kill` may be called from another."""
 
     def __init__(self, job: dict[str, Any]) -> None:
+        # What to load; written to each new process as its first line.
         self._job = job
         # The process; none before the first picture and after it ended.
         self._process: subprocess.Popen[bytes] | None = None
@@ -264,6 +282,8 @@ class _Child:
         told = self._told_of(HEAD.pack(*shown.shape[:2], least), shown.data.cast("B"))
         try:
             return [
+                # From another process that may be broken: each number is made one and kept within
+                # the picture.
                 Detection(str(box[0]), *(min(max(float(one), 0.0), 1.0) for one in box[1:]))
                 for box in told["things"]
             ]
@@ -280,11 +300,14 @@ class _Child:
             told = self._read_answer(process)
         except OSError as error:
             raise DetectorError(self._ended()) from error
+        # The detector says so itself; its process goes on.
         if "problem" in told:
             raise DetectorError(str(told["problem"]))
         return told
 
     def _started_process(self) -> subprocess.Popen[bytes]:
+        # Not the whole environment: keys and tokens are none of the business of a file from
+        # elsewhere.
         kept = {name: os.environ[name] for name in _SURROUNDINGS if name in os.environ}
         try:
             process = subprocess.Popen(
@@ -292,6 +315,8 @@ class _Child:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
+                # Unbuffered, so that `write` tells how much the pipe took and `kill` leaves nothing
+                # to flush.
                 bufsize=0,
                 env={**kept, **_ONE_THREAD},
             )
@@ -307,6 +332,7 @@ class _Child:
         )
         self._listener.start()
         with contextlib.suppress(OSError):
+            # Refused where the system allows less; then a picture goes over in more pieces.
             fcntl.fcntl(process.stdin or 0, fcntl.F_SETPIPE_SZ, PIPE)
         _write_to_child(process, json.dumps(self._job).encode() + b"\n")
         told = self._read_answer(process)
@@ -318,6 +344,7 @@ class _Child:
     def _read_answer(self, process: subprocess.Popen[bytes]) -> dict[str, Any]:
         assert process.stdout is not None  # noqa: S101 - told to mypy
         line = process.stdout.readline()
+        # Half a line, or none: it ended while it answered.
         if not line.endswith(b"\n"):
             raise DetectorError(self._ended())
         told: dict[str, Any] = json.loads(line)
@@ -328,10 +355,13 @@ class _Child:
         assert process.stderr is not None  # noqa: S101 - told to mypy
         with contextlib.suppress(OSError, ValueError):
             for line in process.stderr:
+                # Lines may hold whatever a library prints; they are cut, and only the last of them
+                # kept.
                 self._words.append(line.decode("utf-8", "replace").strip()[:300])
 
     def _ended(self) -> str:
         """Say how it ended, and take it away."""
+        # A negative code is the number of the signal that ended it.
         code = self.end()
         if code == -signal.SIGALRM:
             return f"the detector took longer than {LONGEST_LOOK_S} s and was ended"
@@ -341,12 +371,14 @@ class _Child:
 
     def kill(self) -> None:
         """End it at once; what waits for it hears so."""
+        # Once into a local: the other thread may set the field to none between test and use.
         process = self._process
         if process is not None:
             process.kill()
 
     def end(self) -> int:
         """End it and take away what is left of it; blocks for a moment; gives how it ended."""
+        # Cleared before anything can fail, so that the next picture begins another.
         process, self._process = self._process, None
         if process is None:
             return 0
@@ -360,6 +392,8 @@ class _Child:
             process.kill()
             code = process.wait()
         if self._listener is not None:
+            # Its last lines say why; it ends at the pipe's end, unless a grandchild still holds
+            # that.
             self._listener.join(END_S)
         for pipe in (process.stdout, process.stderr):
             if pipe is not None:
@@ -372,4 +406,5 @@ def _write_to_child(process: subprocess.Popen[bytes], data: bytes | memoryview) 
     assert process.stdin is not None  # noqa: S101 - told to mypy
     left = memoryview(data)
     while left:
+        # A pipe takes what it has room for; the rest is written again.
         left = left[process.stdin.write(left) :]
