@@ -36,12 +36,14 @@ __all__ = [
     "preview_of",
 ]
 
+# what pages may ask for; the first is what they ask for by themselves
 STRETCHES = ("asinh", "linear", "log")
+# As the header says, before any memory is taken for them.
 MOST_PIXELS = 250_000_000
 PREVIEW_PX, SMALL_PX = 1024, 320
 BINS = 64
-_MOST_CARDS = 600
-_SAMPLE = 200_000
+_MOST_CARDS = 600  # shown of a header
+_SAMPLE = 200_000  # pixels that statistics and histogram are made of, evenly spread
 
 
 class NotKept(HubError):
@@ -101,11 +103,13 @@ def facts_of(path: Path) -> Facts:
     """
     said: list[str] = []
     with _opened(path, said) as hdus:
+        # Kept with the file, which is taken all the same: it may be all that there is of a night.
         problems = (*said, *_verified(hdus))[:20]
         hdu = _picture(hdus)
         first, header = hdus[0].header, hdu.header
 
         def word(*keys: str) -> str:
+            # The picture's own header goes before the primary one.
             found = (_get(part, key) for key in keys for part in (header, first))
             return next((str(text).strip()[:200] for text in found if text not in (None, "")), "")
 
@@ -113,10 +117,12 @@ def facts_of(path: Path) -> Facts:
             for key in keys:
                 for part in (header, first):
                     value = _get(part, key)
+                    # A text in the place of a number is as if it were not said.
                     if isinstance(value, int | float) and math.isfinite(value):
                         return float(value)
             return math.nan
 
+        # numpy's order is the reverse of NAXIS1, NAXIS2, …
         height, width = hdu.shape[-2:]
         return Facts(
             _time_us(word("DATE-OBS")),
@@ -153,7 +159,9 @@ def looks_of(path: Path) -> Looks:
         )
     if not values.size:
         return Looks(*(math.nan,) * 6, (), shown)
+    # Hot and dead pixels would otherwise leave all others in one bin.
     low, high = (float(percentile) for percentile in np.percentile(values, (0.1, 99.9)))
+    # A picture of one value, such as a bias of a simulator, has no width.
     high = high if high > low else low + 1.0
     counts, _ = np.histogram(values, BINS, (low, high))
     return Looks(
@@ -180,14 +188,17 @@ def preview_of(path: Path, stretch: str, most_px: int = PREVIEW_PX) -> bytes:
     with _opened(path) as hdus:
         plane = _plane(_picture(hdus))
         step = max(1, math.ceil(max(plane.shape) / most_px))
+        # Made small first: limits and curve then go over far fewer pixels.
         small = _binned(plane, step)
     low, high = _limits(small, stretch)
     with np.errstate(invalid="ignore"):
         part = np.clip((small - low) / (high - low), 0.0, 1.0)
+    # The curves of astropy's AsinhStretch(0.1) and LogStretch(1000), which are its defaults.
     if stretch == "asinh":
         part = np.arcsinh(part * 10.0) / math.asinh(10.0)
     elif stretch == "log":
         part = np.log1p(part * 1000.0) / math.log1p(1000.0)
+    # Pixels without a value are black.
     grey = np.nan_to_num(part * 255.0).astype(np.uint8)
     return _png(grey[::-1])
 
@@ -202,13 +213,16 @@ def _opened(path: Path, said: list[str] | None = None) -> Iterator[Any]:
     Warnings at opening go to ``said``.
     """
     try:
+        # Here, since half a second of import is not for a hub that has no telescope.
         from astropy.io import fits
     except ImportError as error:
         raise NotKept("the hub cannot read FITS: install talaia[observatory]") from error
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
+            # Every part is read now, so that what is wrong with any of them is said here.
             hdus = fits.open(path, mode="readonly", memmap=False, lazy_load_hdus=False)
+    # A damaged or hostile header can raise nearly anything in astropy.
     except Exception as error:
         raise NotKept(f"it is not a FITS file: {error}") from error
     if said is not None:
@@ -236,6 +250,7 @@ def _verified(hdus: Any) -> list[str]:  # noqa: ANN401 - astropy ships no types
 
 def _sentences(caught: list[warnings.WarningMessage]) -> list[str]:
     said = [" ".join(str(warning.message).split())[:300] for warning in caught]
+    # astropy's own frame round the list of what it found.
     return [line for line in said if not line.startswith(("Verification reported", "Note:"))]
 
 
@@ -251,6 +266,7 @@ def _picture(hdus: Any) -> Any:  # noqa: ANN401
     """Find the first picture, and see that it is one before its data are touched."""
     for hdu in hdus:
         shape = getattr(hdu, "shape", ())
+        # A primary part without data, or a table, which often stand before the picture.
         if not getattr(hdu, "is_image", False) or len(shape) < 2:
             continue
         if math.prod(shape) > MOST_PIXELS or min(shape) < 1:
@@ -272,8 +288,10 @@ def _plane(hdu: Any) -> NDArray[np.float64]:  # noqa: ANN401
 
 
 def _sample(plane: NDArray[Any]) -> NDArray[np.float64]:
+    # The same step along both axes.
     step = max(1, math.isqrt(plane.size // _SAMPLE))
     values = plane[::step, ::step].astype(np.float64).ravel()
+    # NaN is how FITS marks pixels without a value in floating-point pictures.
     return values[np.isfinite(values)]
 
 
@@ -281,7 +299,9 @@ def _binned(plane: NDArray[Any], step: int) -> NDArray[np.float64]:
     """Average blocks, so that noise does not hide what is faint."""
     if step == 1:
         return plane.astype(np.float64)
+    # What is left over at the edges makes no whole block.
     rows, columns = (size // step * step for size in plane.shape)
+    # A spectrum of a few rows, say: thinner than one block.
     if not rows or not columns:
         return plane[::step, ::step].astype(np.float64)
     cut = plane[:rows, :columns]
@@ -293,6 +313,7 @@ def _limits(values: NDArray[np.float64], stretch: str) -> tuple[float, float]:
     finite = values[np.isfinite(values)]
     if not finite.size:
         return 0.0, 1.0
+    # Imported where it is used, like astropy's reader.
     from astropy.visualization import ZScaleInterval
 
     low, high = (float(limit) for limit in ZScaleInterval().get_limits(finite))
@@ -310,8 +331,10 @@ def _png(grey: NDArray[np.uint8]) -> bytes:
 
     def chunk(kind: bytes, body: bytes) -> bytes:
         whole = kind + body
+        # Length of the body; the checksum is over kind and body.
         return struct.pack(">I", len(body)) + whole + struct.pack(">I", zlib.crc32(whole))
 
+    # 8 bits of grey (colour type 0), the only compression and filter method, not interlaced.
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     data = zlib.compress(rows.tobytes(), 4)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
@@ -322,5 +345,6 @@ def _time_us(text: str) -> int:
         found = datetime.fromisoformat(text.strip())
     except ValueError:
         return 0
+    # DATE-OBS has no zone: FITS times are UTC unless TIMESYS says otherwise.
     found = found.replace(tzinfo=UTC) if found.tzinfo is None else found
     return max(0, round(found.timestamp() * 1e6))

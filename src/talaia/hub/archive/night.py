@@ -16,6 +16,7 @@ def night_of(time_us: int, zone: str) -> str:
         zone: the site's time zone, by its IANA name.
 
     """
+    # One date for a whole night: what is made after midnight stands with what was made before it.
     local = datetime.fromtimestamp(time_us / 1e6, UTC).astimezone(ZoneInfo(zone))
     # By the clock on the wall: also on the two days a year that have not 24 hours.
     return (local.replace(tzinfo=None) - timedelta(hours=12)).date().isoformat()

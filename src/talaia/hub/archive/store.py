@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["Archive", "ArchivedFrame", "Cone", "Night", "Wanted"]
 
 log = logging.getLogger(__name__)
-_MOST_ROWS = 5_000
-_MOST_CACHED = 64
+_MOST_ROWS = 5_000  # that a search by place looks through, the newest
+_MOST_CACHED = 64  # previews and looks at once
 
 
 class ArchivedFrame(NamedTuple):
@@ -96,7 +96,7 @@ class Archive:
         self._folder = folder
         # Pictures are large: one at a time is looked at.
         self._looking = asyncio.Semaphore(1)
-        self._cached: dict[tuple[int, str], bytes | Looks] = {}
+        self._cached: dict[tuple[int, str], bytes | Looks] = {}  # by picture and form; oldest first
 
     async def archive_file(
         self, site: str, zone: str, offer: ArchiveOffer, path: Path
@@ -109,7 +109,7 @@ class Archive:
             StoreError: the database does not.
 
         """
-        known = await self._of_digest(site, offer.digest)
+        known = await self._of_digest(site, offer.digest)  # sent again: an answer got lost
         if known is not None:
             await asyncio.to_thread(path.unlink, missing_ok=True)
             return known
@@ -120,7 +120,7 @@ class Archive:
         night = night_of(time_us, zone)
         name = _name(facts, offer)
         place = self._folder / site / night / name
-        await asyncio.to_thread(_move, path, place)
+        await asyncio.to_thread(_move, path, place)  # before its row: no row without a file
         row = {
             "site": site,
             "device": offer.device,
@@ -183,7 +183,7 @@ class Archive:
                 table.c.dec_deg >= cone.dec_deg - cone.radius_deg,
                 table.c.dec_deg <= cone.dec_deg + cone.radius_deg,
             )
-        most = limit + 1 if cone is None else _MOST_ROWS
+        most = limit + 1 if cone is None else _MOST_ROWS  # one more tells whether there are more
         query = query.order_by(table.c.time_us.desc(), table.c.id.desc()).limit(most)
         async with self._database.read() as connection:
             found = [_frame(row) for row in (await connection.execute(query)).mappings()]
@@ -246,7 +246,7 @@ class Archive:
 def _move(path: Path, place: Path) -> None:
     place.parent.mkdir(parents=True, exist_ok=True)
     with path.open("rb") as file:
-        os.fsync(file.fileno())
+        os.fsync(file.fileno())  # before a row says that it is here
     path.replace(place)
 
 
@@ -260,11 +260,11 @@ def _name(facts: Facts, offer: ArchiveOffer) -> str:
 
 
 def _safe(word: str) -> str:
-    return re.sub(r"[^A-Za-z0-9+-]+", "-", word).strip("-")[:40]
+    return re.sub(r"[^A-Za-z0-9+-]+", "-", word).strip("-")[:40]  # no slash and no dot gets in
 
 
 def _stored(value: float) -> float | None:
-    return None if math.isnan(value) else value
+    return None if math.isnan(value) else value  # SQLite keeps no NaN
 
 
 def _within(frame: ArchivedFrame, cone: Cone) -> bool:
@@ -272,7 +272,7 @@ def _within(frame: ArchivedFrame, cone: Cone) -> bool:
         return False
     a1, d1, a2, d2 = map(math.radians, (frame.ra_deg, frame.dec_deg, cone.ra_deg, cone.dec_deg))
     half = math.sin((d2 - d1) / 2) ** 2 + math.cos(d1) * math.cos(d2) * math.sin((a2 - a1) / 2) ** 2
-    return math.degrees(2 * math.asin(min(1.0, math.sqrt(half)))) <= cone.radius_deg
+    return math.degrees(2 * math.asin(min(1.0, math.sqrt(half)))) <= cone.radius_deg  # haversine
 
 
 def _frame(row: RowMapping) -> ArchivedFrame:

@@ -15,16 +15,19 @@ from talaia.hub.errors import WeakPassword
 
 __all__ = ["LONGEST", "SHORTEST", "Passwords", "check_name", "check_password", "name_key"]
 
+# What NIST SP 800-63B asks of a password that a person chooses (characters).
 SHORTEST = 8
-LONGEST = 1024
+LONGEST = 1024  # so that nobody makes the hub hash megabytes
 _LONGEST_NAME = 64
 # Not a secret: it sets our hashes apart from anyone else's. The HMAC is there for its length,
 # since bcrypt reads no more than 72 bytes and none after a NUL.
 _DOMAIN = b"talaia password v1"
+# bcrypt keeps a core busy for each; the others are for driving and the history.
 _AT_ONCE = 2
+# The width of its column. NFKC can make eighteen characters of one (U+FDFA).
 _LONGEST_KEY = 200
 _COMMON = Path(__file__).with_name("common_passwords.txt")
-_OURS = "talaia"
+_OURS = "talaia"  # the product's name, which anyone would try
 
 
 def check_password(password: str, name: str = "") -> None:
@@ -46,6 +49,7 @@ def check_password(password: str, name: str = "") -> None:
         raise WeakPassword(
             "the password is one of the commonest", "take another; three unrelated words are good"
         )
+    # Digits and signs before and behind a word are what guessers add first.
     core = "".join(character for character in name_key(password) if character.isalpha())
     if core and core in {name_key(name), _OURS, name_key(name) + _OURS}:
         raise WeakPassword("the password is a name that anyone would try", "take another")
@@ -63,6 +67,7 @@ def check_name(name: str) -> None:
             "the name cannot be used",
             f"take 1 to {_LONGEST_NAME} characters, without spaces at the ends",
         )
+    # Control, format, surrogate, private and unassigned: two such names look the same on a page.
     if any(unicodedata.category(character)[0] == "C" for character in name):
         raise WeakPassword("the name holds characters that cannot be seen", "leave them out")
     if len(name_key(name)) > _LONGEST_KEY:
@@ -71,11 +76,13 @@ def check_name(name: str) -> None:
 
 def name_key(name: str) -> str:
     """Give a name as it is compared: normalised and without case."""
+    # NFKC folds look-alikes such as full-width letters, so nobody takes a name that looks taken.
     return unicodedata.normalize("NFKC", name).casefold()
 
 
 @functools.cache
 def _common() -> frozenset[str]:
+    # Read at the first password that is set, and kept.
     lines = _COMMON.read_text(encoding="utf-8").splitlines()
     return frozenset(line for line in lines if not line.startswith("#"))
 
@@ -85,8 +92,11 @@ class Passwords:
 
     def __init__(self, cost: int) -> None:
         """Take bcrypt's cost: 2 to the power of it rounds."""
+        # For new hashes; each hash says by itself with which cost it was made.
         self._cost = cost
+        # Hashes and checks at once; the others wait in the order in which they came.
         self._gate = asyncio.Semaphore(_AT_ONCE)
+        # A hash that no password is checked against but those of unknown people; made when needed.
         self._nobody: str | None = None
 
     async def hash(self, password: str) -> str:
@@ -99,17 +109,21 @@ class Passwords:
 
         Without ``kept`` (there is no such person) the answer is no, and takes as long.
         """
+        # It cannot be right, but a quicker answer would be one that others do not get.
         if len(password) > LONGEST:
             password, kept = "", None
         if kept is None and self._nobody is None:
             self._nobody = await self.hash("nobody")
         async with self._gate:
             fits = await asyncio.to_thread(_verify, password, kept or self._nobody or "")
+        # Only after the check: whoever measures must not learn whether there is such a person.
         return fits and kept is not None
 
 
 def _digest(password: str) -> bytes:
+    # NFC: keyboards differ in how they type an accent. JSON can hold a lone surrogate.
     text = unicodedata.normalize("NFC", password).encode("utf-8", "surrogatepass")
+    # 48 bytes make 64 characters: below bcrypt's 72, and none of them is NUL.
     return base64.b64encode(hmac.digest(_DOMAIN, text, "sha384"))
 
 
@@ -118,4 +132,5 @@ def _hash(password: str, cost: int) -> str:
 
 
 def _verify(password: str, kept: str) -> bool:
+    # bcrypt compares in constant time.
     return bcrypt.checkpw(_digest(password), kept.encode())

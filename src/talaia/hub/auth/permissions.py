@@ -27,7 +27,7 @@ __all__ = [
     "sees_stream",
 ]
 
-ANY = "*"
+ANY = "*"  # stands for every site, or every device of a site
 
 
 class Right(StrEnum):
@@ -63,6 +63,7 @@ class Permission:
     def covers(self, right: Right, site: str, device: str) -> bool:
         """Tell whether this allows ``right`` on a device; ``*`` asks for all of them."""
         return (
+            # Asked for all devices, one on a single device does not do.
             self.right in _INCLUDED[right]
             and self.site in {ANY, site}
             and self.device in {ANY, device}
@@ -105,6 +106,7 @@ class Grants:
 
         Those of former descriptions are among them, since a permission outlives what it is for.
         """
+        # None instead of a list: devices that the description will have later are in it, too.
         if self.may(right, site):
             return None
         return frozenset(
@@ -129,6 +131,7 @@ class Who:
 
     """
 
+    # The end of it ends every socket that was opened with it.
     session: str
     user: int
     name: str
@@ -141,13 +144,16 @@ class Who:
 def _meet(ours: Permission, theirs: Permission) -> Permission | None:
     """Give what both allow; None when they have nothing in common."""
     site, device = _narrower(ours.site, theirs.site), _narrower(ours.device, theirs.device)
+    # Each is for another place: there is nothing that both allow.
     if site is None or device is None:
         return None
+    # The lesser of the two.
     right = ours.right if ours.right in _INCLUDES[theirs.right] else theirs.right
     return Permission(right, site, device)
 
 
 def _narrower(one: str, other: str) -> str | None:
+    # Of "everything" and a name the name is left; of two names only the same one.
     if ANY in {one, other}:
         return other if one == ANY else one
     return one if one == other else None
@@ -157,6 +163,7 @@ def sees_signal(grants: Grants, site: Site, device: str, signal: str) -> bool:
     """Tell whether a person may see a signal; False when there is none."""
     described = site.devices.get(device)
     found = described.signals.get(signal) if described else None
+    # What is not there looks like what may not be seen.
     if found is None:
         return False
     return found.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device)
@@ -178,6 +185,7 @@ def sees_device(grants: Grants, site: Site, device: str) -> bool:
         return False
     if described.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device):
         return True
+    # A public signal or picture makes its device known, but not the rest of it.
     signals = (signal.visibility for signal in described.signals.values())
     streams = (stream.visibility for stream in described.streams.values())
     return Visibility.PUBLIC in {*signals, *streams}

@@ -19,8 +19,8 @@ __all__ = ["SEAL_FILE", "Seal", "seal_of"]
 
 # In the data folder.
 SEAL_FILE = "seal.key"
-_KEY_BYTES = 32
-_NONCE_BYTES = 12
+_KEY_BYTES = 32  # AES-256
+_NONCE_BYTES = 12  # 96 bits, the length that GCM is made for (NIST SP 800-38D)
 
 
 class Seal:
@@ -32,7 +32,9 @@ class Seal:
 
     def close(self, text: str, about: str) -> str:
         """Seal ``text``."""
+        # New each time: GCM loses its secrecy where one key meets a nonce twice.
         nonce = os.urandom(_NONCE_BYTES)
+        # ``about`` is authenticated and not kept: moved to another row, it does not open.
         sealed = nonce + self._cipher.encrypt(nonce, text.encode(), about.encode())
         return base64.urlsafe_b64encode(sealed).decode()
 
@@ -41,6 +43,7 @@ class Seal:
         try:
             raw = base64.urlsafe_b64decode(sealed.encode())
             text = self._cipher.decrypt(raw[:_NONCE_BYTES], raw[_NONCE_BYTES:], about.encode())
+        # A database that was restored without its key: the secret is lost, the hub is not.
         except (InvalidTag, binascii.Error, ValueError):
             return None
         return text.decode()
@@ -59,6 +62,7 @@ def seal_of(path: Path) -> Seal:
         raise CannotStart(
             f"the key {path} cannot be read: {error.strerror}", "check who owns the data folder"
         ) from error
+    # A short file may be one that a full disk cut; a new key would make all that is sealed void.
     if len(key) != _KEY_BYTES:
         raise CannotStart(
             f"{path} holds no key of {_KEY_BYTES} bytes",
@@ -73,12 +77,15 @@ def _read_or_make(path: Path) -> bytes:
     except FileNotFoundError:
         key = os.urandom(_KEY_BYTES)
     # Written aside and linked: of two that start at once one wins, and no half key is ever seen.
+    # Named by the process, so that two do not write the same one.
     fresh = path.with_name(f"{path.name}.{os.getpid()}")
     with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
         file.write(key)
+        # On the disk before it has its name: after a power cut there is a whole key, or none.
         file.flush()
         os.fsync(file.fileno())
     try:
+        # Unlike a rename, a link replaces nothing.
         os.link(fresh, path)
     except FileExistsError:
         return path.read_bytes()

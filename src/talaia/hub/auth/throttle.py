@@ -40,6 +40,7 @@ class CountedAttempts(NamedTuple):
 
 @dataclass(slots=True)
 class _Tries:
+    # Not forgotten yet; and when the last was (ns of the clock that `Throttle` is given).
     wrong: int = 0
     last_ns: int = 0
 
@@ -52,13 +53,14 @@ class _Rule:
     longest_s: int
 
 
+# An address may be shared by a whole institute, so more of its tries are free.
 _RULES = {
     AttemptKind.USER: _Rule(free=5, longest_s=60),
     AttemptKind.ADDRESS: _Rule(free=20, longest_s=60),
     AttemptKind.BROWSER: _Rule(free=5, longest_s=60),
 }
-FORGET_NS = 900 * SECOND
-_MOST_KEPT = 10_000
+FORGET_NS = 900 * SECOND  # without a wrong try for so long, a count begins anew
+_MOST_KEPT = 10_000  # of each kind; then the one whose last try is oldest goes
 
 
 class Throttle:
@@ -70,7 +72,9 @@ class Throttle:
 
     def __init__(self) -> None:
         """Start with a clean slate."""
+        # By kind and by the hash of what is counted, in the order of the last try.
         self._tries: dict[AttemptKind, dict[str, _Tries]] = {kind: {} for kind in AttemptKind}
+        # What is not written down yet; taken, and cleared, by `changes`.
         self._changed: set[tuple[AttemptKind, str]] = set()
 
     def wait_ns(self, user: str, address: str, now_ns: int, browser: str = "") -> int:
@@ -85,6 +89,7 @@ class Throttle:
         for kind, key in _keys(user, address, browser):
             table = self._tries[kind]
             tries = table.pop(key, None)
+            # One from the future counts as old, too: a clock that was set back leaves it behind.
             if tries is None or abs(now_ns - tries.last_ns) > FORGET_NS:
                 tries = _Tries()
             tries.wrong += 1
@@ -93,11 +98,13 @@ class Throttle:
             table[key] = tries
             self._changed.add((kind, key))
             if len(table) > _MOST_KEPT:
+                # Its row in the database goes by age, not by this.
                 del table[next(iter(table))]
 
     def succeeded(self, user: str, address: str, browser: str = "") -> None:
         """Forget the person's wrong tries, and take this one off the address's count."""
         for kind, key in _keys(user, address, browser):
+            # One who knows one account's password must not wipe out tries at the others.
             if kind is AttemptKind.ADDRESS:
                 self._less(kind, key)
             elif self._tries[kind].pop(key, None) is not None:
@@ -111,6 +118,7 @@ class Throttle:
     def bring_back(self, counts: Iterable[CountedAttempts]) -> None:
         """Remember what was counted before, the oldest first."""
         for kind, key, wrong, last_ns in counts:
+            # The oldest first keeps the table in the order of the last try.
             self._tries[kind][key] = _Tries(wrong, last_ns)
 
     def changes(self) -> list[CountedAttempts]:
@@ -130,6 +138,7 @@ class Throttle:
 
 
 def _keys(user: str, address: str, browser: str) -> list[tuple[AttemptKind, str]]:
+    # A known browser: what others do to this account or from this network is no matter.
     if browser:
         return [(AttemptKind.BROWSER, _hash(browser))]
     return [(AttemptKind.USER, _hash(user)), (AttemptKind.ADDRESS, _hash(address))]
@@ -143,6 +152,7 @@ def _hash(text: str) -> str:
 def _wait(tries: _Tries | None, rule: _Rule, now_ns: int) -> int:
     if tries is None or tries.wrong < rule.free or abs(now_ns - tries.last_ns) > FORGET_NS:
         return 0
+    # Bounded, so that a long flood makes no huge number.
     doublings = min(tries.wrong - rule.free, 16)
     wait = min(1 << doublings, rule.longest_s) * SECOND
     # A wall clock that was set back must not make anyone wait longer than the rule says.

@@ -22,15 +22,16 @@ __all__ = [
     "step_of",
 ]
 
-RECOVERY_CODES = 10
+RECOVERY_CODES = 10  # as many as are shown, and kept, when a factor is set
 # Seconds that a code stands for.
 _STEP_S = 30
 # A code of the step before or after is taken too: clocks differ, and typing takes time.
 _SLACK = (0, -1, 1)
 # 120 bits: a plain hash of so much chance cannot be guessed.
 _RECOVERY_BYTES = 15
+# For whoever copies them from paper: six groups of four.
 _GROUP = 4
-_ISSUER = "Talaia"
+_ISSUER = "Talaia"  # what authenticators show above the person's name
 
 
 def new_factor() -> str:
@@ -46,6 +47,7 @@ def otp_uri(secret: str, name: str) -> str:
 def qr_svg(text: str) -> str:
     """Draw a QR code as an SVG element, dark on light, with no script and no style in it."""
     drawn = io.BytesIO()
+    # Medium correction; not every authenticator reads a Micro QR code.
     segno.make(text, error="m", micro=False).save(
         drawn, kind="svg", border=4, scale=4, dark="#000", light="#fff", xmldecl=False, nl=False
     )
@@ -57,10 +59,13 @@ def step_of(secret: str, code: str, now_s: float) -> int | None:
 
     Whoever takes a code keeps its step, and takes none of that step or before it again.
     """
+    # Authenticators show two groups of three digits.
     typed = code.strip().replace(" ", "")
+    # `hmac.compare_digest` raises at a text that is not ASCII.
     if not (typed.isascii() and typed.isdecimal()):
         return None
     totp = pyotp.TOTP(secret, interval=_STEP_S)
+    # RFC 6238, 4.2: steps of 30 s, counted from the epoch.
     here = int(now_s) // _STEP_S
     # Every step is looked at, so that the time it takes tells nothing.
     found = [
@@ -78,6 +83,7 @@ def new_recovery() -> list[str]:
 
 def hash_recovery(code: str) -> str:
     """Give what is kept of a recovery code, however it was typed."""
+    # Groups and case are for the eye only.
     return hash_token("".join(character for character in code.lower() if character.isalnum()))
 
 

@@ -37,10 +37,12 @@ __all__ = ["main"]
 
 # For each answer of a server (s).
 _PATIENCE_S = 15.0
-Job = dict[str, Any]
+Job = dict[str, Any]  # what `Sender.send` writes
 Outcome = dict[str, str]
 # Services that apprise may speak to for us.
+# Others would speak to this machine itself (syslog, dbus), not to a person elsewhere.
 _CHATS = ("ntfy", "ntfys", "matrix", "matrixs", "tgram")
+# As apprise logs a status other than success: the server did not take it.
 _ANSWERED = re.compile(r"error=\d{3}")
 
 
@@ -48,19 +50,23 @@ class _Left:
     """Whether a word of the message may have left this machine, and what was not let through."""
 
     def __init__(self) -> None:
+        # Set by `_watch`; reset where only now the message itself begins.
         self.yes = False
+        # The last address that was not let through; another try would not be, either.
         self.refused: AddressRefused | None = None
 
 
 def main() -> None:
     """Do the job that stands on the input."""
     job: Job = json.load(sys.stdin)
+    # Both before any library of a way is imported, which could keep the functions of before.
     left = _watch(_words_of(job))
     _guard([ipaddress.ip_network(network) for network in job["networks"]], left)
     try:
         outcome = _WAYS[job["kind"]](job, left)
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
         outcome = _went("unsure" if left.yes else "again", _describe_error(error))
+    # Libraries say in words of their own that nothing answered; the refusal is the reason.
     if left.refused is not None and outcome["outcome"] == "again":
         outcome = _went("failed", str(left.refused))
     json.dump(outcome, sys.stdout)
@@ -76,10 +82,12 @@ def _went(outcome: str, problem: str = "") -> Outcome:
 
 
 def _guard(networks: list[ipaddress.IPv4Network | ipaddress.IPv6Network], left: _Left) -> None:
+    # The one that asks; ours is put in its place below.
     resolve = socket.getaddrinfo
 
     def guarded(host: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: ANN401 - as it is there
         found = resolve(host, *args, **kwargs)
+        # Checked where the address is given out, so that nobody asks a second time.
         allowed = [info for info in found if may_reach(str(info[4][0]), networks)]
         if found and not allowed:
             left.refused = AddressRefused(str(host), str(found[0][4][0]))
@@ -118,9 +126,11 @@ def _words_of(job: Job) -> bytes:
 def _watch(words: bytes) -> _Left:
     """Notice the first word of the message that goes out over any connection."""
     left = _Left()
+    # smtplib and http.client write by `sendall`; a TLS handshake does not go through it.
     for kind in (socket.socket, ssl.SSLSocket):
         send: Callable[..., None] = kind.sendall
 
+        # Bound now: by the name alone both would call the last one's.
         def noticed(self: socket.socket, data: Any, *args: Any, send: Any = send) -> None:  # noqa: ANN401
             left.yes = left.yes or words in bytes(data)
             send(self, data, *args)
@@ -141,6 +151,7 @@ def _mail(job: Job, left: _Left) -> Outcome:
     message["Date"] = formatdate()
     # Sent twice it is the same message, for a server that looks.
     message["Message-ID"] = f"<{job['key']}@talaia.invalid>"
+    # RFC 3834: no holiday notice answers it.
     message["Auto-Submitted"] = "auto-generated"
     message.set_content(job["body"])
     # Until the text itself goes out, nothing of the message has left.
@@ -152,10 +163,13 @@ def _mail(job: Job, left: _Left) -> Outcome:
             # One address, and nothing else may hide in it.
             server.mail(job["sender"])
             code, said = server.rcpt(job["target"])
+            # 251: not a local user, and it will forward (RFC 5321, 4.2.3).
             if code not in {250, 251}:
                 return _went(_by_code(code), f"{job['target']} is refused: {code} {_line(said)}")
+            # What went out until here was the sign-in and the addresses.
             left.yes = False
             accepted = True
+            # smtplib mends the line ends of texts only, not of bytes.
             code, said = server.data(message.as_bytes(policy=message.policy.clone(linesep="\r\n")))
             if code != 250:
                 return _went(_by_code(code), f"the message is refused: {code} {_line(said)}")
@@ -172,12 +186,14 @@ def _mail(job: Job, left: _Left) -> Outcome:
 def _server(job: Job) -> Iterator[smtplib.SMTP]:
     """Connect; TLS unless the admin chose otherwise, and never a password without it."""
     security, host, port = job["security"], job["host"], int(job["port"])
+    # Checks the server's certificate and name.
     context = ssl.create_default_context()
     if security == "tls":
         server: smtplib.SMTP = smtplib.SMTP_SSL(host, port, timeout=_PATIENCE_S, context=context)
     else:
         server = smtplib.SMTP(host, port, timeout=_PATIENCE_S)
     try:
+        # Raises where the server has no STARTTLS; it never goes on in the clear.
         if security == "starttls":
             server.starttls(context=context)
         elif security == "none" and job.get("user"):
@@ -190,6 +206,7 @@ def _server(job: Job) -> Iterator[smtplib.SMTP]:
             server.quit()
 
 
+# RFC 5321, 4.2.1: 4yz may do later, 5yz will not. Below 0, smtplib could not read the reply.
 def _by_code(code: int) -> str:
     return "again" if 400 <= code < 500 or code < 0 else "failed"
 
@@ -213,17 +230,20 @@ def _webhook(job: Job, left: _Left) -> Outcome:
     }
     if job.get("token"):
         headers["Authorization"] = f"Bearer {job['token']}"
+    # The standard library's: it follows no redirect and reads no proxy from the environment.
     kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
     connection = kind(parts.hostname, parts.port, timeout=_PATIENCE_S)
     try:
         path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
         connection.request("POST", path, body, headers)
         answer = connection.getresponse()
+        # Enough for its reason, whatever it sends.
         said = answer.read(300).decode("utf-8", "replace")
     except (OSError, http.client.HTTPException) as error:
         return _went("unsure" if left.yes else "again", _describe_error(error))
     finally:
         connection.close()
+    # A redirect is none of these.
     if 200 <= answer.status < 300:
         return _went("sent")
     # Not followed: it could lead anywhere.
@@ -239,6 +259,7 @@ def _chat(job: Job, left: _Left) -> Outcome:
     scheme = job["url"].partition("://")[0].lower()
     if scheme not in _CHATS:
         return _went("failed", f"{scheme!r} is none of {', '.join(_CHATS)}")
+    # apprise tells why only in its log, so that is listened to.
     said: list[str] = []
     handler = logging.Handler(logging.WARNING)
     handler.emit = lambda record: said.append(record.getMessage())  # type: ignore[method-assign]
@@ -277,8 +298,10 @@ def _push(job: Job, left: _Left) -> Outcome:
 
     gone, problems, outcomes = [], [], set()
     for number, subscription in job["browsers"]:
+        # Each browser has a push service of its own.
         left.yes = False
         said = {key: job[key] for key in ("key", "title", "body", "severity", "open")}
+        # A push service need not take more than 4096 bytes, sealed (RFC 8030, 7.2).
         said["body"] = said["body"][:1500]
         try:
             webpush(
@@ -289,13 +312,16 @@ def _push(job: Job, left: _Left) -> Outcome:
                 data=json.dumps(said),
                 vapid_private_key=job["private_key"],
                 vapid_claims={"sub": job["subject"]},
+                # For a browser that is off the service keeps it for a day (s).
                 ttl=86_400,
                 timeout=_PATIENCE_S,
+                # RFC 8030, 5.3 and 5.4: a phone wakes up for it, and sent again it replaces itself.
                 headers={"Urgency": "high", "Topic": job["key"][:32]},
             )
             outcomes.add("sent")
         except WebPushException as error:
             status = error.response.status_code if error.response is not None else 0
+            # The subscription is over: the person, or the browser, ended it.
             if status in {404, 410}:
                 gone.append(number)
             outcomes.add("again" if status >= 500 or status in {0, 429} else "failed")
@@ -327,6 +353,7 @@ def _extension(job: Job, left: _Left) -> Outcome:
         job["key"], job["title"], job["body"], job["severity"], tuple(job["sites"]), job["open"]
     )
     try:
+        # Checked again: the extension may be another version than when they were set.
         keys = msgspec.convert(json.loads(job.get("keys", "{}")), known.keys, strict=False)
     except msgspec.ValidationError as error:
         return _went("failed", f"the keys of {name!r} do not fit: {error}")

@@ -25,8 +25,11 @@ _LOG = logging.getLogger(__name__)
 _SECOND_US = 1_000_000
 # After the first try that did not do, after the second, …; then it has failed (s).
 _AGAIN_S = (10, 60, 300, 900, 3600)
+# Each is a process of its own.
 _AT_ONCE = 4
+# What is due is said by the wall's clock, which may be set during a nap.
 _LONGEST_NAP_S = 30.0
+# Until the database is asked again after it did not answer.
 _RETRY_S = 1.0
 
 
@@ -59,7 +62,9 @@ class DeliveryWorker:
         told: Callable[[], Awaitable[None]],
     ) -> None:
         """Call ``told`` whenever it has changed which alarms could not be delivered."""
+        # What waits, and what became of it; the database is the only queue.
         self._notices = notices
+        # The ways, their secrets and the browsers of people, read anew for each message.
         self._store = store
         self._sender = sender
         self._clock = clock
@@ -76,6 +81,7 @@ class DeliveryWorker:
 
     async def recover(self) -> None:
         """See to what was under way when the hub ended last."""
+        # Sent twice these do no harm; of the others nobody knows, and people are told so.
         again = [way.id for way in await self._store.ways() if _repeatable(way.kind)]
         unsure = await self._notices.recover(again, self._now_us())
         if unsure:
@@ -87,6 +93,7 @@ class DeliveryWorker:
             while True:
                 try:
                     nap = await self._take_all(group)
+                # Nothing is lost: what waits is in the database, which is asked again soon.
                 except StoreDown:
                     nap = _RETRY_S
                 try:
@@ -94,6 +101,7 @@ class DeliveryWorker:
                         await self._news.wait()
                 except TimeoutError:
                     pass
+                # After the wait and before the look: what is put in during the look wakes the next wait.
                 self._news.clear()
 
     async def deliver_due(self) -> None:
@@ -104,9 +112,11 @@ class DeliveryWorker:
     async def _take_all(self, group: asyncio.TaskGroup) -> float:
         """Begin with all that is due; give how long to sleep then (s)."""
         while True:
+            # First the turn: what is claimed counts as being sent, and must not wait after that.
             await self._turns.acquire()
             try:
                 parcel = await self._notices.claim_due(self._now_us())
+            # A cancellation, too: a turn that is not given back is lost for good.
             except BaseException:
                 self._turns.release()
                 raise
@@ -117,6 +127,7 @@ class DeliveryWorker:
         due = await self._notices.next_due_us()
         if due is None:
             return _LONGEST_NAP_S
+        # Not at once again, even if something is due: else a loop that claims nothing would spin.
         return min(_LONGEST_NAP_S, max(0.05, (due - self._now_us()) / _SECOND_US))
 
     async def _deliver(self, parcel: OutboxMessage) -> None:
@@ -127,6 +138,7 @@ class DeliveryWorker:
                 same = found is not None and _repeatable(found[0].kind)
                 went = await self._send(parcel, found)
                 await self._settled(parcel, went, same=same)
+                # After it was written down: alarms look there for what could not be delivered.
                 await self._told()
         except StoreDown:
             # It stays as being sent: the next start finds it so, and says so.
@@ -136,6 +148,7 @@ class DeliveryWorker:
             _LOG.exception("a message about an alarm could not be dealt with")
         finally:
             self._turns.release()
+            # There is a turn now, and perhaps something was put back.
             self._news.set()
 
     async def _send(
@@ -150,8 +163,10 @@ class DeliveryWorker:
         went = await self._sender.send(
             way, secrets, target=parcel.target, message=message, browsers=browsers
         )
+        # A subscription that ended never comes back; the browser makes a new one.
         for number in went.gone:
             await self._store.remove_browser(parcel.user, number)
+        # The other side knows it by its key: it may have it twice.
         if went.outcome is Outcome.UNSURE and _repeatable(way.kind):
             return DeliveryResult(Outcome.AGAIN, went.problem)
         return went
@@ -172,6 +187,7 @@ class DeliveryWorker:
             case Outcome.AGAIN if parcel.tries > len(_AGAIN_S):
                 await self._notices.failed(parcel, now, went.problem)
             case Outcome.AGAIN:
+                # ``tries`` counts the one that was just made.
                 due = now + _AGAIN_S[parcel.tries - 1] * _SECOND_US
                 await self._notices.again(parcel, due, went.problem, same=same)
                 if parcel.tries > 1:

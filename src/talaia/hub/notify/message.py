@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AlarmMessage", "compose", "trial"]
 
-_ALARMS = "/alarms"
+_ALARMS = "/alarms"  # path of the page of all alarms
 _WORDS = {What.CLEARED: "over: ", What.REMINDED: "still: "}
 
 
@@ -41,8 +41,10 @@ class AlarmMessage(NamedTuple):
 def compose(key: str, notices: Sequence[OutboxNotice], zone: str) -> AlarmMessage:
     """Write one message of one or more things that happened; times in the person's zone."""
     local = ZoneInfo(zone)
+    # By rank, since words do not sort by how bad they are.
     worst = max(notices, key=lambda notice: notice.severity.rank)
     sites = tuple(dict.fromkeys(notice.site for notice in notices))
+    # If nothing is left that is on, the title says so instead of naming a worst.
     raised = [notice for notice in notices if notice.what is not What.CLEARED]
     first = notices[0]
     if len(notices) == 1:

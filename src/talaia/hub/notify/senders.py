@@ -20,14 +20,16 @@ if TYPE_CHECKING:
 
 __all__ = ["DeliveryResult", "Outcome", "Sender"]
 
-_LONGEST_S = 60.0
+_LONGEST_S = 60.0  # for a child as a whole; then it is ended
 # Where to is said by a person's browser there, not by an admin: public addresses only.
 _NETWORKS_OF_PUSH: tuple[str, ...] = ()
 # What a child needs of our surroundings; secrets of the hub's are not among it.
 _SURROUNDINGS = (
     "PATH",
+    # Where this package itself may come from.
     "PYTHONPATH",
     "LANG",
+    # Authorities that the administrator of this machine has added.
     "SSL_CERT_FILE",
     "SSL_CERT_DIR",
     "REQUESTS_CA_BUNDLE",
@@ -73,6 +75,7 @@ class Sender:
     ) -> DeliveryResult:
         """Send a message; everything that goes wrong is in the answer."""
         push = way.kind is WayKind.PUSH
+        # On its input, not among its arguments, which everybody on this machine can list.
         job = {
             **way.settings,
             **secrets,
@@ -97,6 +100,7 @@ async def _run(job: bytes) -> DeliveryResult:
             stderr=asyncio.subprocess.PIPE,
             env=kept,
         )
+    # No process, so certainly nothing was sent.
     except OSError as error:
         return DeliveryResult(Outcome.AGAIN, f"the process could not be started: {error}")
     try:
@@ -107,6 +111,7 @@ async def _run(job: bytes) -> DeliveryResult:
             Outcome.UNSURE, f"no end after {_LONGEST_S:g} s: it may have been delivered"
         )
     finally:
+        # Also when this task is cancelled: no child outlives the hub's wish to send.
         if child.returncode is None:
             child.kill()
             await child.wait()
@@ -114,6 +119,7 @@ async def _run(job: bytes) -> DeliveryResult:
         told = json.loads(said)
         gone = tuple(int(browser) for browser in told.get("gone", "").split(",") if browser)
         return DeliveryResult(Outcome(told["outcome"]), told["problem"], gone)
+    # It was killed or died: how far it had come is not known.
     except (ValueError, KeyError):
         last = wrong.decode("utf-8", "replace").strip().splitlines()[-1:]
         return DeliveryResult(Outcome.UNSURE, f"it ended badly: {''.join(last)[:500]}")
