@@ -19,7 +19,7 @@ class Arrivals:
 
     def __init__(self, mono_ns: int) -> None:
         """Begin with a thread that is awake now."""
-        self._awake_ns = mono_ns
+        self._awake_ns = mono_ns  # When this thread last had taken all that waited (monotonic ns).
 
     def awake(self, mono_ns: int) -> None:
         """Note that all that waited until now has been taken."""
@@ -34,5 +34,6 @@ class Arrivals:
             mono_ns: the monotonic clock, read now.
 
         """
+        # By how long this thread was away, a true note may be old.
         away_us = max(0, mono_ns - self._awake_ns) // 1000
         return came_us if 0 <= now_us - came_us < _LATE_US + away_us else now_us

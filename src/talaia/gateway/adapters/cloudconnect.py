@@ -14,6 +14,7 @@ from talaia.gateway.errors import FieldError
 
 __all__ = ["Metric", "parse_metric"]
 
+# Checked before it is read: `literal_eval` of long nested text can exhaust the stack.
 MAX_TEXT = 4096
 
 
@@ -39,9 +40,11 @@ def parse_metric(text: str) -> Metric:
     name, magnitude = found.get("name"), found.get("magnitude")
     if not isinstance(name, str) or not name.strip():
         raise FieldError("data", f"there is no name in {text[:60]!r}")
+    # A truth is an int in Python, so it is in this list.
     if not isinstance(magnitude, int | float | str):
         raise FieldError("data", f"the magnitude of {name[:40]!r} is no number")
     try:
+        # Also a number in quotes; what NaN or an infinite one means is for the signal to judge.
         return Metric(name.strip(), float(magnitude))
     except (ValueError, OverflowError):
         raise FieldError("data", f"the magnitude of {name[:40]!r} is no number") from None
@@ -51,9 +54,11 @@ def _read(text: str) -> object:
     # JSON first: it knows true, false and NaN, and it is what most newer nodes write.
     try:
         return json.loads(text)
+    # Not JSON; as Python wrote it, then.
     except (ValueError, RecursionError):
         pass
     try:
+        # Literals only: names and calls are refused, so nothing of it is run.
         return ast.literal_eval(text.strip())
     except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError):
         return None

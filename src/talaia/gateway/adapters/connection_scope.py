@@ -48,6 +48,7 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
 
     Without a ``numbering`` channels are numbered by their place in `Site.channels`.
     """
+    # Once for all connections, so that each number is given once.
     first = (numbering or ChannelNumbering(site)).numbers(site)
     guarded = site.guarded()
     of = connection_names(site)
@@ -74,6 +75,7 @@ def _without_detections(device: Device) -> Device:
         for name, signal in device.signals.items()
         if not isinstance(signal.source, DetectionSource)
     }
+    # The detector goes as well: an adapter has nothing to do with it.
     streams = {
         name: stream if stream.detect is None else msgspec.structs.replace(stream, detect=None)
         for name, stream in device.streams.items()

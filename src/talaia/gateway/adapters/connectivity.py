@@ -33,16 +33,20 @@ class DeviceReachability:
             say: told of every change.
 
         """
-        self._of = of
-        self._clock = clock
-        self._say = say
-        self._lost: dict[str, str] = {}
+        self._of = of  # By device: its connection's name.
+        self._clock = clock  # Monotonic: for how long, not since when.
+        self._say = say  # Sends to the hub.
+        self._lost: dict[str, str] = {}  # By connection: why it is gone.
+        # By device: why it alone does not answer, though its connection is there.
         self._away: dict[str, str] = {}
+        # Of those away, the ones that may only be slow: their last values count on.
         self._slow: set[str] = set()
+        # By device that is not reached: the reason that was told, and since when (monotonic ns).
         self._said: dict[str, tuple[str, int]] = {}
 
     def redescribe(self, of: Mapping[str, str]) -> None:
         """Take other devices; what was known of those that stay where they were stays true."""
+        # Also those that are gone: `of` has no name for them.
         moved = {device for device, name in self._of.items() if of.get(device) != name}
         self._of = of
         for device in moved:
@@ -50,6 +54,8 @@ class DeviceReachability:
             if device in of:
                 self._report_change(device)
             else:
+                # The hub hears of it by the new description; no state is told of what is not
+                # described.
                 self._said.pop(device, None)
         for device in of:
             self._report_change(device)
@@ -81,6 +87,7 @@ class DeviceReachability:
             self._away.pop(device, None)
         else:
             self._away[device] = why or "it does not answer"
+        # Sure, or there again: either way it is not merely slow.
         if there or sure:
             self._slow.discard(device)
         else:
@@ -98,6 +105,7 @@ class DeviceReachability:
     def counts(self, device: str) -> bool:
         """Tell whether what a device said last still counts, for as long as it is not too old."""
         return self.reached(device) or (
+            # Of a lost connection nothing counts, however slow its device was thought to be.
             device in self._slow and not self._lost.get(self._of.get(device, ""))
         )
 
@@ -107,6 +115,7 @@ class DeviceReachability:
             self._say(self._state(device))
 
     def _why(self, device: str) -> str:
+        # The connection first: it explains all of its devices.
         return self._lost.get(self._of.get(device, "")) or self._away.get(device, "")
 
     def _report_change(self, device: str) -> None:
@@ -115,6 +124,7 @@ class DeviceReachability:
         if why == (said[0] if said is not None else ""):
             return
         if why:
+            # The reason may change while it lasts; since when it is so does not.
             since = said[1] if said is not None else self._clock.monotonic_ns()
             self._said[device] = (why, since)
         else:
@@ -123,5 +133,6 @@ class DeviceReachability:
 
     def _state(self, device: str) -> DeviceState:
         why, since = self._said.get(device, ("", 0))
+        # A duration: the hub's clock may be another.
         passed = (self._clock.monotonic_ns() - since) // MS if why else 0
         return DeviceState(device=device, reached=not why, why=why[:2000], for_ms=passed)

@@ -59,10 +59,13 @@ if TYPE_CHECKING:
 __all__ = ["ExtensionAdapterProcess"]
 
 log = logging.getLogger(__name__)
+# Characters of a text value that are kept.
 _MAX_TEXT = 2000
+# Seconds that its process has to end by itself once its socket is closed.
 _END_S = 3.0
 # Values that come in one turn of the event loop go on together.
 _FLUSH_S = 0.01
+# What it may say of a command; any other word is taken as unknown.
 _PHASES = {
     "succeeded": CommandPhase.SUCCEEDED,
     "failed": CommandPhase.FAILED,
@@ -87,29 +90,37 @@ class ExtensionAdapterProcess(UndrivenAdapter):
         self._name, self._keys = connection.extension, connection.keys
         _require_installed(scope.name, self._name)
         self._scope, self._context, self._status = scope, context, status
+        # By address; what it says of other addresses is left out.
         self._signals: dict[str, Signal] = {
             f"{device_id}/{signal_id}": signal
             for device_id, device in scope.devices.items()
             for signal_id, signal in device.signals.items()
         }
-        self._samplers = {
+        self._samplers = {  # By address; texts and signals without a rule are kept whole.
             address: Sampler(rule)
             for address, signal in self._signals.items()
             if signal.type is not SignalType.TEXT and (rule := rule_of(signal)) is not None
         }
-        self._gathered = SampleBuffer()
+        self._gathered = SampleBuffer()  # Until the next flush.
+        # Of guarded signals; cleared when its process ends.
         self._latest: dict[str, ChannelReading] = {}
+        # Addresses whose values were told as unreadable, each once.
         self._unreadable: set[str] = set()
+        # To its process; None while there is none.
         self._writer: asyncio.StreamWriter | None = None
+        # Of commands; not begun anew with a new process, so a late answer meets no other.
         self._numbers = itertools.count(1)
         # Commands under way, by number: whoever asked, told once.
         self._acts: dict[int, Callable[[CommandOutcome], None]] = {}
-        self._flushing: asyncio.TimerHandle | None = None
+        self._flushing: asyncio.TimerHandle | None = None  # Set while something is gathered.
 
     async def run(self) -> None:
         """See `Adapter.run`."""
+        # A socket and no pipe on its output: whatever its libraries print goes elsewhere.
         ours, theirs = socket.socketpair()
         try:
+            # Our copy of its end is closed when it has started: else its death would never be
+            # heard.
             with theirs:
                 starting = asyncio.ensure_future(
                     asyncio.create_subprocess_exec(
@@ -118,6 +129,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
                         "talaia.extensions.adapter_child",
                         str(theirs.fileno()),
                         stdin=asyncio.subprocess.DEVNULL,
+                        # This one is handed on; all others of the gateway stay closed in it.
                         pass_fds=(theirs.fileno(),),
                     )
                 )
@@ -132,10 +144,13 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             if cancelled is not None:
                 ours.close()
                 raise cancelled
+            # A longer line is an error: it must not fill our memory.
             reader, self._writer = await asyncio.open_connection(sock=ours, limit=MAX_LINE)
             self._send(self._job())
+            # `_hear` returns only when nothing more is to be heard, with the reason.
             raise AdapterLost(await self._hear(reader))
         finally:
+            # The socket first: its end is what tells the process to go.
             try:
                 self._end()
             finally:
@@ -160,12 +175,15 @@ class ExtensionAdapterProcess(UndrivenAdapter):
 
     def _end(self) -> None:
         """Let go of the process, and of all that it was asked."""
+        # What it said before it ended is heard, and goes out.
         if self._flushing is not None:
             self._flush()
         if self._writer is not None:
             self._writer.close()
             self._writer = None
+        # Nothing old may look true while nobody reads the device.
         self._latest.clear()
+        # A copy: each outcome takes its own number out.
         for number in list(self._acts):
             said = "the adapter ended meanwhile; look at the device"
             self._done(number, CommandOutcome(CommandPhase.UNKNOWN, said))
@@ -175,13 +193,16 @@ class ExtensionAdapterProcess(UndrivenAdapter):
         why = ""
         while True:
             try:
+                # ValueError: a line beyond the bound. Either way nothing after it can be trusted.
                 line = await reader.readline()
             except (ValueError, OSError) as error:
                 return f"what its process says cannot be read: {error}"
             if not line:
+                # End of the stream; `why` is what it said before, in a message of its own.
                 return why or "its process ended without a word"
             try:
                 words = read_from_adapter(line)
+            # Wrong words are as a broken process: it is begun anew, not guessed at.
             except msgspec.MsgspecError as error:
                 return f"what its process says cannot be read: {error}"
             if isinstance(words, EndMessage):
@@ -199,12 +220,14 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             case ValueMessage():
                 self._value(words)
             case ReachableMessage():
+                # Of its own devices only: an extension has no say in others.
                 if words.device in self._scope.devices:
                     self._status.device(words.device, there=words.reachable, why=words.why[:200])
             case ReportMessage():
                 said = f"{self._scope.name}: {words.message}"
                 self._context.events.report_event(words.kind, said)
             case DoneMessage():
+                # A phase that is not known here: something may have moved all the same.
                 phase = _PHASES.get(words.phase, CommandPhase.UNKNOWN)
                 self._done(words.number, CommandOutcome(phase, words.message))
             case EndMessage():
@@ -212,10 +235,12 @@ class ExtensionAdapterProcess(UndrivenAdapter):
 
     def _value(self, words: ValueMessage) -> None:
         signal = self._signals.get(words.address)
+        # A signal of an earlier description, or one that it made up.
         if signal is None:
             return
         clock = self._context.clock
         mono_ns = clock.monotonic_ns()
+        # Its own time if it has one; for ages only our monotonic clock counts.
         time_us = clock.wall_ns() // 1000 if words.time_us is None else words.time_us
         channel = self._scope.channel[words.address]
         if signal.type is SignalType.TEXT:
@@ -226,6 +251,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             if value is None:
                 self._complain(words)
                 return
+            # Before the sampler: interlocks see every value.
             if words.address in self._scope.guarded:
                 self._latest[words.address] = ChannelReading(value, mono_ns)
             sampler = self._samplers.get(words.address)
@@ -236,6 +262,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             self._flushing = asyncio.get_running_loop().call_later(_FLUSH_S, self._flush)
 
     def _complain(self, words: ValueMessage) -> None:
+        # Once for each address: a wrong unit would come with every value.
         if words.address in self._unreadable:
             return
         self._unreadable.add(words.address)
@@ -247,6 +274,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
 
     def _flush(self) -> None:
         if self._flushing is not None:
+            # Also called by `_end`, before the timer has run out.
             self._flushing.cancel()
             self._flushing = None
         columns = self._gathered.take_columns()
@@ -273,6 +301,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
                 CommandOutcome(CommandPhase.FAILED, "it is not connected; it is tried every second")
             )
             return
+        # The reader meets the end, `run` raises, and the caller begins it again.
         self._writer.close()
         done(CommandOutcome(CommandPhase.SUCCEEDED, "its process is started anew"))
 
@@ -301,11 +330,13 @@ class ExtensionAdapterProcess(UndrivenAdapter):
         loop = asyncio.get_running_loop()
 
         def cancel() -> None:
+            # `act` promises that it may be called from any thread.
             loop.call_soon_threadsafe(self._send, CancelMessage(number))
 
         return cancel
 
     def _done(self, number: int, outcome: CommandOutcome) -> None:
+        # Taken out first: a second answer to the same number finds nobody.
         done = self._acts.pop(number, None)
         if done is not None:
             done(outcome)
@@ -328,7 +359,9 @@ def _number(signal: Signal, value: float | str) -> float | None:
     """Give a value as a number of the signal's; none where it is no value of it."""
     if signal.type is SignalType.STATE:
         if isinstance(value, str):
+            # A state that is not in the list is no value: a guess would be acted upon.
             return float(signal.states.index(value)) if value in signal.states else None
+        # NaN first, for it compares with nothing.
         whole = not math.isnan(value) and 0 <= value < len(signal.states) and value == value // 1
         return float(value) if whole else None
     try:
@@ -348,8 +381,10 @@ async def _ended(child: asyncio.subprocess.Process) -> None:
 async def _end_process(child: asyncio.subprocess.Process) -> None:
     """Wait for a process, and kill it when it does not end by itself."""
     waiting = asyncio.ensure_future(child.wait())
+    # `wait` and not `wait_for`: that would cancel the waiting, which goes on after the kill.
     done, _ = await asyncio.wait([waiting], timeout=_END_S)
     if not done:
         with contextlib.suppress(ProcessLookupError):
+            # It ended in between.
             child.kill()
         await waiting

@@ -29,9 +29,12 @@ __all__ = ["ReadableFields", "RosMessageType", "shape_of"]
 MAX_ELEMENTS = 16
 MAX_FIELDS = 400
 MAX_DEPTH = 12
+# As `get_fields_and_field_types` of ROS 2 writes them.
 _INTEGERS = {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
 _FLOATS = {"float", "double", "float32", "float64", "long double"}
+# With its bound, if it has one: `string<10>`.
 _TEXT = re.compile(r"w?string(<\d+>)?\Z")
+# `sequence<double>`, `sequence<string, 4>` or `float[3]`; `.+?` leaves the bound to its own group.
 _LIST = re.compile(
     r"(?:sequence<(?P<inner>.+?)(?:, (?P<bound>\d+))?>|(?P<item>.+)\[(?P<size>\d+)\])\Z"
 )
@@ -97,7 +100,7 @@ class _Walk:
     def __init__(
         self, find: Callable[[str], RosMessageType | None], comment_of: Callable[[str, str], str]
     ) -> None:
-        self.left_out: list[str] = []
+        self.left_out: list[str] = []  # Words for people: what was seen and is no field.
         self._find = find
         self._comment_of = comment_of
 
@@ -111,13 +114,16 @@ class _Walk:
         above: Meaning | None,
         depth: int,
     ) -> Iterator[FieldFound]:
+        # ROS forbids a type within itself; a peer's definition may say so all the same.
         if depth > MAX_DEPTH:
             self.left_out.append(f"{prefix}: nested deeper than {MAX_DEPTH}")
             return
         for field, declared in kind.fields:
             path = f"{prefix}.{field}" if prefix else field
             value = getattr(message, field, None)
+            # A part takes the unit of the whole it belongs to, where it has none of its own.
             meaning = self._meaning(type_name, field) or above
+            # Names of coordinate frames are settings, no readings.
             if declared in _ABOUT or field.endswith("frame_id"):
                 continue
             listed = _LIST.match(declared)
@@ -132,6 +138,8 @@ class _Walk:
                     depth=depth,
                 )
                 continue
+            # As in `sensor_msgs/JointState`, whose `name` says what the elements of the other lists
+            # are.
             names = getattr(message, "name", None) if field != "name" else None
             yield from self._list(
                 listed=listed, path=path, value=value, meaning=meaning, names=names, depth=depth
@@ -139,6 +147,8 @@ class _Walk:
 
     def _meaning(self, type_name: str, field: str) -> Meaning | None:
         return (
+            # The known meaning of a type first, then what its author wrote, then what the name
+            # suggests.
             meaning_of(type_name, field)
             or unit_in_comment(self._comment_of(type_name, field))
             or unit_in_name(field)
@@ -170,6 +180,7 @@ class _Walk:
                     depth=depth + 1,
                 )
         else:
+            # States are counted by integers; a float with constants is none.
             words = _words(kind, field) if simple == "integer" else ()
             yield _field(path=path, simple=simple, meaning=meaning, value=value, words=words)
 
@@ -187,6 +198,7 @@ class _Walk:
             self.left_out.append(f"{path}: how sure a number is, not a number of its own")
             return
         inner = listed["inner"] or listed["item"]
+        # The message's own length where there is one: sequences have none in their type.
         count = _length(value) if value is not None else int(listed["size"] or 0)
         if count > MAX_ELEMENTS:
             self.left_out.append(f"{path}: a list of {count}; name one of them as {path}[0]")
@@ -200,6 +212,7 @@ class _Walk:
             item = _item(value, index)
             at = f"{path}[{index}]"
             if simple is not None:
+                # Names only count where there is one for each element.
                 named = _item(names, index) if _length(names) == count else None
                 yield _field(
                     path=at,
@@ -234,6 +247,7 @@ def _field(
     name: str = "",
 ) -> FieldFound:
     numeric = simple in ("number", "integer") and not words
+    # Texts and states have no unit, whatever their name ends in.
     unit = meaning if meaning is not None and numeric else Meaning("")
     empty = isinstance(value, Real) and math.isnan(value)
     return FieldFound(path, simple, unit.unit, unit.scale, words, name[:100], empty)
@@ -262,6 +276,7 @@ def _words(kind: RosMessageType, field: str) -> tuple[str, ...]:
     }
     if len(found) < 2 or sorted(found) != list(range(len(found))):
         return ()
+    # Two states of one word could not be told apart.
     words = tuple(found[index] for index in range(len(found)))
     return words if len(set(words)) == len(words) else ()
 

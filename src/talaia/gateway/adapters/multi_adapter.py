@@ -33,14 +33,17 @@ class ConnectionStatus:
         self, name: str, loop: asyncio.AbstractEventLoop, reach: DeviceReachability
     ) -> None:
         """Speak for the connection of this name; `heard` is set by who listens."""
-        self.name = name
-        self._loop = loop
+        self.name = name  # Of the connection.
+        self._loop = loop  # Adapters call from threads of their own; all is told on it.
         self._reach = reach
+        # Set by `MultiAdapter` while it runs the adapter.
         self.on_up: Callable[[], None] = lambda: None
+        # Set by who makes the adapter.
         self.on_found: Callable[[Mapping[str, Device]], None] = lambda _devices: None
 
     def up(self) -> None:
         """See `AdapterStatus.up`."""
+        # A lambda: who listens is looked up when it is the loop's turn, not now.
         self._loop.call_soon_threadsafe(lambda: self.on_up())
 
     def device(self, device: str, *, there: bool, why: str = "", sure: bool = True) -> None:
@@ -76,19 +79,23 @@ class MultiAdapter:
             again_s: how long after a loss it is tried again, and again.
 
         """
-        self._again_s = again_s
-        self._of = of
-        self._adapters = adapters
+        self._again_s = again_s  # After a loss; see `AGAIN_S`.
+        self._of = of  # By device: its connection's name; replaced by `redescribe`.
+        self._adapters = adapters  # By connection; replaced by `redescribe`.
         self._reach = reach
         self._events = events
+        # Told of devices whose connection went away.
         self._loss_listeners: list[Callable[[Collection[str]], None]] = []
+        # Told when it is back.
         self._return_listeners: list[Callable[[Collection[str]], None]] = []
-        self._nobody = NullAdapter()
-        self._lost: set[str] = set()
-        self._running: set[str] = set()
-        self._streams: tuple[str, ...] = ()
+        self._nobody = NullAdapter()  # Serves devices without a connection: it refuses everything.
+        self._lost: set[str] = set()  # Connections whose loss was told, until they are up again.
+        self._running: set[str] = set()  # Connections whose `run` is under way.
+        self._streams: tuple[str, ...] = ()  # What is watched now, for adapters that come later.
+        # While `run` is under way; adapters are begun in it.
         self._group: asyncio.TaskGroup | None = None
-        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._tasks: dict[str, asyncio.Task[None]] = {}  # By connection: what runs its adapter.
+        # Cancelled, and still releasing what they hold.
         self._ending: set[asyncio.Task[None]] = set()
 
     def subscribe_losses(
@@ -114,6 +121,7 @@ class MultiAdapter:
                 for name in self._adapters:
                     self._begin(name)
         except BaseExceptionGroup as failed:
+            # One error and no group of them: the caller names it.
             raise failed.exceptions[0] from failed
         finally:
             self._group = None
@@ -127,9 +135,13 @@ class MultiAdapter:
         one has released everything.
         """
         before, self._adapters = self._adapters, adapters
+        # By identity of adapter and status: a new pair stands for a connection that is described
+        # anew.
         gone = [name for name, pair in before.items() if adapters.get(name) != pair]
         for name in gone:
             if name in adapters:
+                # Told before it is begun anew, so that its old readings count for nothing
+                # meanwhile.
                 self._gone(name, "its description has changed; connecting anew")
             else:
                 self._lost.discard(name)
@@ -139,6 +151,7 @@ class MultiAdapter:
         for name in [adapter for adapter in gone if adapter not in adapters]:
             if (task := self._tasks.pop(name, None)) is not None:
                 task.cancel()
+        # Each adapter is told again: which streams are its own may have changed.
         self.watch(self._streams)
 
     def _begin(self, name: str) -> None:
@@ -158,12 +171,14 @@ class MultiAdapter:
         post: ConnectionStatus,
         before: Collection[asyncio.Task[None]],
     ) -> None:
+        # A port or a bus may be held by the one before: two at once would fight for it.
         if before:
             await asyncio.wait(before)
         post.on_up = lambda: self._back(name)
         while True:
             self._running.add(name)
             try:
+                # It returns only when cancelled; any other error ends all adapters.
                 await adapter.run()
             except AdapterLost as error:
                 self._gone(name, str(error))
@@ -172,6 +187,7 @@ class MultiAdapter:
             await asyncio.sleep(self._again_s)
 
     def _gone(self, name: str, why: str) -> None:
+        # Each time, for the reason may be another; events and listeners are told once.
         devices = self._reach.lost(name, why)
         if name not in self._lost:
             self._lost.add(name)
@@ -181,6 +197,7 @@ class MultiAdapter:
                 on_loss(devices)
 
     def _back(self, name: str) -> None:
+        # An `up` that was on its way while the adapter was lost, or one that never was away.
         if name not in self._running or name not in self._lost:
             return
         self._lost.discard(name)
@@ -207,6 +224,7 @@ class MultiAdapter:
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`; what is not reached has none."""
         device = address.split("/", 1)[0]
+        # Asked here: an adapter may still hold what a device said before it went.
         return self._for(device).latest(address) if self._reach.counts(device) else None
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:

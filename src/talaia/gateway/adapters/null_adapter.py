@@ -23,6 +23,7 @@ class NullAdapter(UndrivenAdapter):
 
     async def run(self) -> None:
         """Do nothing until cancelled."""
+        # Never set: the task lasts until it is cancelled.
         await asyncio.Event().wait()
 
     def watch(self, streams: Collection[str]) -> None:

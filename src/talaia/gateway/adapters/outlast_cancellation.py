@@ -17,6 +17,7 @@ async def outlast_cancellation(task: asyncio.Future[Any]) -> asyncio.CancelledEr
     cancelled: asyncio.CancelledError | None = None
     while not task.done():
         try:
+            # `wait` leaves the task alone when we are cancelled; awaiting it would cancel it, too.
             await asyncio.wait([task])
         except asyncio.CancelledError as error:
             cancelled = error

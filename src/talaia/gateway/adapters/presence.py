@@ -57,16 +57,17 @@ class DevicePresence:
                 and whether that is sure, or it may only be slow.
 
         """
-        self._devices = tuple(devices)
+        self._devices = tuple(devices)  # In the description's order.
         self._tell = tell
-        self._seen: set[str] = set()
+        self._seen: set[str] = set()  # Were there at least once since the start.
+        # By device: why it is away; those that are there are not in it.
         self._away: dict[str, str] = {}
-        self._answered_ns: dict[str, int] = {}
+        self._answered_ns: dict[str, int] = {}  # By node: its last answer (monotonic ns).
         # By node: the look at which it was asked first without an answer since.
         self._open: dict[str, int] = {}
-        self._gone: set[str] = set()
-        self._look = 0
-        self._deaf: bool | None = None
+        self._gone: set[str] = set()  # Nodes that are dead for sure, until they speak or answer.
+        self._look = 0  # The number of this look; patience is counted in it.
+        self._deaf: bool | None = None  # See `deaf`.
 
     @property
     def deaf(self) -> bool | None:
@@ -99,6 +100,7 @@ class DevicePresence:
         """
         self._look += 1
         ask: set[str] = set()
+        # Only those whose nodes are known can be asked, and so tell whether we are deaf.
         there = [device for device in self._devices if offers.get(device, _NOTHING).nodes]
         for device in self._devices:
             offer = offers.get(device, _NOTHING)
@@ -106,8 +108,10 @@ class DevicePresence:
                 self._seen.add(device)
             if device not in self._seen:
                 continue
+            # The graph itself says so: no patience is needed.
             if not offer.there:
                 self._set(device, "nothing of it is on the robot now", sure=True)
+            # It speaks, so its nodes live, whatever they owe an answer to.
             elif now_ns - heard_ns.get(device, 0) < ASK_NS:
                 for node in offer.nodes:
                     self._open.pop(node, None)
@@ -115,8 +119,10 @@ class DevicePresence:
                 self._set(device, "")
             else:
                 self._set(device, self._silent(offer, now_ns, ask))
+        # The first question counts: one that is asked again has not been answered yet.
         for node in ask:
             self._open.setdefault(node, self._look)
+        # 0: never heard, or never answered.
         words = [heard_ns.get(topic, 0) for topic in there]
         words += [self._answered_ns.get(node, 0) for topic in there for node in offers[topic].nodes]
         if there and all(topic in self._away for topic in there):
@@ -128,7 +134,9 @@ class DevicePresence:
         return frozenset(ask)
 
     def _silent(self, offer: DeviceEndpoints, now_ns: int, ask: set[str]) -> str:
+        # Also those that are asked already: an answer may be lost.
         ask |= {node for node in offer.askable if now_ns - self._answered_ns.get(node, 0) >= ASK_NS}
+        # One node that lives is enough: the others may have nothing to say.
         if not offer.nodes or not all(self._dead(node) for node in offer.nodes):
             return ""
         return f"{', '.join(sorted(offer.nodes))} does not answer"
@@ -137,6 +145,7 @@ class DevicePresence:
         return node in self._gone or self._look - self._open.get(node, self._look) >= PATIENCE
 
     def _set(self, device: str, why: str, *, sure: bool = False) -> None:
+        # Told once for each change; another reason is a change, too.
         if why == self._away.get(device, ""):
             return
         if why:
@@ -162,11 +171,12 @@ class Deafness:
 
     def __init__(self) -> None:
         """Hear well."""
-        self._looks = 0
-        self._limit = self.FIRST
+        self._looks = 0  # Looks in a row at which nobody was heard.
+        self._limit = self.FIRST  # How many of them lead to joining anew; doubled each time.
 
     def should_rejoin(self, *, deaf: bool | None) -> bool:
         """Take in what `DevicePresence.deaf` says; tell whether to join anew now."""
+        # Not known: neither counts nor calls the count off.
         if deaf is None:
             return False
         if not deaf:

@@ -41,10 +41,13 @@ if TYPE_CHECKING:
 __all__ = ["ProcessAdapter", "ProcessResult", "filled", "number_in", "run_words"]
 
 log = logging.getLogger(__name__)
+# Bytes of one output that are kept; the rest is read and thrown away, so that the command can end.
 MAX_ANSWER = 64 * 1024
+# Characters of what a command printed that go on as a value or as words for people.
 MAX_SAID = 2000
 # So many at once: starting a ROS client takes most of a second of a processor.
 AT_ONCE = 2
+# Negative angles and coordinates are arguments, as -12.5 or -05:23:28; other dashes are options.
 _NEGATIVE = re.compile(r"-\.?\d[\d.:eE+-]*\Z")
 
 
@@ -71,17 +74,21 @@ def filled(target: str, command: Command, fields: Mapping[str, Scalar]) -> list[
     """
     optional = {argument.field for argument in command.arguments.values() if argument.default == ""}
     words: list[str] = []
+    # Cut before anything is filled in: what a person writes cannot become two arguments.
     for word in shlex.split(target):
         found = PLACEHOLDER.fullmatch(word)
         if found is None:
             words.append(word)
             continue
+        # An argument that is not given stands for its default, an empty text.
         value = fields.get(found[1], "")
         if isinstance(value, bool):
             words.append("true" if value else "false")
         elif isinstance(value, str):
             if not value and found[1] in optional:
                 continue
+            # The system ends an argument there: the program would see another text than was
+            # checked.
             if "\0" in value:
                 return f"{found[1]}: there is a NUL character in it"
             if value.startswith("-") and not _NEGATIVE.match(value):
@@ -98,6 +105,7 @@ def number_in(signal: Signal, text: str) -> float | str | None:
     source = source_as(signal.source, ProcessSource)
     said = text.strip()
     if source.pattern:
+        # In the raw text: a pattern may count on spaces and line ends.
         found = re.search(source.pattern, text)
         if found is None:
             return None
@@ -109,7 +117,9 @@ def number_in(signal: Signal, text: str) -> float | str | None:
     try:
         value = float(said) * signal.scale
     except ValueError:
+        # Not this signal's value, as an error's text: none is better than a wrong one.
         return None
+    # A program's `nan` or `inf` is no reading.
     return value if math.isfinite(value) else None
 
 
@@ -123,6 +133,7 @@ async def run_words(words: Sequence[str], within: float) -> ProcessResult:
     starting = asyncio.ensure_future(
         asyncio.create_subprocess_exec(
             *words,
+            # Nobody can answer a program that asks something, so it meets the end of its input.
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
@@ -137,14 +148,19 @@ async def run_words(words: Sequence[str], within: float) -> ProcessResult:
         if cancelled is not None:
             raise cancelled
         async with asyncio.timeout(within):
+            # Both at once: a program that fills one pipe while the other is read would wait for
+            # ever.
             text, problem = await asyncio.gather(_all_of(process.stdout), _all_of(process.stderr))
             code = await process.wait()
     except TimeoutError:
         return ProcessResult(-1, "", f"did not end within {within:g} s and was ended")
     finally:
         # Also on cancellation, and when it left children behind that hold its output.
+        # ProcessLookupError: all is gone already. PermissionError: what is left runs as somebody
+        # else.
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(process.pid, signals.SIGKILL)
+        # Waited for in any case: else it would stay behind as a zombie.
         cancelled = await outlast_cancellation(asyncio.ensure_future(process.wait()))
         if cancelled is not None:
             raise cancelled
@@ -154,6 +170,7 @@ async def run_words(words: Sequence[str], within: float) -> ProcessResult:
 async def _all_of(stream: asyncio.StreamReader | None) -> str:
     """Read to the end, and keep the first 64 KiB."""
     kept = bytearray()
+    # Read on beyond the bound: a full pipe would keep the command from ending.
     while stream is not None and (data := await stream.read(8192)):
         kept += data[: max(0, MAX_ANSWER - len(kept))]
     return kept.decode(errors="replace")
@@ -163,11 +180,11 @@ class _Line:
     """A command line that is asked for again and again, and the signals in its answer."""
 
     def __init__(self, device: str, words: list[str]) -> None:
-        self.device = device
-        self.words = words
-        self.signals: dict[str, Signal] = {}
-        self.good: bool | None = None
-        self.why = ""
+        self.device = device  # Its device; one line never serves two.
+        self.words = words  # Its arguments, prefix first; cut once.
+        self.signals: dict[str, Signal] = {}  # By address; all read the same answer.
+        self.good: bool | None = None  # How its last answer was; None before the first.
+        self.why = ""  # What was wrong with it; empty when it was good.
 
 
 class ProcessAdapter(UndrivenAdapter):
@@ -185,16 +202,23 @@ class ProcessAdapter(UndrivenAdapter):
         connection = scope.connection
         assert isinstance(connection, ProcessConnection)  # noqa: S101 - the catalogue's promise
         self._scope, self._context, self._status = scope, context, status
-        self._connection = connection
+        self._connection = connection  # The description's, for its times (s).
+        # Stands before every line; no shell reads it.
         self._prefix = shlex.split(connection.prefix)
-        self._gathered = SampleBuffer()
+        self._gathered = SampleBuffer()  # Filled and emptied within one answer.
+        # Of guarded signals; cleared when `run` ends, as nothing is heard then.
         self._latest: dict[str, ChannelReading] = {}
+        # By device and its written line: several signals share one run.
         self._lines: dict[tuple[str, str], _Line] = {}
+        # By address; none for a signal of which every value is kept.
         self._samplers: dict[str, Sampler] = {}
+        # Addresses that were told as unreadable; once in this run is enough.
         self._unreadable: set[str] = set()
+        # Lines that are asked for at the same time; people's commands do not wait here.
         self._slots = asyncio.Semaphore(AT_ONCE)
+        # People's commands under way; held here, for asyncio alone would let them go.
         self._acts: set[asyncio.Task[None]] = set()
-        self._running = False
+        self._running = False  # `run` is under way; before and after it nothing is begun.
         # Not `or`: an empty one is still the one that others look at.
         self.answers = {} if context.answers is None else context.answers
         for device_id, device in scope.devices.items():
@@ -226,6 +250,7 @@ class ProcessAdapter(UndrivenAdapter):
             if asks:
                 await asyncio.gather(*asks)
             else:
+                # Only commands for people: nothing is asked, and `run` lasts until it is cancelled.
                 await asyncio.Event().wait()
         except OSError as error:
             what = error.strerror or str(error)
@@ -237,8 +262,10 @@ class ProcessAdapter(UndrivenAdapter):
             tasks = [*asks, *self._acts]
             for task in tasks:
                 task.cancel()
+            # Waited for: `run` promises that all is released when it returns.
             await asyncio.gather(*tasks, return_exceptions=True)
             self._latest.clear()
+            # Old answers must not look like new ones after a restart.
             for line in self._lines.values():
                 for address in line.signals:
                     self.answers.pop(address, None)
@@ -310,6 +337,8 @@ class ProcessAdapter(UndrivenAdapter):
         said = (answer.text.strip() or answer.problem)[:MAX_SAID]
         if answer.code == 0:
             done(CommandOutcome(CommandPhase.SUCCEEDED, said))
+        # As `run_words` says it of a command that was ended for its time: it may have done its
+        # work.
         elif answer.code == -1 and not answer.text:
             done(CommandOutcome(CommandPhase.UNKNOWN, f"the command {said}; look at the device"))
         else:
@@ -322,6 +351,7 @@ class ProcessAdapter(UndrivenAdapter):
         loop = asyncio.get_running_loop()
         while True:
             began = loop.time()
+            # In turn: the whole time counts for the pace, with the wait for a place.
             async with self._slots:
                 answer = await run_words(line.words, self._connection.timeout)
             self._read_answer(line, answer)
@@ -332,9 +362,11 @@ class ProcessAdapter(UndrivenAdapter):
 
     def _read_answer(self, line: _Line, answer: ProcessResult) -> None:
         clock = self._context.clock
+        # One time for all signals of an answer: they were true together.
         time_us, mono_ns = clock.wall_ns() // 1000, clock.monotonic_ns()
         known = False
         for address, signal in line.signals.items():
+            # No answer, or too late: what it printed before is not true any more.
             if not answer.text:
                 self.answers.pop(address, None)
                 continue
@@ -345,6 +377,8 @@ class ProcessAdapter(UndrivenAdapter):
             elif value is not None:
                 known = True
                 self._number(address, value, time_us, mono_ns)
+            # Only after a good end: a command that fails prints an error instead, which is no news
+            # here.
             elif answer.code == 0 and address not in self._unreadable:
                 self._unreadable.add(address)
                 said = f"{address}: its value is not in the answer {answer.text.strip()[:80]!r}"
@@ -353,11 +387,13 @@ class ProcessAdapter(UndrivenAdapter):
         columns = self._gathered.take_columns()
         if columns is not None:
             self._context.samples.put_samples(columns)
+        # One value that was read is enough; else it must have ended well and printed something.
         line.good = known or (answer.code == 0 and bool(answer.text))
         line.why = "" if line.good else (answer.text.strip() or answer.problem or "no answer")
         self._report_device(line)
 
     def _number(self, address: str, value: float, time_us: int, mono_ns: int) -> None:
+        # Before rate and deadband, which are for the record; interlocks see every value.
         if address in self._scope.guarded:
             self._latest[address] = ChannelReading(value, mono_ns)
         sampler = self._samplers.get(address)
@@ -369,5 +405,6 @@ class ProcessAdapter(UndrivenAdapter):
         lines = [other for other in self._lines.values() if other.device == line.device]
         if any(line.good for line in lines):
             self._status.device(line.device, there=True)
+        # Not while one has yet to answer for the first time: that is no silence.
         elif all(line.good is False for line in lines):
             self._status.device(line.device, there=False, why=line.why[:200])

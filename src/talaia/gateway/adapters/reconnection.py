@@ -21,10 +21,10 @@ _WAIT_NS = round(WAIT_S * SECOND)
 
 
 class _Begun(NamedTuple):
-    due_ns: int
-    parts: int
-    absent: Callable[[], list[str]]
-    done: Callable[[CommandOutcome], None]
+    due_ns: int  # When it ends with whatever is there (monotonic).
+    parts: int  # Topics and services in all, for the words.
+    absent: Callable[[], list[str]]  # Asked at each look.
+    done: Callable[[CommandOutcome], None]  # Told once.
 
 
 class ReconnectionAttempts:
@@ -33,6 +33,7 @@ class ReconnectionAttempts:
     def __init__(self, clock: Clock) -> None:
         """Begin with nothing under way."""
         self._clock = clock
+        # Those without an outcome yet, in the order they were begun.
         self._begun: list[_Begun] = []
 
     def begin(
@@ -45,10 +46,12 @@ class ReconnectionAttempts:
     def report_finished(self) -> None:
         """Tell the outcome of what is finished."""
         now = self._clock.monotonic_ns()
+        # A copy: `done` may begin another.
         for begun in list(self._begun):
             absent = begun.absent()
             if absent and now < begun.due_ns:
                 continue
+            # Before it is told, so that no outcome is told twice.
             self._begun.remove(begun)
             begun.done(rejoined(begun.parts, absent))
 

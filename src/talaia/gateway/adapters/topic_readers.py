@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["SampleBuffer", "TopicPlan", "file_in", "parameter_plans_of", "plans_of"]
 
 
+# Fields of `UInt8MultiArray`; see `file_in`.
 _DATA, _OFFSET = getter("data"), getter("layout.data_offset")
 
 
@@ -39,10 +40,11 @@ class SampleBuffer:
 
     def __init__(self) -> None:
         """Start empty."""
+        # Three columns of one length; lists grow cheaper than arrays.
         self._channel: list[int] = []
         self._time: list[int] = []
         self._value: list[float] = []
-        self._texts: dict[int, str] = {}
+        self._texts: dict[int, str] = {}  # By position in the columns.
 
     def add(self, channel: int, time_us: int, value: float) -> None:
         """Append a number."""
@@ -72,15 +74,16 @@ class SampleBuffer:
 class _Row(NamedTuple):
     """One signal of a topic: where its numbers go and how they are read and thinned out."""
 
-    address: str
-    channel: int
+    address: str  # Of the signal.
+    channel: int  # Of its first value; the others follow.
+    # None for texts, and for what is found by name.
     read: Callable[[object], tuple[float, ...]] | None
-    text: Callable[[object], object] | None
-    sampler: Sampler | None
-    tapped: bool
-    scale: float
+    text: Callable[[object], object] | None  # Of text signals only.
+    sampler: Sampler | None  # None where every value is kept.
+    tapped: bool  # Its newest reading is kept for interlocks.
+    scale: float  # For what is found by name; `read` has it in it.
     signal: Signal
-    stamp: StampReader | None = None
+    stamp: StampReader | None = None  # Where the value's own stamp is read; keeps how it went on.
 
 
 class TopicPlan:
@@ -114,13 +117,14 @@ class TopicPlan:
         """
         self.topic = topic
         self.type_name = type_name
-        self._rows = rows
-        self._by_name = by_name
-        self._latest = latest
+        self._rows = rows  # In the description's order.
+        self._by_name = by_name  # By CloudConnect name.
+        self._latest = latest  # Shared by all plans of the adapter.
         self._complain = complain
-        self._bad: set[str] = set()
+        self._bad: set[str] = set()  # Addresses (and the topic) that were told as unreadable.
         self._data = getter("data")
         samplers = [*rows, *by_name.values()]
+        # Those that can hold a value back.
         self._thinned = [row for row in samplers if row.sampler is not None]
 
     @property
@@ -130,6 +134,7 @@ class TopicPlan:
 
     def take_over(self, before: TopicPlan) -> None:
         """Go on where another plan of the topic stops: held-back values are not lost."""
+        # By number, which a signal keeps under another address; see `ChannelNumbering`.
         samplers = {row.channel: row.sampler for row in (*before._rows, *before._by_name.values())}
 
         stamped = {row.address: row for row in (*before._rows, *before._by_name.values())}
@@ -137,6 +142,8 @@ class TopicPlan:
         def mended(row: _Row) -> _Row:
             was = samplers.get(row.channel)
             known = stamped.get(row.address)
+            # How a stamp went on is lost only with another source: else safety would wait for it
+            # again.
             if known is not None and known.signal.source == row.signal.source and known.stamp:
                 row = row._replace(stamp=known.stamp)
             if was is None or row.sampler is None or was.rule != row.sampler.rule:
@@ -148,6 +155,7 @@ class TopicPlan:
         rows = [*self._rows, *self._by_name.values()]
         self._thinned = [row for row in rows if row.sampler is not None]
         same = {row.address: row.signal for row in (*before._rows, *before._by_name.values())}
+        # What was told of a signal that is described as before is not told again.
         self._bad = {row.address for row in rows if same.get(row.address) == row.signal}
         self._bad = (self._bad | {self.topic}) & before._bad
 
@@ -160,10 +168,12 @@ class TopicPlan:
                     continue
                 assert row.read is not None  # noqa: S101 - a row has one of the two
                 values = row.read(message)
+                # Before the sampler: interlocks see every reading.
                 if row.tapped:
                     self._tap(row, message, values[0], mono_ns)
             except FieldError as error:
                 self._report_unreadable(row.address, error)
+                # Only this signal: the others of the message are read all the same.
                 continue
             self._add(row, values, time_us, into)
         if self._by_name:
@@ -176,6 +186,7 @@ class TopicPlan:
             self._report_unreadable(self.topic, error)
             return
         row = self._by_name.get(metric.name)
+        # A name that no signal asks for: the topic carries all sensors.
         if row is not None:
             value = metric.magnitude * row.scale
             if row.tapped:
@@ -189,9 +200,11 @@ class TopicPlan:
 
     def _tap(self, row: _Row, message: object, value: float, mono_ns: int) -> None:
         if row.stamp is None:
+            # One assignment of one tuple: other threads see the old reading or the new.
             self._latest[row.address] = ChannelReading(value, mono_ns)
             return
         stamp_ns, advanced_ns = row.stamp.arrived(message, mono_ns)
+        # None: no stamp has advanced yet, so nothing proves that the value is of now.
         if advanced_ns is not None:
             self._latest[row.address] = ChannelReading(value, advanced_ns, stamp_ns, mono_ns)
 
@@ -224,6 +237,7 @@ class TopicPlan:
             sampler = row.sampler
             if sampler is None or not sampler.holding or sampler.turn_us >= time_us:
                 continue
+            # Read before `due`, which begins the next interval.
             turn_us = sampler.turn_us
             for part, value in enumerate(sampler.due(turn_us) or ()):
                 into.add(row.channel + part, turn_us, value)
@@ -238,6 +252,7 @@ def file_in(message: object) -> bytes:
     """
     data, offset = cast("bytes", _DATA(message)), cast("int", _OFFSET(message))
     try:
+        # The message says where its data begin: what is in front is padding.
         return bytes(memoryview(data)[offset:])
     except (TypeError, ValueError) as error:
         raise FieldError("data", f"it is not a file: {error}") from error
@@ -257,6 +272,7 @@ def plans_of(
             address = f"{device_id}/{signal_id}"
             key = (source.topic, source.type)
             row = _row(address, scope.channel[address], signal, tapped=address in scope.guarded)
+            # Both, so that a topic with named signals alone has a plan as well.
             rows.setdefault(key, [])
             names.setdefault(key, {})
             if source.name:
@@ -287,6 +303,7 @@ def parameter_plans_of(
             if not name:
                 continue
             address = f"{device_id}/{signal_id}"
+            # The message of a parameter holds nothing but its value.
             of_data = msgspec.structs.replace(signal, source=RosSource(field="data"))
             tapped = address in scope.guarded
             row = _row(address, scope.channel[address], of_data, tapped=tapped)

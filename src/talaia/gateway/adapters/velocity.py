@@ -23,6 +23,7 @@ def velocity_fields(
     match drive.message:
         case DriveMessage.KEYS:
             return {"data": key}
+        # Only forward speed and turning: fields that are not named stay 0.
         case DriveMessage.TWIST:
             return {"linear.x": linear, "angular.z": angular}
         case DriveMessage.TWIST_STAMPED:
