@@ -167,8 +167,8 @@ def _read_cert(path: Path) -> x509.Certificate:
 def _read_key(path: Path) -> _Key:
     try:
         found = serialization.load_pem_private_key(_bytes_of(path), None)
-    # So cryptography says that a password is needed and none was given.
     except TypeError as error:
+        # So cryptography says that a password is needed and none was given.
         raise CannotStart(
             f"the key {path} is locked by a passphrase",
             "give one without: openssl pkey -in LOCKED -out OPEN",
@@ -202,8 +202,8 @@ def _is_good(own: Certificate, names: Iterable[str], now: dt.datetime) -> bool:
     try:
         found, key = _read_cert(own.cert), _read_key(own.key)
         said = found.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
-    # Ours, and unreadable: it is made anew rather than keep the hub from starting.
     except (CannotStart, x509.ExtensionNotFound):
+        # Ours, and unreadable: it is made anew rather than keep the hub from starting.
         return False
     if _public(found.public_key()) != _public(key.public_key()):
         return False

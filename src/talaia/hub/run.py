@@ -353,8 +353,8 @@ async def renewed(context: ssl.SSLContext, settings: Settings, shown: str) -> st
         # Connections that are open keep what they shook hands with.
         context.load_cert_chain(found.cert, found.key)
         shown = fingerprint(found.cert)
-    # A renewal that failed must not end a hub that works; it is tried again in an hour.
     except (CannotStart, OSError) as error:
+        # A renewal that failed must not end a hub that works; it is tried again in an hour.
         _LOG.warning("the certificate of before stays: %s", error)
     else:
         _LOG.info("a renewed certificate is shown from now on: %s (SHA-256)", shown)
@@ -370,8 +370,8 @@ def _listen(settings: Settings) -> socket.socket:
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
         return socket.create_server((settings.host, settings.port), family=family, backlog=QUEUE)
-    # OverflowError: a port above 65535.
     except (OSError, OverflowError) as error:
+        # OverflowError: a port above 65535.
         reason = getattr(error, "strerror", None) or str(error)
         raise CannotStart(
             f"cannot listen on {settings.host}:{settings.port}: {reason}",

@@ -38,6 +38,7 @@ __all__ = [
 
 # A page that asks by itself, and not because a person did something, says so with this header.
 _BACKGROUND = "talaia-background"
+# Digits; so many always fit a column of 64 bits.
 _LONGEST_NUMBER = 18
 
 
@@ -55,17 +56,22 @@ class Access:
         settings: Settings,
     ) -> None:
         """Know people by ``sessions``, scripts by ``tokens`` and gateways by ``registry``."""
+        # By whom somebody is known: browsers by their cookie, scripts and gateways by their header.
         self._sessions = sessions
         self._tokens = tokens
+        # As they are now: a right is held against the description of this moment.
         self._sites = sites
         self._registry = registry
+        # Turns at the database, for gateways that all dial at once.
         self._admission = admission
         self._tls = settings.tls
+        # The cookie lasts as long as a session may at most; the hub ends an idle one itself (s).
         self._life_s = round(settings.life_s)
 
     @property
     def cookie(self) -> str:
         """Name of the session's cookie; the prefix makes browsers hold us to its rules."""
+        # ``__Host-`` needs Secure, Path=/ and no Domain, so a neighbour of our name cannot set it.
         return "__Host-talaia" if self._tls else "talaia"
 
     @property
@@ -100,6 +106,7 @@ class Access:
             key = key.strip()
             return await self._tokens.who(key) if key.startswith(MARK) else None
         token = connection.cookies.get(self.cookie)
+        # Only what a person does keeps a session alive; sockets report their use by themselves.
         used = connection.headers.get(_BACKGROUND) != "1" and connection.scope["type"] == "http"
         return await self._sessions.who(token, used=used) if token else None
 
@@ -113,36 +120,44 @@ class Access:
             StoreDown: it cannot be told who asks.
 
         """
+        # By the route's own path with its placeholders, never by what was typed.
         need = need_of_route(request.method, request.scope["route"].path)
         if need is AccessNeed.OPEN:
             return
+        # PostgreSQL takes no NUL in a text; it would come out as an error of ours.
         if b"%00" in request.scope["query_string"]:
             raise ApiProblem(422, "invalid", "the query holds the character NUL")
         alive = await self.who(request)
         if alive is None:
             raise ApiProblem(401, "unauthorized", "sign in first")
         who = alive.who
+        # For the routes and for the limits, which ask after this.
         request.state.alive, request.state.who = alive, who
+        # Before the rights: whatever its person may, a token may not.
         if who.script and need not in BY_SCRIPT:
             raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
         site = request.path_params.get("site")
+        # None also for a site that is not known; `allows` then lets only admins of everything pass.
         live = self._sites.get(site) if site else None
         described = live.description if live else None
         if allows(need, who.grants, described):
             request.state.live = live
             return
+        # The same words whether it is hidden or not there at all.
         if site and not allows(AccessNeed.SEE, who.grants, described):
             raise ApiProblem(404, "unknown", "there is no such site")
         raise ApiProblem(403, "forbidden", "you do not have the right to do this")
 
     async def admit(self, socket: WebSocket) -> Who | None:
         """Tell who opens a socket; None when they were sent away before the upgrade."""
+        # A socket that has no line in the policy table lets nobody in.
         need = SOCKETS.get(socket.scope["path"], AccessNeed.NEVER)
         try:
             alive = await self.who(socket)
         except StoreDown:
             await deny(socket, status=503, code="store", message=STORE_DOWN)
             return None
+        # Of a stream, which site it is of is not known here; its own route looks.
         if alive is None or need not in {AccessNeed.SESSION, AccessNeed.SEE}:
             await deny(socket, status=401, code="unauthorized", message="sign in first")
             return None
@@ -155,9 +170,11 @@ class Access:
         found = None
         try:
             if need is AccessNeed.GATEWAY and kind.lower() == "bearer" and key:
+                # Only the look-up is in the turn, not the life of the link.
                 async with self._admission.turn():
                     found = await self._registry.gateway_of(key.strip())
         except HubBusy as error:
+            # No fault of the key: with a 401 the gateway would ask people for another.
             await deny(
                 socket,
                 status=503,
@@ -185,6 +202,7 @@ class Access:
             max_age=life_s,
             path="/",
             secure=self._tls,
+            # Not for scripts, and not sent along when another site's page asks.
             httponly=True,
             samesite="strict",
         )
@@ -232,6 +250,7 @@ def number_of(text: str, what: str) -> int:
         ApiProblem: 404, it can be no id.
 
     """
+    # `int` would also take other scripts' digits, signs, spaces and underscores.
     if not (text.isascii() and text.isdecimal()) or len(text) > _LONGEST_NUMBER:
         raise ApiProblem(404, "unknown", f"there is no such {what}")
     return int(text)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["ApiDescription", "describe_api", "needs_in_words"]
 
 _PROBLEM = "ProblemShape"
-_SESSION, _TOKEN = "session", "token"
+_SESSION, _TOKEN = "session", "token"  # names of the schemes in the description
 _SCHEMES = {
     _SESSION: {
         "type": "apiKey",
@@ -40,6 +40,7 @@ _NEEDS: Mapping[AccessNeed, str] = {
     AccessNeed.USE: "The right to use the site.",
     AccessNeed.ADMIN: "The right to manage the whole hub.",
 }
+# What each status means here, whatever route says it.
 _SAID: Mapping[int, str] = {
     400: "The body is no JSON.",
     401: "Nobody is signed in, or name, password or code is wrong.",
@@ -55,6 +56,7 @@ _SAID: Mapping[int, str] = {
     429: "Too much at once, or too many wrong tries; Retry-After says how long to wait.",
     503: "The hub's database does not answer, so nothing is done.",
 }
+# What `RequestGuard` and the check of the parameters may answer anywhere.
 _ANYONE = frozenset({400, 411, 413, 421, 422})
 # What these may answer besides what follows from their method and need.
 _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
@@ -93,6 +95,7 @@ class ApiDescription:
 
     def __init__(self) -> None:
         """Describe nothing yet: the first request does, when all routes are there."""
+        # Made once, and the same for all: the routes do not change while the hub runs.
         self._said: dict[str, Any] | None = None
 
     def router(self) -> APIRouter:
@@ -120,6 +123,7 @@ def describe_api(app: FastAPI) -> dict[str, Any]:
     }
     schemas = said.setdefault("components", {}).setdefault("schemas", {})
     schemas[_PROBLEM] = ProblemShape.model_json_schema()
+    # FastAPI's own form of a 422, which is never sent; see `problems`.
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
     said["components"]["securitySchemes"] = _SCHEMES
@@ -154,9 +158,12 @@ def _answers(need: AccessNeed, method: str, path: str, *, body: bool) -> frozens
     """Give the statuses by which a route may say no."""
     statuses = set(_ANYONE)
     if need is not AccessNeed.OPEN:
+        # Nobody signed in, no right, too much asked, or a database that cannot tell.
         statuses |= {401, 403, 429, 503}
     if method != "GET":
+        # `RequestGuard` looks where a page comes from, and at the type of the body.
         statuses |= {403, 415}
+    # What a path or a channel names may not be there, or not for this person.
     if "{" in path or path.endswith("/history"):
         statuses.add(404)
     if not body:

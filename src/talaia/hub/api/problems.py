@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["STORE_DOWN", "ApiProblem", "answer_problems", "problem"]
 
 _LOG = logging.getLogger(__name__)
+# For what the framework itself refuses.
 _CODES = {400: "invalid", 404: "unknown", 405: "method", 413: "too_large", 422: "invalid"}
 
 
@@ -31,9 +32,11 @@ class ApiProblem(TalaiaError):
     def __init__(self, status: int, code: str, message: str, retry_s: int = 0) -> None:
         """Answer with ``status``; ``retry_s`` tells when another try makes sense."""
         super().__init__(status, code, message)
+        # Of the answer; a word for programs, which never changes; a sentence for people.
         self.status = status
         self.code = code
         self.message = message
+        # Seconds; 0 says nothing of when.
         self.retry_s = retry_s
 
     def __str__(self) -> str:
@@ -54,6 +57,7 @@ def problem(status: int, code: str, message: str, retry_s: int = 0) -> Response:
 def answer_problems(app: FastAPI) -> None:
     """Let every error of ``app`` end in the same form."""
     app.add_exception_handler(ApiProblem, _ours)
+    # Of the framework itself: an unknown path, a method that is not there, a body that is no JSON.
     app.add_exception_handler(HTTPException, _starlette)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(StoreDown, _down)
@@ -79,6 +83,7 @@ async def _invalid(_request: Request, error: Exception) -> Response:
         f"{'.'.join(str(step) for step in problem['loc'])}: {problem['msg']}"
         for problem in error.errors()
     ]
+    # Cut: a list of a thousand items can be wrong at every one of them.
     return problem(422, "invalid", "; ".join(said)[:1000])
 
 
@@ -90,4 +95,5 @@ async def _down(request: Request, error: Exception) -> Response:
 
 async def _failed(request: Request, error: Exception) -> Response:
     _LOG.error("%s %s failed", request.method, request.url.path, exc_info=error)
+    # Not to the asker: a traceback can hold what is not theirs to see.
     return problem(500, "failed", "the hub failed; its log says more")

@@ -36,6 +36,7 @@ HISTORY = Rate(burst=300, per_s=30.0)
 HEAVY = Rate(burst=10, per_s=0.2)
 # One of a long window keeps a core busy for seconds; a window that follows asks again and again.
 OUTLIERS = Rate(burst=30, per_s=1.0)
+# All that has no line below; a page asks for a dozen things when it is opened.
 ANY = Rate(burst=600, per_s=100.0)
 RATES: Mapping[str, Rate] = {
     "/api/sites/{site}/history": HISTORY,
@@ -63,9 +64,11 @@ class RateLimits:
     def __init__(self, clock: Clock) -> None:
         """Start with a clean slate."""
         self._clock = clock
+        # Each route counts by itself: exports do not use up what charts may ask.
         self._paces = {route: RateLimiter(*rate) for route, rate in RATES.items()}
         self._any = RateLimiter(*ANY)
         self._opening = RateLimiter(*SOCKETS)
+        # Sockets that are open now, by person; an entry goes with the last of them.
         self._open: Counter[int] = Counter()
 
     async def ask(self, request: Request) -> None:
@@ -76,11 +79,14 @@ class RateLimits:
 
         """
         path = request.scope["route"].path
+        # Nobody is known there; signing in and enrolling have counts of their own, by address.
         if need_of_route(request.method, path) is AccessNeed.OPEN:
             return
         pace = self._paces.get(path, self._any)
+        # By person and not by session or token: another one gives nobody more.
         wait_ns = pace.request_turn(who_of(request).user, self._clock.monotonic_ns())
         if wait_ns:
+            # Rounded up: whoever comes a moment too early is refused again.
             raise ApiProblem(
                 429, "busy", "you ask too much at once; wait a little", -(-wait_ns // SECOND)
             )
@@ -89,6 +95,7 @@ class RateLimits:
     def socket(self, who: Who) -> Iterator[bool]:
         """Count a socket while it is open; gives False when it is one too many."""
         allowed = (
+            # How many, so that memory is bounded; how often, so that opening and closing is.
             self._open[who.user] < MOST_SOCKETS
             and self._opening.request_turn(who.user, self._clock.monotonic_ns()) == 0
         )

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 # The names of assets hold a hash of their content.
 _FOREVER = {"Cache-Control": "public, max-age=31536000, immutable"}
+# May be kept, but is asked about each time: a new version of the hub has new files.
 _FRESH = {"Cache-Control": "no-cache"}
+# Said here, since the system's own table differs from machine to machine. No other file goes out.
 _KINDS: Mapping[str, str] = {
     ".css": "text/css; charset=utf-8",
     ".html": "text/html; charset=utf-8",
@@ -49,6 +51,7 @@ class Pages:
 
     def __init__(self, folder: Path) -> None:
         """Serve what is in ``folder``."""
+        # Without links, so that what is found can be held against it.
         self._folder = folder.resolve()
 
     def router(self) -> APIRouter:
@@ -62,12 +65,14 @@ class Pages:
 
     def page(self, request: Request, path: str) -> Response:
         """Give a file, or the one page for every path that is no file's."""
+        # A program that mistypes an address must get no page with status 200.
         if path.startswith(("api/", "gateway/")) or path in {"api", "ws", "ws/media"}:
             return problem(404, "unknown", "there is nothing here")
         found = self._find(path)
         if found is not None and found.name != "index.html":
             headers = _FOREVER if path.startswith("assets/") else _FRESH
             return self._file(request, found, headers)
+        # A file of a former version: the page in its place would be run as a script.
         if path.startswith("assets/") or (found is None and Path(path).suffix in _KINDS):
             return problem(404, "unknown", "there is no such file")
         index = self._folder / "index.html"
@@ -76,8 +81,10 @@ class Pages:
         return self._file(request, index, _FRESH)
 
     def _find(self, path: str) -> Path | None:
+        # The system raises at a NUL, and a backslash parts folders on some.
         if "\0" in path or "\\" in path:
             return None
+        # Resolved first: ``..``, an absolute path and a link all end where they really lead.
         found = (self._folder / path).resolve()
         if found.suffix not in _KINDS or not found.is_relative_to(self._folder):
             return None
@@ -85,8 +92,10 @@ class Pages:
 
     def _file(self, request: Request, found: Path, headers: Mapping[str, str]) -> Response:
         kind = _KINDS[found.suffix]
+        # Packed when the pages were built; nothing is packed while somebody waits.
         zipped = found.with_name(found.name + ".gz")
         if zipped.is_file():
+            # Of both forms, so that no cache gives the packed one to who cannot read it.
             headers = {**headers, "Vary": "Accept-Encoding"}
             if "gzip" in request.headers.get("accept-encoding", ""):
                 packed = {**headers, "Content-Encoding": "gzip"}

@@ -222,8 +222,8 @@ def _opened(path: Path, said: list[str] | None = None) -> Iterator[Any]:
             warnings.simplefilter("always")
             # Every part is read now, so that what is wrong with any of them is said here.
             hdus = fits.open(path, mode="readonly", memmap=False, lazy_load_hdus=False)
-    # A damaged or hostile header can raise nearly anything in astropy.
     except Exception as error:
+        # A damaged or hostile header can raise nearly anything in astropy.
         raise NotKept(f"it is not a FITS file: {error}") from error
     if said is not None:
         said += _sentences(caught)

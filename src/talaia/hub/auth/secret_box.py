@@ -43,8 +43,8 @@ class Seal:
         try:
             raw = base64.urlsafe_b64decode(sealed.encode())
             text = self._cipher.decrypt(raw[:_NONCE_BYTES], raw[_NONCE_BYTES:], about.encode())
-        # A database that was restored without its key: the secret is lost, the hub is not.
         except (InvalidTag, binascii.Error, ValueError):
+            # A database that was restored without its key: the secret is lost, the hub is not.
             return None
         return text.decode()
 

@@ -93,15 +93,15 @@ class DeliveryWorker:
             while True:
                 try:
                     nap = await self._take_all(group)
-                # Nothing is lost: what waits is in the database, which is asked again soon.
                 except StoreDown:
+                    # Nothing is lost: what waits is in the database, which is asked again soon.
                     nap = _RETRY_S
                 try:
                     async with asyncio.timeout(nap):
                         await self._news.wait()
                 except TimeoutError:
                     pass
-                # After the wait and before the look: what is put in during the look wakes the next wait.
+                # Before the look: what is put in during it wakes the next wait.
                 self._news.clear()
 
     async def deliver_due(self) -> None:
@@ -116,8 +116,8 @@ class DeliveryWorker:
             await self._turns.acquire()
             try:
                 parcel = await self._notices.claim_due(self._now_us())
-            # A cancellation, too: a turn that is not given back is lost for good.
             except BaseException:
+                # A cancellation, too: a turn that is not given back is lost for good.
                 self._turns.release()
                 raise
             if parcel is None:

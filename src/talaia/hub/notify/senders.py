@@ -100,8 +100,8 @@ async def _run(job: bytes) -> DeliveryResult:
             stderr=asyncio.subprocess.PIPE,
             env=kept,
         )
-    # No process, so certainly nothing was sent.
     except OSError as error:
+        # No process, so certainly nothing was sent.
         return DeliveryResult(Outcome.AGAIN, f"the process could not be started: {error}")
     try:
         async with asyncio.timeout(_LONGEST_S):
@@ -119,7 +119,7 @@ async def _run(job: bytes) -> DeliveryResult:
         told = json.loads(said)
         gone = tuple(int(browser) for browser in told.get("gone", "").split(",") if browser)
         return DeliveryResult(Outcome(told["outcome"]), told["problem"], gone)
-    # It was killed or died: how far it had come is not known.
     except (ValueError, KeyError):
+        # It was killed or died: how far it had come is not known.
         last = wrong.decode("utf-8", "replace").strip().splitlines()[-1:]
         return DeliveryResult(Outcome.UNSURE, f"it ended badly: {''.join(last)[:500]}")

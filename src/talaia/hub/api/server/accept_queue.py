@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["AcceptQueue"]
 
 _LOG = logging.getLogger(__name__)
-QUEUE = 1024
+QUEUE = 1024  # in the kernel, which may cap it (net.core.somaxconn)
+# Who is slower holds a socket and does nothing (s).
 _HANDSHAKE_S = 15.0
 # Between two connections; who waits longer than this for the loop makes the next one wait as long.
 _PAUSE_S = 0.002
@@ -43,11 +44,14 @@ class AcceptQueue:
         self._listener = listener
         self._protocol = protocol
         self._tls = tls
+        # Shaking hands now. Kept, since the loop holds tasks only weakly, and ended by `close`.
         self._arriving: set[asyncio.Task[None]] = set()
+        # Takes connections in, from `open` to `close`.
         self._task: asyncio.Task[None] | None = None
 
     def open(self) -> None:
         """Listen."""
+        # Not blocking, as `sock_accept` needs it.
         self._listener.settimeout(0)
         self._listener.listen(QUEUE)
         self._task = asyncio.create_task(self._run())
@@ -62,6 +66,7 @@ class AcceptQueue:
 
     async def _run(self) -> None:
         loop = asyncio.get_running_loop()
+        # Whether it was said already: one line when it begins, one when it is over.
         full = False
         while True:
             try:
@@ -69,6 +74,8 @@ class AcceptQueue:
             except ConnectionError:
                 continue  # it has gone again
             except OSError as error:
+                # No descriptors are left, or no memory. The connection still waits in the queue,
+                # so without a pause this would spin.
                 if not full:
                     _LOG.error("no more connections can be taken in for now: %s", error)
                 full = True
@@ -80,6 +87,7 @@ class AcceptQueue:
             task = asyncio.create_task(self._shake_hands(connection))
             self._arriving.add(task)
             task.add_done_callback(self._arriving.discard)
+            # How late this task is woken tells how long everybody else waits for the loop.
             due = loop.time() + _PAUSE_S
             await asyncio.sleep(_PAUSE_S)
             late = loop.time() - due
@@ -99,5 +107,6 @@ class AcceptQueue:
                 )
                 handed_over = True
         finally:
+            # Also when it is cancelled: afterwards the transport closes it.
             if not handed_over:
                 connection.close()

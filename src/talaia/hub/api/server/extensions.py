@@ -76,6 +76,7 @@ class ExtensionPages:
 
 
 def _keys(declared: Declared) -> list[ExtensionKeyShape]:
+    # Has no keys: what an extension of another kind is shown with.
     shape: type[ExtensionKeys] = ExtensionKeys
     secret: frozenset[str] = frozenset()
     match declared:

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["HubProtocol"]
 
+# Of a request line and all headers (bytes); uvicorn bounds them with its other parser only.
 MAX_HEAD = 64 * 1024
+# To send a whole head, and a whole body (s): who drips bytes must not hold a connection.
 HEAD_S = 15.0
 BODY_S = 60.0
 
@@ -23,9 +25,11 @@ BODY_S = 60.0
 class HubProtocol(HttpToolsProtocol):
     """One connection. Whoever dawdles or babbles is sent away, before it costs memory."""
 
+    # Runs while something is due from the other side; there is one at most.
     _timer: asyncio.TimerHandle | None = None
+    # Until a head is complete, and again from the next one on.
     _in_head = True
-    _head = 0
+    _head = 0  # bytes of it so far
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for a head, but not for ever."""
@@ -39,6 +43,7 @@ class HubProtocol(HttpToolsProtocol):
 
     def data_received(self, data: bytes) -> None:
         """Count what a head has so far."""
+        # The parser first: it calls back below when a head begins and ends within these bytes.
         super().data_received(data)
         if self._in_head and not self.transport.is_closing():
             self._head += len(data)
@@ -64,6 +69,7 @@ class HubProtocol(HttpToolsProtocol):
 
     def handle_websocket_upgrade(self) -> None:
         """Hand the connection over."""
+        # A socket stays open for days; its own limits hold from now on.
         self._disarm()
         super().handle_websocket_upgrade()
 
@@ -72,6 +78,7 @@ class HubProtocol(HttpToolsProtocol):
         self._end(400, "invalid", msg)
 
     def _end(self, status: int, code: str, message: str) -> None:
+        # There may be no request yet that uvicorn could answer: it is written here by hand.
         self._disarm()
         body = json.dumps({"code": code, "message": message}).encode()
         headers = [
@@ -84,6 +91,7 @@ class HubProtocol(HttpToolsProtocol):
         lines = [f"HTTP/1.1 {status} {HTTPStatus(status).phrase}"]
         lines += [f"{name.lower()}: {value}" for name, value in headers]
         self.transport.write("\r\n".join(lines).encode("ascii") + b"\r\n\r\n" + body)
+        # What is written goes out first.
         self.transport.close()
 
     def _arm(self, seconds: float) -> None:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Proxies"]
 
+# A proxy that ends TLS speaks to us in the clear; never the other way round.
 _SECURE = {"http": "https", "ws": "wss", "https": "https", "wss": "wss"}
 
 
@@ -24,6 +25,7 @@ class Proxies:
 
     def __init__(self, networks: Sequence[Network]) -> None:
         """Believe peers of these networks; without any, nobody."""
+        # Of the settings; fixed while the hub runs.
         self._networks = tuple(networks)
 
     def look_through(self, scope: Scope) -> Scope:
@@ -32,6 +34,7 @@ class Proxies:
         if not self._networks or not self._listed(peer):
             return scope
         headers = Headers(scope=scope)
+        # A copy: the server still uses its own.
         seen = dict(scope)
         # Each proxy appends whom it saw. From the right, the first that is none of ours is as far
         # as anybody's word can be believed.
@@ -40,6 +43,7 @@ class Proxies:
             address = _address(hop)
             if not address:
                 break
+            # The port is not told, and nobody asks for it.
             seen["client"] = (address, 0)
             if not self._listed(address):
                 break
@@ -52,6 +56,7 @@ class Proxies:
             address = ipaddress.ip_address(text)
         except ValueError:
             return False
+        # So a socket that listens on :: shows a peer of IPv4.
         if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
             address = address.ipv4_mapped
         return any(address in network for network in self._networks)
@@ -60,6 +65,7 @@ class Proxies:
 def _address(hop: str) -> str:
     """Read an entry, which may have a port; empty when it is no address."""
     text = hop[1:].split("]", 1)[0] if hop.startswith("[") else hop
+    # One colon parts a port from an IPv4 address; an IPv6 address has two at least.
     if text.count(":") == 1:
         text = text.split(":", 1)[0]
     try:

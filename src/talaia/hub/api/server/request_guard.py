@@ -18,10 +18,12 @@ if TYPE_CHECKING:
 
 __all__ = ["RequestGuard", "host_name", "same_origin"]
 
+# Change nothing (RFC 9110, 9.2.1).
 _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 _GATEWAY = "/gateway/"
 _ENROL = "/api/enrol"
 _API = "/api/"
+# The host becomes a part of the Content-Security-Policy, and of the command to enrol by.
 _STRANGE = frozenset("\"' ;,\\/@?#<>")
 _SECURE = frozenset({"https", "wss"})
 
@@ -52,21 +54,26 @@ class RequestGuard:
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         """Guard ``app``; hosts, proxies and the body's limit come from ``settings``."""
         self._app = app
+        # All fixed while the hub runs.
         self._proxies = Proxies(settings.proxies)
         self._hosts = settings.host_names
         self._max_body = settings.max_body
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse, or pass on with our headers on the answer."""
+        # The start and the end of the hub, not a request.
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
+        # First: all that follows goes by the real asker and the real scheme.
         scope = self._proxies.look_through(scope)
         tls = scope["scheme"] in _SECURE
         headers = Headers(scope=scope)
         hosts = headers.getlist("host")
+        # DNS rebinding: a stranger's name that leads to this address is not answered.
         host = hosts[0] if len(hosts) == 1 and self._is_ours(hosts[0], scope) else ""
         dressed = _dressed(scope, host, send, tls=tls)
+        # A proxy and this hub could each believe another one of them.
         if len(hosts) > 1:
             no: _No | None = _No(400, "host", "say once which host is meant")
         elif not host:
@@ -93,15 +100,20 @@ class RequestGuard:
 
     def _of_request(self, scope: Scope, headers: Headers, host: str, *, tls: bool) -> _No | None:
         length = headers.get("content-length")
+        # A body of unknown length cannot be refused before it is read.
         if "transfer-encoding" in headers:
             return _No(411, "length", "say how long the body is")
+        # By what is said; uvicorn reads no more than that.
         if length is not None and (not length.isdecimal() or int(length) > self._max_body):
             return _No(413, "too_large", f"a body holds at most {self._max_body} bytes")
+        # Browsers send it, and no script of a page can change it.
         path, site = scope["path"], headers.get("sec-fetch-site")
         if scope["method"] in _SAFE:
+            # It could not read the answer, but could keep the hub busy.
             if path.startswith(_API) and site in {"cross-site", "same-site"}:
                 return _No(403, "origin", "a page of another origin may not ask this")
             return None
+        # A form of another page can send text or form data without being asked; JSON it cannot.
         kind = headers.get("content-type", "").split(";", 1)[0].strip().lower()
         if kind != "application/json" and (kind or length not in {None, "0"}):
             return _No(415, "type", "send JSON (Content-Type: application/json)")
@@ -121,7 +133,9 @@ def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
         return same_origin(origin, host, tls=tls)
     site = headers.get("sec-fetch-site")
     if site is not None:
+        # No Origin, but a browser all the same.
         return site == "same-origin"
+    # No page at all: nothing here goes by a cookie.
     return path == _ENROL or _bearer(headers)
 
 
@@ -133,6 +147,7 @@ def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | No
     if origin is None and "cookie" not in headers and _bearer(headers):
         # A script with a token of its own; a page cannot send one when it opens a socket.
         return None
+    # Browsers let any page open a socket to anywhere: the same-origin policy does not hold there.
     if not same_origin(origin, host, tls=tls):
         return _No(403, "origin", "a page of another origin may not connect")
     return None
@@ -146,6 +161,7 @@ def _same_address(name: str, own: str) -> bool:
     try:
         return ipaddress.ip_address(name) == ipaddress.ip_address(own)
     except ValueError:
+        # A name, where the other is an address.
         return False
 
 
@@ -155,6 +171,7 @@ async def _refuse(no: _No, scope: Scope, receive: Receive, send: Send) -> None:
         await answer(scope, receive, send)
         return
     # Before the upgrade, as an ordinary answer: a browser's console shows the status.
+    # ASGI: first the other side's wish to connect is taken.
     await receive()
     start = {"status": no.status, "headers": answer.raw_headers}
     await send({"type": "websocket.http.response.start", **start})
@@ -165,11 +182,13 @@ def _dressed(scope: Scope, host: str, send: Send, *, tls: bool) -> Send:
     async def dressed(message: Message) -> None:
         if message["type"] in {"http.response.start", "websocket.http.response.start"}:
             headers = MutableHeaders(scope=message)
+            # Also on refusals, and on what the framework itself answers.
             for name, value in guarding_headers(host, tls=tls):
                 # What others have sent us is locked up more tightly by its own route.
                 if not headers.get(name, "").startswith("sandbox"):
                     headers[name] = value
             if scope["path"].startswith("/api"):
+                # The next person at this browser must not find it by going back.
                 headers["Cache-Control"] = "no-store"
         await send(message)
 

@@ -5,17 +5,23 @@ from __future__ import annotations
 __all__ = ["guarding_headers"]
 
 _ALWAYS = (
+    # A file is what its type says, and never guessed to be a script.
     ("X-Content-Type-Options", "nosniff"),
+    # Our addresses name sites and devices: nobody who is linked to is told.
     ("Referrer-Policy", "no-referrer"),
+    # Who opened us has no hold on our window, and nobody loads our files into a page of theirs.
     ("Cross-Origin-Opener-Policy", "same-origin"),
     ("Cross-Origin-Resource-Policy", "same-origin"),
+    # For browsers that do not know frame-ancestors: a click must not land on a hidden button.
     ("X-Frame-Options", "DENY"),
     (
         "Permissions-Policy",
+        # Our pages use none of these, and a script that got in should not, either.
         "camera=(), microphone=(), geolocation=(), payment=(), usb=(), serial=(), midi=(),"
         " display-capture=()",
     ),
 )
+# For a year (s).
 _STRICT = ("Strict-Transport-Security", "max-age=31536000")
 
 
@@ -31,5 +37,6 @@ def guarding_headers(host: str, *, tls: bool) -> list[tuple[str, str]]:
         " worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'self';"
         " frame-ancestors 'none'"
     )
+    # In the clear browsers do not take it (RFC 6797, 8.1).
     strict = (_STRICT,) if tls else ()
     return [("Content-Security-Policy", policy), *_ALWAYS, *strict]

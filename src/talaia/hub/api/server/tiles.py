@@ -51,6 +51,7 @@ class TilePages:
 
     async def overview(self, request: Request) -> TileList:
         """List the tiles of this hub's administrator; an admin also learns what is broken."""
+        # What is broken names paths and errors of this machine.
         admin = allows(AccessNeed.ADMIN, who_of(request).grants)
         return TileList(
             api=TILE_API_VERSION,
@@ -64,6 +65,7 @@ class TilePages:
 
     async def file(self, tile: str, path: str) -> Response:
         """Give one file of a tile."""
+        # Looked up among the names that were read at the start: no path reaches the disk.
         found = self._folder.find_file(tile, path)
         if found is None:
             return problem(404, "unknown", "there is no such file")
