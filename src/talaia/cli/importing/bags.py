@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Bag"]
 
+# The recording's word for a definition's language, to the word of `Definition.form`.
 _FORMS = {
     MessageDefinitionFormat.MSG: "msg",
     MessageDefinitionFormat.IDL: "idl",
@@ -31,11 +32,17 @@ class Bag:
     def __init__(self, path: Path, kind: str) -> None:
         """Open a file or a folder; raises what rosbags raises."""
         ros1 = kind == "rosbag 1"
+        # Reads file and folder alike: a rosbag 2 may be one SQLite file without its metadata.
         self._reader = Reader1(path) if ros1 else Reader2(path)
         self._reader.open()
+        # ROS 1 serializes in its own way; a rosbag 2 holds CDR, whichever storage it has.
         self._encoding = "ros1" if ros1 else "cdr"
+        # By the reader's number: in a rosbag 1 each publisher of a topic is a connection of its
+        # own.
         self._connections = {connection.id: connection for connection in self._reader.connections}
+        # For the progress alone; it counts topics that are not read, too.
         self.count = self._reader.message_count
+        # See `MessageFile.topics`; what the description reads is matched with these.
         self.topics = {
             number: (connection.topic, self._definition_of(connection))
             for number, connection in self._connections.items()
@@ -45,6 +52,7 @@ class Bag:
         """Give number of the topic, time (ns) and bytes, in order of time."""
         chosen = [self._connections[number] for number in wanted]
         for connection, time_ns, data in self._reader.messages(connections=chosen):
+            # The time of recording, which is there for every type; stamps inside are not.
             yield connection.id, time_ns, bytes(data)
 
     def place(self) -> str:

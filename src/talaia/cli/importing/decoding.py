@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Definition", "Undecodable", "decoder_of", "ros_type"]
 
+# ROS's own types, for files that carry no definitions: the newest that rosbags has.
 _KNOWN = get_typestore(Stores.LATEST)
+# Between a definition and each that it is made of, as ROS 2 writes them into a recording.
 _RULE = "=" * 80 + "\n"
 
 
@@ -64,9 +66,11 @@ def decoder_of(definition: Definition) -> Callable[[bytes], object]:
         return _json_decoder
     if definition.encoding not in ("cdr", "ros1"):
         raise Undecodable(f"its messages are {definition.encoding or 'raw bytes'}")
+    # A store for each topic: two files, or two topics, may define one type name differently.
     store = get_typestore(Stores.EMPTY)
     try:
         store.register(_read_types(definition))
+    # What rosbags raises of text that is no definition; it was written by whoever made the file.
     except (TypesysError, AssertionError, ValueError, KeyError) as error:
         raise Undecodable(f"its definition of {name} cannot be read: {error}") from error
     read = store.deserialize_ros1 if definition.encoding == "ros1" else store.deserialize_cdr
@@ -78,16 +82,19 @@ def _read_types(definition: Definition) -> Typesdict:
     if definition.form == "msg":
         return get_types_from_msg(definition.text, name)
     if definition.form == "idl":
+        # One IDL text, or several, each below a rule and a line with the name of its type.
         if not definition.text.startswith(f"{_RULE}IDL: "):
             return get_types_from_idl(definition.text)
         found: Typesdict = {}
         for part in definition.text.split(_RULE)[1:]:
             found.update(get_types_from_idl(part.split("\n", 1)[1]))
         return found
+    # The encoding says how bytes are laid out; without the type nobody knows what they are.
     if name not in _KNOWN.fielddefs:
         raise Undecodable(f"the file has no definition of {name}, and it is none of ROS's own")
     return dict(_KNOWN.fielddefs)
 
 
 def _json_decoder(data: bytes) -> object:
+    # As objects with fields, so that the same paths read them as decoded ROS messages.
     return json.loads(data, object_hook=lambda found: SimpleNamespace(**found))

@@ -38,11 +38,14 @@ def deliver_parcels(
         HubError: the database cannot be opened, or does not take them; they stay where they are.
 
     """
+    # Once for a wait that may take minutes.
     told = False
     while True:
         try:
+            # Tried each time: a hub that ends while we wait leaves the rest of the work to us.
             with hub_lock(settings.data):
                 return asyncio.run(_deliver_files(settings, paths))
+        # The parcels stay: they are complete, and the next hub takes them by itself.
         except HistoryError as error:
             raise CliError(
                 f"{error}; what is to be imported waits in {paths[0].parent}, and the hub takes it"
@@ -52,6 +55,7 @@ def deliver_parcels(
             if not told:
                 say("the hub is running and imports it")
             told = True
+        # Asked only while another has the lock: without a hub nobody answers.
         taken = _fetch_results(paths)
         if taken is not None:
             return taken
@@ -82,6 +86,7 @@ def known_description(settings: Settings, site: str) -> str | None:
 
 def _fetch_results(paths: Sequence[Path]) -> list[ImportResult] | None:
     """Give the hub's answers, once there is one to each parcel."""
+    # All or none: an answer is removed when it is read, and would be lost with a partial list.
     if any(path.exists() for path in paths):
         return None
     return [answer_of(path) or ImportResult(0, 0) for path in paths]
@@ -90,17 +95,24 @@ def _fetch_results(paths: Sequence[Path]) -> list[ImportResult] | None:
 async def _deliver_files(settings: Settings, paths: Sequence[Path]) -> list[ImportResult]:
     clock = SystemClock()
     database = Database(settings.url)
+    # Neither rows to show nor tidying: this writer lives for one import, and a hub follows.
     history = HistoryStore(settings.url, clock, HistoryLimits(show_s=0, tidy_s=0))
     registry = SiteRegistry(database, clock)
 
     async def taken(head: Head, how: ImportResult) -> None:
+        # A site that no gateway has ever brought still needs its row, or nobody could open its
+        # history.
         if head.site not in {known_site.site for known_site in await registry.all()}:
             await registry.said_hello(head.site, head.description, "", "")
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
+        # Written here for no hub does it: an import without one must not be missing from the
+        # record.
         await append_audit_record(database, "history imported", message, head.site)
 
     answers = []
     try:
+        # The hub may never have run with this version; the schema must fit before anything is
+        # written.
         await database.migrate()
         await history.open()
         try:

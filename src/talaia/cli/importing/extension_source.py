@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["ExtensionImportSource", "importer_of"]
 
+# Samples of a piece: bounded memory, and a word of progress now and then.
 _AT_ONCE = 4096
+# Bytes that an importer sees to know its format by.
 _BEGIN = 4096
 
 
@@ -30,6 +32,7 @@ def importer_of(path: Path) -> str:
         return ""
     with path.open("rb") as file:
         begin = file.read(_BEGIN)
+    # By name: two importers that take the same file are chosen between in the same way each time.
     for name, importer in sorted(installed().importers().items()):
         try:
             if importer.recognizes(path, begin):
@@ -53,12 +56,17 @@ class ExtensionImportSource:
             named: what the person wrote as ``--column NAME=ADDRESS``.
 
         """
+        # The extension's own object; its `read` runs in this process and may raise anything.
         self._importer = installed().importers()[name]
         self._name, self._path, self._named = name, path, named
         self.kind = self._importer.title
+        # Filled while it is read, by the extension's `note` and `skip`.
         self.findings = Findings()
+        # Numbers of the site's channels by address, as columns name them.
         self._channels = {channel.address: number for number, channel in enumerate(site.channels())}
+        # Addresses of texts, which go into other columns than numbers.
         self._texts = frozenset(channel.address for channel in site.channels() if channel.text)
+        # Words of a signal's states by address; a sample may name a state by its word.
         self._states = {
             channel.address: site.devices[channel.device].signals[channel.signal].states
             for channel in site.channels()
@@ -82,7 +90,9 @@ class ExtensionImportSource:
                     waiting = 0
                     columns = buffer.take_columns()
                     if columns is not None:
+                        # Only the importer knows how far it is, and it is not asked.
                         yield Piece(0.0, columns)
+        # First, for it is one of ours and names its own place.
         except BadFile:
             raise
         except ImportProblem as error:
@@ -104,6 +114,7 @@ class ExtensionImportSource:
             return
         states = self._states[address]
         number = float(states.index(value)) if value in states else float(value)
+        # Not a number stands for a gap; infinity cannot be drawn or summed.
         if math.isinf(number):
             raise BadFile(str(self._path), "", f"{address}: {value!r} is no number")
         buffer.add(channel, int(time_us), number)

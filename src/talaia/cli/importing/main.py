@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-_DAY_US = 86_400_000_000
-_TELL_S = 5.0
-_MOST_SAID = 40
+_DAY_US = 86_400_000_000  # Of `keep`, which counts days.
+_TELL_S = 5.0  # Seconds between two words of progress.
+_MOST_SAID = 40  # Rows of a list; a bag may hold hundreds of topics.
 _EXTENSION = "extension "
 
 
@@ -56,7 +56,7 @@ def main(argv: Sequence[str]) -> int:
     folder = settings.data / FOLDER
     if not options.dry_run:
         _check_data(settings.data)
-        sweep(folder)
+        sweep(folder)  # What a killed import left behind, before this one needs the room.
     with contextlib.ExitStack() as stack:
         writers: list[ParcelWriter] = []
         for path in options.file:
@@ -175,7 +175,7 @@ def _file_kind(path: Path) -> str:
                 "`ros2 bag reindex` makes it anew",
             )
         with path.open("rb") as file:
-            start = file.read(16)
+            start = file.read(16)  # As long as SQLite's, the longest signature.
     except OSError as error:
         raise BadFile(str(path), "", f"it cannot be opened: {error.strerror}") from error
     if start.startswith(b"#ROSBAG"):
@@ -209,7 +209,7 @@ def _digest_file(path: Path) -> str:
     total = hashlib.sha256()
     for file in sorted(path.iterdir()) if path.is_dir() else [path]:
         if path.is_dir():
-            total.update(f"{file.name}\n".encode())
+            total.update(f"{file.name}\n".encode())  # So that two files swapped are another folder.
         if file.is_file():
             with file.open("rb") as opened:
                 total.update(hashlib.file_digest(opened, "sha256").digest())
@@ -229,7 +229,7 @@ def _read_file(
     path: Path, source: ImportSource, site: Site, writer: ParcelWriter | None
 ) -> list[Tally]:
     staging = Staging([channel.address for channel in site.channels()], writer)
-    told = time.monotonic()
+    told = time.monotonic()  # Monotonic, or a clock that is set would silence the progress.
     for piece in source.pieces():
         staging.add(piece.columns)
         if time.monotonic() - told > _TELL_S:

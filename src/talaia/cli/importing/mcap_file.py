@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["McapFile"]
 
+# MCAP's registered names of encodings for definitions; all others cannot be read here.
 _FORMS = {"ros2msg": "msg", "ros1msg": "msg", "ros2idl": "idl", "omgidl": "idl"}
 
 
@@ -24,10 +25,13 @@ class McapFile:
 
     def __init__(self, path: Path) -> None:
         """Open a file; raises what mcap raises."""
+        # Closed by `close`, or at once when the file turns out to be none.
         self._stream = path.open("rb")
+        # As the file's statistics say; 0 where its writer left them out.
         self.count = 0
         self.topics: dict[int, tuple[str, Definition]] = {}
         try:
+            # With checksums: a flipped bit in a recording would else become a measured value.
             self._reader = make_reader(self._stream, validate_crcs=True)
             summary = self._reader.get_summary()
             if summary is None or not summary.channels:
@@ -40,16 +44,21 @@ class McapFile:
                     self._add_definition(number, channel, summary.schemas.get(channel.schema_id))
                 if summary.statistics is not None:
                     self.count = summary.statistics.message_count
+        # Ctrl-C included: nobody has this object yet who could close it.
         except BaseException:
             self._stream.close()
             raise
 
     def messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
         """Give number of the topic, time (ns) and bytes, in order of time."""
+        # The reader chooses by topic; channels of one topic with another definition are dropped
+        # below.
         topics = sorted({self.topics[number][0] for number in wanted})
         chosen = set(wanted)
         for _, channel, message in self._reader.iter_messages(topics=topics):
             if channel.id in chosen:
+                # The recorder's time, as for bags: `publish_time` is whatever the publisher's clock
+                # said.
                 yield channel.id, message.log_time, message.data
 
     def place(self) -> str:
@@ -63,6 +72,7 @@ class McapFile:
     def _add_definition(self, number: int, channel: Channel, schema: Schema | None) -> None:
         name = ros_type(schema.name) if schema is not None else ""
         form = _FORMS.get(schema.encoding, "") if schema is not None else ""
+        # Replaced, not refused: a comment in another encoding must not lose a topic.
         text = schema.data.decode("utf-8", "replace") if schema is not None and form else ""
         self.topics[number] = (
             channel.topic,

@@ -34,6 +34,7 @@ __all__ = ["MessageFile", "Messages"]
 # Whose signals are fields of messages.
 _ROS = (Ros2Connection, Ros1Connection, RosbridgeConnection)
 
+# Messages between two pieces.
 _AT_ONCE = 4096
 
 
@@ -80,6 +81,7 @@ class Messages:
 
         """
         self.kind = kind
+        # What the description lacks or the file lacks; complete only when `pieces` has ended.
         self.findings = Findings()
         self._path = path
         try:
@@ -95,7 +97,9 @@ class Messages:
     def pieces(self) -> Iterator[Piece]:
         """See `Source.pieces`."""
         gathered = SampleBuffer()
+        # Messages read, those since the last piece, and the newest time until now (µs).
         read, waiting, past_us = 0, 0, -(2**63)
+        # Unknown, the share stays at zero, which is better than one that runs past its end.
         total = self._file.count or math.inf
         messages = self._file.messages(list(self._read)) if self._read else iter(())
         while True:
@@ -118,7 +122,10 @@ class Messages:
                 ) from error
             time_us = time_ns // 1000
             past_us = max(past_us, time_us)
+            # Before the message: values that thinning held back come out at their own turn, in
+            # order.
             plan.take_past(time_us, gathered)
+            # No monotonic time: it serves interlocks, and nothing is driven by a recording.
             plan.read_message(message, time_us, 0, gathered)
             waiting += 1
             if waiting == _AT_ONCE:
@@ -127,6 +134,7 @@ class Messages:
                 if columns is not None:
                     yield Piece(min(1.0, read / total), columns)
         for plan, _ in self._read.values():
+            # The end of the file is the end of time: nothing may stay held back.
             plan.take_past(2**62, gathered)
         columns = gathered.take_columns()
         if columns is not None:
@@ -142,12 +150,14 @@ class Messages:
         def complain(address: str, problem: str) -> None:
             self._unreadable.setdefault(address, problem)
 
+        # The gateway's own plans: a recording is thinned and scaled as the live robot is.
         plans = [
             plan
             for share in scopes_of(site)
             if isinstance(share.connection, _ROS)
             for plan in plans_of(share, {}, complain)
         ]
+        # Addresses by topic and type, to say what is missing when a topic cannot be read.
         reads: dict[str, list[str]] = {}
         for device_id, device in site.devices.items():
             for signal_id, signal in device.signals.items():
@@ -160,11 +170,13 @@ class Messages:
             here = [
                 (number, definition)
                 for number, (topic, definition) in self._file.topics.items()
+                # A topic may be recorded without its first slash.
                 if "/" + topic.lstrip("/") == plan.topic
             ]
             why = "" if here else f"the file has no topic {plan.topic}"
             for number, definition in here:
                 matched.add(number)
+                # Same name and another type: bytes would be read as something that they are not.
                 if definition.type_name not in ("", ros_type(plan.type_name)):
                     why = f"{plan.topic} is {definition.type_name} in the file"
                     why += f", and {plan.type_name} in the description"
@@ -173,6 +185,7 @@ class Messages:
                     self._read[number] = (plan, decoder_of(definition))
                 except Undecodable as error:
                     why = f"{plan.topic}: {error}"
+            # Another connection of the topic could be read: nothing is missing.
             if why and not any(number in self._read for number, _ in here):
                 for address in reads[f"{plan.topic} {plan.type_name}"]:
                     self.findings.absent[address] = why
@@ -183,6 +196,7 @@ class Messages:
     def _file_error(self, error: Exception, place: str) -> BadFile:
         said = str(error) or type(error).__name__
         remedy = ""
+        # By its words: the library raises one class for many reasons.
         if self.kind == "rosbag 1" and "index" in said.lower():
             remedy = "`rosbag reindex` makes the index that a bag lacks which was cut off"
         elif self.kind == "MCAP":

@@ -32,6 +32,7 @@ class Findings:
 class Piece(NamedTuple):
     """Some samples in the order of the file, and how much of it is read (0 to 1)."""
 
+    # 0 where nobody knows; the last piece of a file says 1.
     done: float
     columns: Columns
 
@@ -39,7 +40,9 @@ class Piece(NamedTuple):
 class ImportSource(Protocol):
     """A file that is open. Its samples are read once."""
 
+    # For people: "rosbag 2", "CSV", or an importer's title.
     kind: str
+    # Complete only when all pieces were taken.
     findings: Findings
 
     def pieces(self) -> Iterator[Piece]:

@@ -35,7 +35,9 @@ class Staging:
 
     def __init__(self, addresses: Sequence[str], writer: ParcelWriter | None) -> None:
         """Number the channels as in ``addresses``; without a writer they are only counted."""
+        # By the site's number of a channel.
         self._addresses = addresses
+        # None in a dry run, which must read and count all the same.
         self._writer = writer
         # Columns that are not written yet, and how many samples they hold, by channel.
         self._parts: dict[int, list[Columns]] = {}
@@ -52,7 +54,9 @@ class Staging:
 
     def add(self, columns: Columns) -> None:
         """Take samples in the order of the file."""
+        # Stable: within a channel the file's order decides, and numbers its samples.
         order = np.argsort(columns.channel, kind="stable")
+        # Texts are keyed by their place, so they move with it; most columns have none.
         place = {int(old): new for new, old in enumerate(order)} if columns.texts else {}
         sorted_columns = Columns(
             columns.channel[order],
@@ -64,6 +68,7 @@ class Staging:
         bounds = [*starts.tolist(), len(columns)]
         for at, number in enumerate(numbers.tolist()):
             self._keep_columns(number, part(sorted_columns, bounds[at], bounds[at + 1]))
+        # Many channels of a few samples each never get to `_ENOUGH`, and would fill the memory.
         if sum(self._waiting.values()) > _MOST:
             self.finish()
 
@@ -79,6 +84,7 @@ class Staging:
         ]
 
     def _keep_columns(self, number: int, columns: Columns) -> None:
+        # Limits to begin with, so that the first sample is both the earliest and the latest.
         count, first_us, last_us = self._spans.get(number, (0, 2**63 - 1, -(2**63)))
         first_us = min(first_us, int(columns.time_us.min()))
         last_us = max(last_us, int(columns.time_us.max()))
@@ -97,6 +103,7 @@ class Staging:
             texts.update({at + position: text for position, text in columns.texts.items()})
             at += len(columns)
         whole = Columns(
+            # A batch is of one channel, which its chunk names.
             np.zeros(count, np.uint16),
             np.concatenate([columns.time_us for columns in parts]),
             np.concatenate([columns.value for columns in parts]),
@@ -105,4 +112,5 @@ class Staging:
         if self._writer is not None:
             first = self._written[number]
             self._writer.add(ImportChunk(self._addresses[number], first, whole))
+            # After the write, which numbers the batch's first sample by it.
             self._written[number] = first + count

@@ -22,18 +22,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Table"]
 
+# Headings that tables have most; the first is the one that Talaia itself exports.
 _TIME_NAMES = ("time (utc)", "time", "timestamp", "datetime", "date", "stamp", "t")
+# An address and a unit in parentheses, as exported files head their columns.
 _WITH_UNIT = re.compile(r"(?P<name>.*\S)\s+\((?P<unit>[^()]*)\)")
+# Rows between two pieces.
 _AT_ONCE = 4096
 
 
 class _Column(NamedTuple):
     """A column that is read: where it stands, its heading, and what its cells mean."""
 
+    # From 0, as cells stand in a row.
     at: int
     heading: str
     channel: int
     text: bool
+    # Words of the signal's states; a cell may have the word or its number.
     states: tuple[str, ...]
 
 
@@ -66,6 +71,7 @@ class Table:
         """
         self.findings = Findings()
         self._path = path
+        # Remembers the unit and the time above, so that one reader serves one table only.
         self._times = times
         try:
             # Progress is the position in the raw file: the csv reader itself does not know it.
@@ -74,9 +80,13 @@ class Table:
         except OSError as error:
             raise BadFile(str(path), "", f"it cannot be opened: {error.strerror}") from error
         try:
+            # A byte order mark is what spreadsheets begin UTF-8 with; line ends are left to the csv
+            # reader.
             text = io.TextIOWrapper(self._raw, "utf-8-sig", newline="")
             first = text.readline()
+            # The one that the heading has most of: values may hold commas, headings seldom do.
             delimiter = max(",;\t", key=first.count)
+            # Strict: an open quotation mark would else swallow the rest of the file as one cell.
             self._reader = csv.reader(text, delimiter=delimiter, strict=True)
             self._headings = next(csv.reader([first], delimiter=delimiter, strict=True), [])
             self._headings = [heading.strip() for heading in self._headings]
@@ -109,6 +119,7 @@ class Table:
                 raise self._cell_error(line, str(error)) from error
             if row is None:
                 break
+            # An empty line, as editors leave one at the end.
             if not any(cell.strip() for cell in row):
                 continue
             self._read_row(row, line, gathered)
@@ -117,6 +128,7 @@ class Table:
                 waiting = 0
                 columns = gathered.take_columns()
                 if columns is not None:
+                    # A block ahead of the row, for the text layer reads ahead.
                     yield Piece(min(1.0, self._raw.tell() / self._size), columns)
         columns = gathered.take_columns()
         if columns is not None:
@@ -132,6 +144,7 @@ class Table:
         self._raw.close()
 
     def _read_row(self, row: list[str], line: int, gathered: SampleBuffer) -> None:
+        # A decimal comma unquoted shifts all that follows by one column.
         if len(row) != len(self._headings):
             raise self._cell_error(
                 line, f"expected {len(self._headings)} cells as in the heading, found {len(row)}"
@@ -143,6 +156,7 @@ class Table:
         for column in self._columns:
             cell = row[column.at]
             if column.text:
+                # An empty cell is no sample, neither as text nor as number.
                 if cell:
                     gathered.add_text(column.channel, time_us, text_of(cell))
             elif cell := cell.strip():
@@ -188,6 +202,7 @@ class Table:
             address, unit = named.get(heading, ""), ""
             if not address:
                 found = _WITH_UNIT.fullmatch(heading)
+                # The apostrophe is put before cells that a spreadsheet would take for formulas.
                 plain = heading.removeprefix("'")
                 address = plain if found is None or plain in channels else found["name"]
                 unit = "" if found is None or plain in channels else found["unit"]
@@ -195,11 +210,13 @@ class Table:
                 self.findings.unread[heading or f"column {at + 1}"] = "no channel of that name"
                 continue
             number = channels[address]
+            # Two columns would give one channel two values for the same time.
             if number in taken:
                 raise self._cell_error(
                     1, f"{address} is in two columns, {taken[number]!r} and {heading!r}"
                 )
             signal = _signal_of(site, number)
+            # Not converted: which of the two was meant cannot be known from here.
             if unit and unit != signal.unit:
                 self.findings.unread[heading] = f"{address} is in {signal.unit or 'no unit'}"
                 continue
@@ -229,6 +246,7 @@ def _parse_number(cell: str, states: tuple[str, ...]) -> float:
         value = float(cell) if "_" not in cell else None
     except ValueError:
         value = None
+    # A state's number is a whole one; NaN is a gap in either.
     if value is not None and (not states or math.isnan(value) or value == value // 1):
         return value
     if states:

@@ -36,6 +36,7 @@ class TimeUnit(StrEnum):
     NS = "ns"
 
 
+# Decimals: 64-bit nanoseconds are beyond what a float holds exactly.
 _PER_US = {
     TimeUnit.S: Decimal(1_000_000),
     TimeUnit.MS: Decimal(1_000),
@@ -68,9 +69,13 @@ class TimeReader:
 
     def __init__(self, zone: ZoneInfo | None = None, unit: TimeUnit = TimeUnit.AUTO) -> None:
         """Read times without a zone as those of ``zone``; without one they are refused."""
+        # For times that say none.
         self._zone = zone
+        # The cell above (µs); before the first one anything is later.
         self._above_us = -_FARTHEST_US
+        # Settled by the first cell that is read, and kept: one column has one unit.
         self.unit = unit
+        # For a note at the end of the import.
         self.doubtful = 0
 
     def read(self, cell: str) -> int:
@@ -93,8 +98,10 @@ class TimeReader:
         if not _NUMBER.fullmatch(text):
             raise CellError(f"expected a time as a number ({self.unit}), found {text[:40]!r}")
         value = Decimal(text)
+        # Before the floor: an exponent of 999 would make an integer of a thousand digits.
         if abs(value) > Decimal("1e30"):
             raise CellError(f"the time {text[:40]!r} is too far away")
+        # Down, also before 1970: cutting toward zero would fold two microseconds into one.
         return int((value * _PER_US[self.unit]).__floor__())
 
     def _parse_iso(self, text: str) -> int:
@@ -116,6 +123,7 @@ class TimeReader:
 
     def _local_time(self, found: dt.datetime, zone: ZoneInfo, text: str) -> int:
         plain = (found - _EPOCH) // _US
+        # PEP 495: fold tells which of the two times is meant when a clock time comes twice.
         first, second = (
             plain - (found.replace(tzinfo=zone, fold=fold).utcoffset() or dt.timedelta()) // _US
             for fold in (0, 1)
