@@ -22,6 +22,7 @@ def fields_of(command: Command, args: Mapping[str, Value]) -> dict[str, Value] |
     unknown = sorted(set(args) - set(command.arguments))
     if unknown:
         return f"there is no argument {unknown[0]!r}"
+    # First, so that an argument that fills the same field wins.
     fields: dict[str, Value] = dict(command.fixed)
     for name, argument in command.arguments.items():
         value = args.get(name, argument.default)
@@ -30,6 +31,7 @@ def fields_of(command: Command, args: Mapping[str, Value]) -> dict[str, Value] |
         problem = _problem(argument, value)
         if problem:
             return f"{name}: {problem}"
+        # A whole number as well: a field of floats takes no int.
         fields[argument.field] = float(value) if argument.type is ArgumentType.NUMBER else value
     return fields
 
@@ -69,6 +71,7 @@ def _problem(argument: Argument, value: Value) -> str:
                 return f"at most {argument.max_length} characters, found {len(value)}"
             return ""
         case ArgumentType.INTEGER:
+            # For Python True is an int.
             if not isinstance(value, int) or isinstance(value, bool):
                 return f"expected a whole number, found {value!r}"
             return _range_problem(argument, value)
@@ -81,6 +84,7 @@ def _problem(argument: Argument, value: Value) -> str:
 def _range_problem(argument: Argument, value: float) -> str:
     try:
         finite = math.isfinite(value)
+    # An int of hundreds of digits fits no float.
     except OverflowError:
         finite = False
     if not finite:

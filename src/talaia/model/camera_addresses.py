@@ -21,7 +21,9 @@ _METADATA = frozenset(
     ipaddress.ip_address(address)
     for address in ("fd00:ec2::254", "100.100.100.200", "168.63.129.16", "192.0.0.192")
 )
+# RFC 6052: IPv4 addresses behind a translator.
 _NAT64 = ipaddress.ip_network("64:ff9b::/96")
+# RFC 4291, 2.5.5.1: IPv4-compatible addresses, which nobody should use any more.
 _COMPATIBLE = ipaddress.ip_network("::/96")
 # RFC 1122, 3.2.1.3: this host on this network; systems take all of it for themselves.
 _NOBODY = ipaddress.ip_network("0.0.0.0/8")
@@ -44,6 +46,7 @@ def why_no_camera(text: str, *, here: bool = False) -> str:
         why = "" if here else _HERE
     elif address.is_unspecified or (address.version == 4 and address in _NOBODY):
         why = "which is nobody's address"
+    # 169.254.169.254 is link-local as well, but so it is told why.
     elif address in _METADATA or str(address) == "169.254.169.254":
         why = "where clouds keep their metadata"
     elif address.is_link_local:
@@ -64,8 +67,10 @@ def remedy_for(why: str) -> str:
 
 def _plain(address: Address) -> Address:
     """Give the IPv4 address that is written as an IPv6 one."""
+    # ``::1`` and ``::`` lie in the compatible block, and mean no IPv4 address.
     if isinstance(address, ipaddress.IPv4Address) or address.is_loopback or address.is_unspecified:
         return address
+    # Of Teredo it is the client, the second of the two, that is reached.
     inner = address.ipv4_mapped or address.sixtofour or (address.teredo or (None, None))[1]
     if inner is None and (address in _NAT64 or address in _COMPATIBLE):
         inner = ipaddress.IPv4Address(int(address) & 0xFFFFFFFF)

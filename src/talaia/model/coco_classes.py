@@ -15,4 +15,5 @@ COCO = tuple(
     mouse, remote, keyboard, cell phone, microwave, oven, toaster, sink, refrigerator, book, clock,
     vase, scissors, teddy bear, hair drier, toothbrush""".replace("\n", " ").split(", ")
 )
+# Names next to a line's end hold blanks of this file.
 COCO = tuple(" ".join(label.split()) for label in COCO)

@@ -30,6 +30,7 @@ __all__ = [
     "with_counts",
 ]
 
+# What `checks.identifiers` allows.
 _LONGEST_ID, _LONGEST_NAME = 63, 100
 _NO_WORD = re.compile(r"[^a-z0-9_]+")
 # A count is told at least once a second, or with each picture where they are rarer.
@@ -112,6 +113,7 @@ def _with_counts(site: Site, device: Device) -> Device:
     has = {
         (signal.source.stream, signal.source.sees)
         for signal in signals.values()
+        # A count of a part of the picture does not stand for the whole.
         if isinstance(signal.source, DetectionSource) and signal.source.within is None
     }
     for stream_id, stream in device.streams.items():
@@ -146,5 +148,6 @@ def _count(stream_id: str, stream: Stream, label: str, detect: Detect) -> Signal
         decimals=0,
         max_age=max(_MAX_AGE_S, rare),
         primary=False,
+        # Who may not see the camera may not learn what it sees.
         visibility=stream.visibility,
     )

@@ -38,6 +38,7 @@ class UnknownWord(DescriptionError):
     def __init__(self, where: str, what: str, word: str, known: Iterable[str]) -> None:
         """Offer the nearest known word when there is one, else the list."""
         words = sorted(known)
+        # Looser than difflib's own 0.6, so that short words with a slip are still met.
         near = get_close_matches(word, words, n=1, cutoff=0.5)
         remedy = f"did you mean {near[0]!r}?" if near else f"use one of: {', '.join(words)}"
         super().__init__(where, f"unknown {what} {word!r}", remedy)

@@ -30,6 +30,7 @@ def renames(before: Site, after: Site) -> dict[str, str]:
     moved: dict[str, str] = {}
     for address, signal in has.items():
         former = former_of(address.split("/", 1)[0], signal)
+        # Only a name that is gone can have become one that is new.
         if former and former not in has and address not in had:
             moved[former] = address
     for address, signal in had.items():
@@ -63,6 +64,7 @@ def touched(before: Site, after: Site) -> frozenset[str]:
 
     A device is the same when all that is described of it and of its connection is.
     """
+    # Connections of both: one that came or went changes its devices, too.
     old, new = before.links(), after.links()
     changed = {name for name in old.keys() | new.keys() if old.get(name) != new.get(name)}
     return frozenset(
@@ -96,6 +98,7 @@ def former_findings(site: Site) -> Iterator[Finding]:
                 f"{taken[former]} says already that it was {former}",
                 "only one signal can go on with a history",
             )
+        # The first that says so keeps it.
         taken.setdefault(former, address)
 
 

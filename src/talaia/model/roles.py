@@ -206,7 +206,7 @@ SIGNAL_FITS: dict[SignalRole, SignalFit] = {
     SignalRole.TELESCOPE_PARKED: _STATE,
     SignalRole.TELESCOPE_TRACKING: _STATE,
     SignalRole.TELESCOPE_RA: _number("h", "°"),
-    SignalRole.TELESCOPE_DEC: _number("°"),
+    SignalRole.TELESCOPE_DEC: _number("°"),  # drivers give either
     SignalRole.TELESCOPE_ALTITUDE: _number("°"),
     SignalRole.TELESCOPE_AZIMUTH: _number("°"),
     SignalRole.CAMERA_STATE: SignalFit((SignalType.STATE,), meanings=_OF_CAMERAS),
@@ -241,6 +241,7 @@ SIGNAL_FITS: dict[SignalRole, SignalFit] = {
 }
 
 _PLAIN = CommandFit()
+# Short, so that each row fits a line.
 _ROLE = CommandRole
 
 COMMAND_FITS: dict[CommandRole, CommandFit] = {
@@ -251,6 +252,7 @@ COMMAND_FITS: dict[CommandRole, CommandFit] = {
     _ROLE.DOME_UNPARK: _PLAIN,
     _ROLE.DOME_GOTO: CommandFit((CommandForm.NUMBER,), "°"),
     _ROLE.TELESCOPE_GOTO: CommandFit((CommandForm.PLACE,)),
+    # Some mounts have one switch, others two commands.
     _ROLE.TELESCOPE_TRACK: CommandFit((CommandForm.SWITCH, CommandForm.PLAIN)),
     _ROLE.TELESCOPE_UNTRACK: _PLAIN,
     _ROLE.TELESCOPE_PARK: _PLAIN,

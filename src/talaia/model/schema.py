@@ -12,6 +12,7 @@ from talaia.model.checks.extension_rules import NO_RULES, ExtensionRules
 from talaia.model.site import Site
 from talaia.model.yaml_text.source_tags import SOURCES
 
+# A line below ``Attributes:``, with the lines that are indented further behind it.
 _ATTRIBUTE = re.compile(r"^ {4}(\w+): (.*(?:\n {8,}.*)*)", re.MULTILINE)
 
 __all__ = ["site_schema"]
@@ -43,6 +44,7 @@ def _structs(kind: object, found: dict[str, type]) -> dict[str, type]:
     """Find every shape that a type is made of, by name."""
     match kind:
         case msgspec.inspect.StructType():
+            # Each shape once: a condition holds conditions, and there would be no end.
             if kind.cls.__name__ not in found:
                 found[kind.cls.__name__] = kind.cls
                 for field in kind.fields:
@@ -74,6 +76,7 @@ def _without_tags(parts: dict[str, dict[str, object]]) -> None:
                 inner.pop(SOURCE_TAG)
                 inner.pop(FOREIGN_KEYS)
             elif name in sources and isinstance(inner, list):
+                # The union of sources has them as its members, wherever a source stands.
                 inner.remove(SOURCE_TAG)
         _drop_discriminator(part)
 
@@ -81,6 +84,7 @@ def _without_tags(parts: dict[str, dict[str, object]]) -> None:
 def _drop_discriminator(part: object) -> None:
     """Leave out the tag of a union of sources, wherever in a part it stands."""
     if isinstance(part, dict):
+        # What msgspec writes for every union that is told apart by a tag (a word of OpenAPI's).
         told = part.get("discriminator")
         if isinstance(told, dict) and told.get("propertyName") == SOURCE_TAG:
             del part["discriminator"]
@@ -110,6 +114,7 @@ def _add_extensions(parts: dict[str, object], rules: ExtensionRules) -> None:
         for name, shape in sorted(shapes.items()):
             reference = f"{part}.{name}"
             parts[reference] = _keys_schema(shape)
+            # More is asked for only where the extension has this name.
             cases.append(
                 {
                     "if": {

@@ -209,11 +209,14 @@ class Drive(Shape, frozen=True, kw_only=True):
     topic: str
     message: DriveMessage = DriveMessage.TWIST
     keys: Keys = msgspec.field(default_factory=Keys)
+    # No default, here and for turning: how fast a robot may go its owner has to say.
     max_speed: float
+    # None: as fast as forward.
     max_reverse: float | None = None
     max_turn: float
     max_acceleration: float = 1.0
     max_turn_acceleration: float = 6.0
+    # These four have bounds in `checks.site_checks`, which no description can widen.
     rate: float = 20.0
     ttl: float = 0.25
     zeros_for: float = 1.0
@@ -239,6 +242,7 @@ class Argument(Shape, frozen=True, kw_only=True):
     unit: str = ""
     minimum: float | None = None
     maximum: float | None = None
+    # Of a text, in letters.
     max_length: int = 200
     default: float | int | bool | str | None = None
 
@@ -317,9 +321,11 @@ class Device(Shape, frozen=True, kw_only=True):
 class Channel(msgspec.Struct, frozen=True):
     """One column of the wire and of the history: a number or a text of a signal."""
 
+    # ``<device>/<signal>``, with ``.<part>`` behind it where there are several.
     address: str
     device: str
     signal: str
+    # Empty where the signal is one number or one text.
     part: str
     text: bool
 
@@ -364,12 +370,14 @@ class Site(Shape, frozen=True, kw_only=True):
         if self.ros2 is None:
             return self.connections
         short = Ros2Connection(domain=self.ros2.domain, node=self.ros2.node)
+        # A connection of the same name wins; `check` says that it stands there twice.
         return {"ros2": short, **self.connections}
 
     def connection_of(self, device: str) -> str:
         """Name the connection of a device; empty when it has none or it is not clear which."""
         links, named = self.links(), self.devices[device].connection
         if named:
+            # One that is not there is never replaced by another: it would be read wrongly.
             return named if named in links else ""
         return next(iter(links)) if len(links) == 1 else ""
 
@@ -393,6 +401,7 @@ class Site(Shape, frozen=True, kw_only=True):
         if self.recording is None:
             return ()
         links = self.links()
+        # Only what a node of our own hears can be recorded, nothing behind a rosbridge.
         read = (
             topic_of(signal.source)
             for name, device in self.devices.items()
@@ -423,6 +432,7 @@ class Site(Shape, frozen=True, kw_only=True):
 
     def guarded(self) -> frozenset[str]:
         """Name the signals that safety depends on: their newest readings stay at hand."""
+        # What says that a robot stands still after STOP.
         confirming = {
             address
             for device in self.devices.values()
@@ -434,6 +444,7 @@ class Site(Shape, frozen=True, kw_only=True):
         for enclosure in self.enclosures.values():
             watched |= {sensor.signal for sensor in (*enclosure.closed, *enclosure.moving)}
             watched |= {sensor.signal for sensor in enclosure.opening}
+            # Segments and the flap, too: the roof is closed only when they are.
             watched |= {s.signal for part in enclosure.parts().values() for s in part.closed}
             if enclosure.parked is not None:
                 watched.add(enclosure.parked.signal)

@@ -68,6 +68,7 @@ class Watch(Shape, frozen=True, kw_only=True):
 
     def __hash__(self) -> int:
         """Tell apart by all that is said, for what is kept by what watches."""
+        # `keys` is a dict, for which msgspec's own hash would fail.
         return hash(msgspec.msgpack.encode(self))
 
 

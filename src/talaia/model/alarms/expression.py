@@ -36,8 +36,11 @@ __all__ = [
 ]
 
 MAX_LENGTH = 1000
+# Of parentheses and calls. Each level is some ten calls of the reader, far from Python's limit.
 _MAX_DEPTH = 24
+# Sums and products of the whole text; see `_parse_chain`.
 _MAX_LINKS = 100
+# Of ``min`` and ``max``.
 _MAX_ARGUMENTS = 20
 
 Value = float | str | bool | None
@@ -69,6 +72,7 @@ class _Node:
     """One part: what it does, to which parts, and what it gives."""
 
     kind: ValueKind
+    # Gets what is known by address, and what the parts gave.
     judge: Callable[[Mapping[str, Value], tuple[Value, ...]], Value]
     parts: tuple[_Node, ...] = ()
 
@@ -113,6 +117,7 @@ def parse_condition(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
         raise ExpressionError(MAX_LENGTH, f"longer than {MAX_LENGTH} letters")
     reader = _Reader(text, kinds)
     tree = reader.read()
+    # Each once, in the order of the text.
     return Expression(text, tuple(dict.fromkeys(reader.signals)), tree)
 
 
@@ -124,6 +129,8 @@ class _Token(NamedTuple):
     at: int
 
 
+# Every repetition is bounded but that of blanks and words, which cannot overlap with a neighbour.
+# ``<=`` stands before ``<``: the first alternative that fits is taken.
 _TOKEN = re.compile(
     r"""(?P<space>\s+)
     |(?P<number>(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][+-]?\d{1,3})?)
@@ -151,16 +158,23 @@ class _Reader:
     """Recursive descent, one method for each level of binding."""
 
     def __init__(self, text: str, kinds: Mapping[str, ValueKind]) -> None:
+        # Never empty: the last is of the sort ``end``, so that there is always a next one.
         self._words = _split_tokens(text)
+        # What each channel is, by its address.
         self._kinds = kinds
+        # Index of the token to be read next.
         self._next = 0
+        # Levels of parentheses and calls that are open.
         self._depth = 0
+        # Sums and products so far; never taken back.
         self._links = 0
+        # Channels in the order of the text, with repeats.
         self.signals: list[str] = []
 
     def read(self) -> _Node:
         start = self._word
         tree = self._parse_or()
+        # Something is left over: an operator is missing, or a parenthesis too many.
         if self._word.sort != "end":
             raise ExpressionError(self._word.at, f"{self._quoted(self._word)} is not expected here")
         _want_kind(tree, ValueKind.TRUTH, start)
@@ -207,6 +221,7 @@ class _Reader:
     def _join_conditions(
         parts: list[_Node], judge: Callable[[tuple[Value, ...]], Value], start: _Token
     ) -> _Node:
+        # Of one part the kind is free: every sum comes through here, too.
         if len(parts) == 1:
             return parts[0]
         for part in parts:
@@ -215,6 +230,7 @@ class _Reader:
 
     def _parse_not(self) -> _Node:
         turns = 0
+        # Counted, not nested: a row of them needs no stack.
         while self._take_token("not"):
             turns += 1
         start, part = self._word, self._compared()
@@ -223,6 +239,7 @@ class _Reader:
         _want_kind(part, ValueKind.TRUTH, start)
         if turns % 2 == 0:
             return part
+        # Kleene: what is not unknown is unknown.
         return _Node(ValueKind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,))
 
     def _compared(self) -> _Node:
@@ -235,6 +252,7 @@ class _Reader:
             raise ExpressionError(sign.at, f"a {left.kind} cannot be compared with a {right.kind}")
         if left.kind is ValueKind.TEXT and sign.text not in {"==", "!="}:
             raise ExpressionError(sign.at, "texts can only be == or !=")
+        # Of ``a < b < c`` some languages compare the first outcome with c; here it is not guessed.
         again = self._word
         if self._take_token(*_COMPARE):
             raise ExpressionError(again.at, "write two comparisons with `and` between them")
@@ -262,6 +280,7 @@ class _Reader:
 
     def _parse_signed(self) -> _Node:
         minus = False
+        # Counted, as ``not`` is.
         while self._take_token("-"):
             minus = not minus
         start, part = self._word, self._parse_atom()
@@ -276,6 +295,7 @@ class _Reader:
         match word.sort:
             case "number":
                 number = float(word.text)
+                # ``1e999`` is infinite as a float, and so unknown.
                 return _Node(ValueKind.NUMBER, lambda _, __: _finite_or_none(number))
             case "text":
                 return _Node(ValueKind.TEXT, lambda _, __: word.text)
@@ -355,12 +375,14 @@ def _finite_or_none(value: Value) -> Value:
 
 
 def _all_true(values: tuple[Value, ...]) -> Value:
+    # Whatever the others are, known or not.
     if any(value is False for value in values):
         return False
     return None if None in values else True
 
 
 def _any_true(values: tuple[Value, ...]) -> Value:
+    # Whatever the others are, known or not.
     if any(value is True for value in values):
         return True
     return None if None in values else False

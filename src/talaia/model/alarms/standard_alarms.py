@@ -11,8 +11,11 @@ if TYPE_CHECKING:
 
 __all__ = ["standard_alarms"]
 
+# While nobody has acknowledged it; see `Alarm`.
 REPEAT_S = 300.0
+# While it is acknowledged and goes on.
 REMIND_S = 1800.0
+# A link that is lost for less raises nothing.
 GATEWAY_SILENT_S = 60.0
 
 
@@ -24,6 +27,7 @@ def standard_alarms(site: Site) -> dict[str, Alarm]:
     """
     alarms: dict[str, Alarm] = {}
     described = site.alarms.values()
+    # An empty name means all enclosures.
     of = {alarm.enclosure for alarm in described if alarm.kind is AlarmKind.ENCLOSURE}
     for name, enclosure in site.enclosures.items():
         if name not in of and "" not in of:

@@ -19,8 +19,11 @@ if TYPE_CHECKING:
 __all__ = ["Addresses", "alarm_findings", "alarms_findings", "signals_of"]
 
 _DAY = 86_400.0
+# Between two messages about one alarm (s).
 _SHORTEST = 10.0
+# Alarms of a site, and things at once on one picture.
 _MOST = 1000
+# In letters.
 _MOST_ADVICE = 1000
 # Which keys belong to which kind; those of none belong to all.
 _OWN = {
@@ -33,6 +36,7 @@ _OWN = {
     AlarmKind.ENCLOSURE: {"enclosure"},
     AlarmKind.GATEWAY: set(),
 }
+# ``is`` cannot be the name of an attribute in Python.
 _WRITTEN = {"is_one_of": "is"}
 
 
@@ -83,6 +87,7 @@ def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[F
     yield from name_fits(f"{where}.name", alarm.name)
     for key in ("delay", "clear_delay"):
         found = getattr(alarm, key)
+        # Written so that NaN is found as well.
         if not 0 <= found <= _DAY:
             yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {found}")
     if alarm.unknown_after is not None and not 0 <= alarm.unknown_after <= _DAY:
@@ -114,6 +119,7 @@ def signals_of(addresses: Addresses, alarm: Alarm) -> tuple[str, ...]:
     if alarm.kind is AlarmKind.EXPRESSION:
         try:
             return parse_condition(alarm.expression, addresses.kinds).signals
+        # `alarm_findings` says what is wrong with it.
         except ExpressionError:
             return ()
     return (alarm.signal,) if alarm.signal else ()
@@ -138,6 +144,7 @@ def _told_again(where: str, alarm: Alarm) -> Iterator[Finding]:
 
 
 def _strangers(where: str, alarm: Alarm) -> Iterator[Finding]:
+    # With every default of its kind: what differs from it was written.
     plain = Alarm(name="", kind=alarm.kind)
     others = set().union(*_OWN.values()) - _OWN[alarm.kind]
     for key in sorted(others):
@@ -150,6 +157,7 @@ def _strangers(where: str, alarm: Alarm) -> Iterator[Finding]:
 
 def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     described = addresses.signals
+    # What stands here for no kind fits them all: ``stale`` asks only how old a value is.
     fitting = {
         AlarmKind.LIMIT: {SignalType.NUMBER, SignalType.POSITION},
         AlarmKind.ANOMALY: {SignalType.NUMBER, SignalType.POSITION},

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["anomaly_findings"]
 
+# Every detector knows these.
 _ANY = {"detector", "bar", "rest"}
 
 
@@ -28,6 +29,7 @@ def anomaly_findings(where: str, watches: tuple[Watch, ...], *, number: bool) ->
     """
     if watches and not number:
         yield Finding(f"{where}.anomalies", "only numbers are watched", "leave it out")
+    # Scores are channels named ``<signal>~<detector>``, so a detector stands there once.
     seen: set[str] = set()
     for index, watch in enumerate(watches):
         at = f"{where}.anomalies[{index}]"
@@ -48,6 +50,7 @@ def _watch(where: str, watch: Watch) -> Iterator[Finding]:
         yield Finding(f"{where}.rest", f"expected 1 to 1000000 samples, found {watch.rest}")
     means = _ANY | set(OPTIONS.get(watch.detector, ()))
     for field in msgspec.structs.fields(Watch):
+        # What stands at its default may have been written, but says nothing.
         if field.name in means or getattr(watch, field.name) == _default(field):
             continue
         owner = ", ".join(kind for kind, keys in OPTIONS.items() if field.name in keys)

@@ -30,6 +30,7 @@ def connection_findings(site: Site) -> Iterator[Finding]:
             "$.connections.ros2", "ros2 is described twice", "leave out the key ros2 of the site"
         )
     for name, connection in site.links().items():
+        # The path as it stands in the file.
         short = site.ros2 is not None and name == "ros2"
         where = "$.ros2" if short else f"$.connections.{name}"
         yield from id_fits(where, name)
@@ -41,6 +42,7 @@ def link_of(site: Site, where: str, device: Device) -> tuple[Connection | None, 
     links = site.links()
     if device.connection:
         link = links.get(device.connection)
+        # Named, and not there. Where there is no connection at all, that is said below instead.
         if link is None and links:
             word = UnknownWord(f"{where}.connection", "connection", device.connection, links)
             return None, [Finding(word.where, word.problem, word.remedy)]
@@ -64,6 +66,7 @@ def link_of(site: Site, where: str, device: Device) -> tuple[Connection | None, 
 
 def _device_findings(where: str, device: Device, link: Connection) -> list[Finding]:
     found = [*rules_of(link).device_findings(where, device)]
+    # The name goes to the INDI server, which has its own bounds.
     if device.indi:
         found += indi_word_fits(f"{where}.indi", device.indi, "INDI device")
     return [*found, *setup_findings(where, device)]

@@ -35,6 +35,7 @@ def models_findings(site: Site) -> Iterator[Finding]:
 
 
 def _model(where: str, model: ObjectModel) -> Iterator[Finding]:
+    # A NUL ends a path for the system, and Python refuses it with an error of its own.
     if not model.file.strip() or "\0" in model.file:
         yield Finding(f"{where}.file", "there is no file", "write: file: models/ours.onnx")
     if not 1 <= len(model.classes) <= _MOST_CLASSES:
@@ -112,6 +113,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
         problem = f"nothing is detected on {source.stream}"
         yield Finding(f"{where}.stream", problem, "write at the stream: detect: {}")
         return
+    # None are known of a model that is not described; that is said at the stream.
     known = classes_of(site, detect.model)
     if known and source.sees not in known:
         yield _of(UnknownWord(f"{where}.sees", "class", source.sees, known))
@@ -127,6 +129,7 @@ def _within(where: str, within: tuple[float, float, float, float]) -> Iterator[F
 
 def hub_sight_findings(site: Site) -> Iterator[Finding]:
     """List what the gateway is to guard by, and only the hub sees; ``site`` has its counts."""
+    # What the hub sees comes to the gateway late, or not at all.
     far = {address for address, (_, detect) in counts_of(site).items() if detect.at is DetectAt.HUB}
     problem = "it is seen at the hub, and the gateway guards by what it knows itself"
     remedy = "write at the stream's detect: at: gateway"
@@ -136,6 +139,7 @@ def hub_sight_findings(site: Site) -> Iterator[Finding]:
             if address in far:
                 told.add(address)
                 yield Finding(where, problem, remedy)
+    # Enclosures, STOP and all else that `Site.guarded` names.
     for address in sorted((site.guarded() & far) - told):
         device, _, signal = address.partition("/")
         yield Finding(f"$.devices.{device}.signals.{signal}", problem, remedy)

@@ -25,7 +25,9 @@ def enclosure_findings(site: Site) -> Iterator[Finding]:
     """List what does not fit in a site's place, enclosures and pointing limits."""
     if site.place is not None:
         yield from _within("$.place.latitude", site.place.latitude, -90, 90)
+        # People count east to 180° or to 360°.
         yield from _within("$.place.longitude", site.place.longitude, -180, 360)
+        # From the lowest shore to the highest summit.
         yield from _within("$.place.elevation", site.place.elevation, -500, 9000)
     for name, enclosure in site.enclosures.items():
         where = f"$.enclosures.{name}"
@@ -64,6 +66,7 @@ def _enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding
         yield _of(UnknownWord(f"{where}.stop", "command", enclosure.stop, _commands(site)))
     if enclosure.park is not None:
         yield from step_findings(site, f"{where}.park", enclosure.park)
+        # Without it a park would be waited for in vain, each time.
         if enclosure.parked is None:
             yield Finding(f"{where}.parked", "nothing says when the telescope is parked")
     if enclosure.parked is not None:
@@ -73,6 +76,7 @@ def _enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding
     yield from at_least(f"{where}.retries", enclosure.retries, 0)
     if enclosure.heartbeat is not None:
         yield from _heartbeat(site, f"{where}.heartbeat", enclosure.heartbeat)
+    # Less would take a short pause of the gateway for its death.
     if enclosure.watchdog_after and not 2 <= enclosure.watchdog_after <= 3600:
         at, found = f"{where}.watchdog_after", enclosure.watchdog_after
         yield Finding(at, f"expected 2 to 3600 s, or 0 for never, found {found:g}")
@@ -123,6 +127,7 @@ def _pointing(site: Site, where: str, device: Device, pointing: Pointing) -> Ite
         if command is None:
             yield _of(UnknownWord(at, "command", name, list(device.commands)))
             continue
+        # One pair, and both of it.
         pairs = [(names.ra, names.dec), (names.alt, names.az)]
         given = [pair for pair in pairs if any(pair)]
         if len(given) != 1 or not all(given[0]):
@@ -136,6 +141,7 @@ def _pointing(site: Site, where: str, device: Device, pointing: Pointing) -> Ite
 
 def _sighting(site: Site, where: str, sighting: Sighting) -> Iterator[Finding]:
     signal = site.signal(sighting.signal)
+    # A text or a position says neither.
     if signal is None or signal.type not in (SignalType.STATE, SignalType.NUMBER):
         known = [*_addresses(site, SignalType.STATE), *_addresses(site, SignalType.NUMBER)]
         yield _of(UnknownWord(f"{where}.signal", "state or number", sighting.signal, known))
@@ -177,6 +183,7 @@ def _parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
             yield from step_findings(site, f"{at}.close", part.close)
     for key in enclosure.segments:
         yield from id_fits(f"{where}.segments.{key}", key)
+    # `Enclosure.parts` gives it that name, and one of the two would be lost.
     if "flap" in enclosure.segments:
         yield Finding(f"{where}.segments.flap", "a flap is no segment", "write it as flap:")
     if enclosure.position:
@@ -197,6 +204,7 @@ def _capabilities(where: str, enclosure: Enclosure) -> Iterator[Finding]:
         yield Finding(f"{where}.has_flap", "nothing says when the flap is closed", "write flap:")
     if said.has_flap is False and enclosure.flap is not None:
         yield Finding(f"{where}.has_flap", "its flap is described", "leave it out")
+    # A roof without segments is one part.
     if said.segments is not None and said.segments != max(1, segments):
         problem = f"expected {max(1, segments)}, as described under segments, found {said.segments}"
         yield Finding(f"{where}.segments", problem, "describe each, with its end switch")

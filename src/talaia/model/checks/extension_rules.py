@@ -52,6 +52,7 @@ class ExtensionRules(NamedTuple):
     detectors: Mapping[str, type[msgspec.Struct]]
 
 
+# Nothing is installed here, or nobody asks: every key passes.
 NO_RULES = ExtensionRules({}, {})
 
 
@@ -104,9 +105,11 @@ def _command(
         problem = f"the extension {link.extension!r} knows no commands"
         yield Finding(where, problem, "leave it out")
         return
+    # Arguments by the key that they fill; what they fill it with is not known yet.
     filled = {argument.field: name for name, argument in command.arguments.items()}
     given: dict[str, ExtensionScalar] = {"target": command.target, **command.fixed}
     for finding in keys_fit(f"{where}.fixed", known.command, given, filled):
+        # Said where a person wrote it.
         at = f"{where}.target" if finding.where == f"{where}.fixed.target" else finding.where
         yield finding._replace(where=at)
 
@@ -131,9 +134,11 @@ def keys_fit(
         if name not in fields:
             word = UnknownWord(f"{where}.{name}", "key", name, fields)
             yield Finding(word.where, word.problem, word.remedy)
+    # Judged as a whole only with every key there, and each one right.
     whole = not filled
     for name, field in fields.items():
         if name in keys:
+            # One by one, so that each mistake is named at its own key.
             try:
                 msgspec.convert(keys[name], field.type)
             except msgspec.ValidationError as error:

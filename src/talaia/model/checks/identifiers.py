@@ -23,6 +23,7 @@ __all__ = [
     "type_fits",
 ]
 
+# Here and below ``\Z``, not ``$``: before that a line end could stand.
 _WORD = re.compile(r"[a-z][a-z0-9_]{0,62}\Z")
 _TOPIC = re.compile(r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*\Z")
 _TYPE = re.compile(r"[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*\Z")
@@ -55,6 +56,7 @@ def id_fits(where: str, word: str) -> Iterator[Finding]:
 
 def name_fits(where: str, name: str) -> Iterator[Finding]:
     """What people read: anything that can be seen."""
+    # What cannot be seen could make two names look like one.
     if not name.strip() or len(name) > _MAX_NAME or any(map(_is_unseen, name)):
         yield Finding(
             where, f"expected a name of 1 to {_MAX_NAME} characters", "that can all be seen"
@@ -63,6 +65,7 @@ def name_fits(where: str, name: str) -> Iterator[Finding]:
 
 def _is_unseen(letter: str) -> bool:
     """Control and format characters, line ends and lone surrogates: not seen, yet they mislead."""
+    # Control, format (as what turns the direction of writing), surrogate, line end, paragraph end.
     return unicodedata.category(letter) in {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 

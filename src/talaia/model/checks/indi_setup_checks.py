@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["setup_findings"]
 
+# libindi's MAXINDINAME.
 _MAX_NAME = 64
 # What moves, exposes or hides weather is for commands: those pass the interlocks, a setup does not.
 _ACTS = re.compile(
@@ -35,6 +36,7 @@ def setup_findings(where: str, device: Device) -> Iterator[Finding]:
         at = f"{where}.setup.{name}"
         if not name.strip() or len(name) > _MAX_NAME:
             yield Finding(at, "it is not the name of an INDI property", "as WEATHER_UPDATE")
+        # The exceptions have to fit wholly: a longer name is another property.
         elif _ACTS.match(name) and not _MOVES_NOT.fullmatch(name):
             problem = "a setup moves nothing: it passes no interlock"
             yield Finding(at, problem, "write a command for it")

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["interlock_findings", "step_findings"]
 
 _DAY = 86_400.0
+# What a condition can compare.
 _READABLE = (SignalType.NUMBER, SignalType.STATE)
 
 
@@ -46,6 +47,7 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
         yield Finding(where, "it neither refuses nor does anything", "add refuse, slow or run")
     for key in ("dwell", "longest_override"):
         found = getattr(interlock, key)
+        # Written so that NaN is found as well.
         if not 0 <= found <= _DAY:
             yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {found}")
     for index, condition in enumerate(interlock.when):
@@ -54,6 +56,7 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
     for index, target in enumerate(interlock.refuse):
         if target not in known:
             yield _of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
+    # Only driving has a speed that can be cut.
     driven = [address for address in known if address.endswith("/drive")]
     for target, share in interlock.slow.items():
         if target not in driven:
@@ -138,6 +141,7 @@ def _second(where: str, condition: Condition, signals: Mapping[str, Signal]) -> 
 
 
 def _group(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+    # Beside ``all`` every other key would be without effect.
     if condition != type(condition)(all_of=condition.all_of):
         yield Finding(where, "something stands beside all", "make two conditions")
     if len(condition.all_of) == 1:
@@ -167,6 +171,7 @@ def _limits(where: str, condition: Condition) -> Iterator[Finding]:
         value = getattr(condition, key)
         if value is not None and not math.isfinite(value):
             yield Finding(f"{where}.{key}", f"expected a finite number, found {value}")
+    # One rule for both: the limit above lets go below itself, the limit below above itself.
     for key, limit, until, sign in (
         ("until_below", condition.above, condition.until_below, 1),
         ("until_above", condition.below, condition.until_above, -1),
@@ -190,6 +195,7 @@ def step_findings(site: Site, where: str, step: Step) -> Iterator[Finding]:
     device = site.devices.get(device_id)
     command = device.commands.get(command_id) if device is not None else None
     if command is None:
+        # A step is one command: neither driving nor all of a device can be run.
         known = [address for address in _refusable(site) if not address.endswith(("/*", "/drive"))]
         yield _of(UnknownWord(f"{where}.command", "command", step.command, known))
         return

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Finding", "check", "raise_first"]
 
+# A channel's index on the wire has 16 bits; see `wire.columns`.
 _MAX_CHANNELS = 60_000
 
 
@@ -71,6 +72,7 @@ def check(site: Site, rules: ExtensionRules = NO_RULES) -> list[Finding]:
         rules: what extensions that are installed here ask for; see `ExtensionRules`.
 
     """
+    # Counts are put in first: alarms and interlocks may name them.
     return [*_site(site, with_counts(site)), *extension_findings(site, rules)]
 
 
@@ -99,6 +101,7 @@ def _site(site: Site, whole: Site) -> Iterator[Finding]:
     if site.zone not in known_zones():
         yield _of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
     yield from connection_findings(site)
+    # A connection that discovers makes its devices itself.
     if not site.devices and not any(
         getattr(link, "discover", False) for link in site.links().values()
     ):
@@ -208,6 +211,7 @@ def _signal(where: str, signal: Signal) -> Iterator[Finding]:
     yield from above(f"{where}.max_age", signal.max_age, 0)
     if not math.isfinite(signal.scale) or signal.scale == 0:
         yield Finding(f"{where}.scale", f"expected a number other than 0, found {signal.scale}")
+    # -1 takes the unit's own.
     if not -1 <= signal.decimals <= 9:
         yield Finding(f"{where}.decimals", f"expected 0 to 9, found {signal.decimals}")
     if signal.type is SignalType.STATE and not signal.states:
@@ -262,6 +266,7 @@ def _argument(where: str, argument: Argument) -> Iterator[Finding]:
         ArgumentType.TEXT: str,
     }
     fits = isinstance(argument.default, expected[argument.type])
+    # For Python True is an int.
     if isinstance(argument.default, bool) and argument.type is not ArgumentType.BOOLEAN:
         fits = False
     if not fits:
@@ -290,6 +295,7 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
             )
     if drive.stop.topic:
         yield from topic_fits(f"{where}.stop.topic", drive.stop.topic)
+    # Of every type, by address; each place below picks its own.
     numbers = {
         f"{device_id}/{signal_id}": signal.type
         for device_id, device in site.devices.items()
@@ -324,6 +330,7 @@ def _keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterat
         ("speed_step", keys.speed_step, drive.max_speed),
         ("turn_step", keys.turn_step, drive.max_turn),
     ):
+        # Left out, a press is one character and nothing is counted.
         if step is None:
             continue
         yield from above(f"{where}.{name}", step, 0)

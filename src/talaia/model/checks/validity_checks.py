@@ -22,6 +22,7 @@ def validity_fits(where: str, signal: Signal) -> Iterator[Finding]:
     if signal.frozen_after and signal.type is not SignalType.NUMBER:
         problem = f"a {signal.type} may stay the same for as long as it likes"
         yield Finding(f"{where}.frozen_after", problem, "leave it out")
+    # A sensor may send as rarely as that, and the same value twice: it would be called frozen.
     elif 0 < signal.frozen_after <= signal.max_age:
         problem = f"within {signal.max_age:g} s (max_age) one value may come but once"
         yield Finding(f"{where}.frozen_after", problem, "take a longer time")

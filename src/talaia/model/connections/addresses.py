@@ -34,11 +34,13 @@ def url_fits(
     remedy = f"write it as {schemes[0]}://{example}"
     try:
         parts = urlsplit(url)
+        # To read ``port`` raises `ValueError` where that is no number of a port.
         fits = parts.scheme in schemes and bool(parts.hostname) and parts.port != 0
     except ValueError:
         yield Finding(where, "it is not an address", remedy)
         return
     if not fits:
         yield Finding(where, f"expected {' or '.join(schemes)}://host:port", remedy)
+    # Descriptions are shown, copied and kept: no password belongs into one.
     elif parts.username or parts.password:
         yield Finding(where, "there is a password in it", instead)

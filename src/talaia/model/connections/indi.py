@@ -20,6 +20,7 @@ __all__ = ["IndiConnection", "IndiRules", "IndiSource", "indi_word_fits"]
 
 # What libindi allows a name (MAXINDINAME), of which a driver keeps no more.
 _MAX_WORD = 64
+# The attribute that INDI gives each update of a property.
 _STAMP = "timestamp"
 
 
@@ -37,6 +38,7 @@ class IndiConnection(Shape, frozen=True, kw_only=True, tag_field="kind", tag="in
     """
 
     host: str = "127.0.0.1"
+    # INDI's usual one.
     port: int = 7624
     discover: bool = True
     connect: bool = True
@@ -135,4 +137,5 @@ def indi_word_fits(where: str, word: str, what: str) -> Iterator[Finding]:
     if not word:
         yield Finding(where, f"the name of the {what} is missing")
     elif len(word) > _MAX_WORD or not word.isprintable():
+        # Cut: what is wrong may be of any length.
         yield Finding(where, f"{word[:80]!r} is not the name of an {what}")

@@ -128,6 +128,7 @@ def _pattern_fits(where: str, pattern: str) -> Iterator[Finding]:
         return
     try:
         groups = re.compile(pattern).groups
+    # `re` raises these, too, for what is nested or repeated beyond its bounds.
     except (re.error, RecursionError, OverflowError) as error:
         yield Finding(where, f"is not a regular expression: {error}")
         return

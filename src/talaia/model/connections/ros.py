@@ -25,7 +25,9 @@ __all__ = ["RosRules", "RosSource", "node_fits"]
 # A whole FITS file, as a message.
 _FILES = "std_msgs/msg/UInt8MultiArray"
 _NODE = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
+# The node's absolute name, then the parameter's, in which dots may stand (ROS 2).
 _PARAMETER = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+/?[A-Za-z_][A-Za-z0-9_.]*\Z")
+# What stands in the middle of a type's name. Parameters are set without a type.
 _MIDDLE = {
     CommandKind.SERVICE: "srv",
     CommandKind.TOPIC: "msg",
@@ -84,6 +86,7 @@ class RosRules(KindRules[ConnectionT, RosSource]):
             yield Finding(f"{where}.stamp", f"{what} has no stamp", "leave the stamp out")
         elif source.stamp and judged:
             yield from field_fits(f"{where}.stamp", source.stamp)
+        # A parameter stands instead of a topic: no field and no type is asked for.
         if source.parameter:
             yield from self.parameter_fits(where, source)
             return

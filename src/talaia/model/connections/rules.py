@@ -29,6 +29,7 @@ __all__ = [
     "own_keys",
 ]
 
+# Only these carry a message that has a type.
 _TYPED = frozenset({CommandKind.SERVICE, CommandKind.TOPIC, CommandKind.ACTION})
 
 
@@ -111,6 +112,7 @@ class ConnectionRules:
 
     def foreign_findings(self, where: str, source: SourceShape) -> Iterator[Finding]:
         """Say of each key of another protocol's source that this one does not know it."""
+        # In a source of this kind only foreign keys are wrong; in another kind's all that it says.
         for key in source.foreign if isinstance(source, self.source) else keys_given(source):
             problem, remedy = self.why_not(key)
             yield Finding(f"{where}.{key}", problem, remedy)
@@ -130,6 +132,7 @@ class KindRules(ConnectionRules, Generic[ConnectionT, SourceT]):
     def __init__(self, connection: ConnectionT, shape: type[SourceT]) -> None:
         """Answer for this connection, whose sources have that shape."""
         self.connection = connection
+        # A source of another shape is judged by `foreign_findings` alone.
         self._shape = shape
 
     def signal_findings(self, where: str, signal: Signal) -> Iterator[Finding]:
@@ -156,6 +159,7 @@ class KindRules(ConnectionRules, Generic[ConnectionT, SourceT]):
 
 def keys_given(source: SourceShape) -> tuple[str, ...]:
     """Name the keys of a source that say something."""
+    # Empty and false is as good as not written.
     own = [key for key in own_keys(type(source)) if getattr(source, key)]
     return (*own, *source.foreign)
 

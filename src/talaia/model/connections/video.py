@@ -77,6 +77,7 @@ class VideoRules(KindRules[VideoConnection, VideoSource]):
 
     def stream_fits(self, where: str, source: VideoSource) -> Iterator[Finding]:
         """See `ConnectionRules`."""
+        # One of the two, and not both.
         if bool(source.url) == bool(source.file):
             yield Finding(where, "where is the camera?", f"write {self.example}")
         elif source.url:

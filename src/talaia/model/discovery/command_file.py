@@ -90,6 +90,7 @@ def read_classic(text: str, connection: str = "") -> Classic:
     if len(text) > MAX_BYTES:
         raise NotReadable("$", f"the command file is longer than {MAX_BYTES // 1024} KiB")
     try:
+        # JSON allows a key twice and Python keeps the last: a command would be lost without a word.
         document = json.loads(text, object_pairs_hook=_once)
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}"
@@ -135,6 +136,7 @@ def _device(where: str, name: str, found: object, connection: str) -> Device:
             for answer, said in _mapping(at, messages.get(field, {})).items()
         }
         signals |= _signals(field, _text(f"{where}.commands.info.{field}", line), words)
+    # What such files call the power device.
     kinds = {kind.value: kind for kind in DeviceKind} | {"pdu": DeviceKind.POWER}
     return with_roles(
         Device(
@@ -184,6 +186,7 @@ def _command(action: str, line: str) -> Command:
         )
         for name, unit, low, high in _ARGUMENTS.get(action, ())
     }
+    # What else its client takes is not known: one text, and none by default.
     if not arguments:
         optional = Argument(
             type=ArgumentType.TEXT, field="parameters", name="Parameters", default=""

@@ -53,9 +53,11 @@ class CommandRoles:
     # ── what is there to choose from ──
 
     def _free(self) -> dict[str, Command]:
+        # Asked anew for each role: every role that is given takes a command away.
         return {
             name: command
             for name, command in self._device.commands.items()
+            # ``none`` was said on purpose, and stays.
             if command.role is CommandRole.AUTO and name not in self.roles
         }
 
@@ -68,6 +70,7 @@ class CommandRoles:
                 name
                 for name, found in plain.items()
                 if has_word(name, found.name, *words)
+                # A flap or a cover opens beside the roof, not as the roof.
                 and not has_word(name, found.name, "flap", "cover")
             ),
             None,
@@ -97,6 +100,7 @@ class CommandRoles:
     def _assign(self, role: CommandRole, name: str | None) -> None:
         if name is None or name in self.roles:
             return
+        # Of a role that stands once the first that is found keeps it.
         if COMMAND_FITS[role].many or role not in self.roles.values():
             self.roles[name] = role
 
@@ -145,6 +149,7 @@ class CommandRoles:
             if name in free and said.ra and said.dec:
                 return name
         for name, command in free.items():
+            # Not altitude and azimuth: the role is for right ascension and declination.
             asks = (
                 argument_with(command, "ra", "right"),
                 argument_with(command, "dec", "declination"),
@@ -175,6 +180,7 @@ class CommandRoles:
         for outlet, role in self._signals.items():
             if role is not SignalRole.POWER_OUTLET:
                 continue
+            # A switch with the outlet's own id, or else two commands, ``_on`` and ``_off``.
             if outlet in free and self._switch(outlet) == outlet:
                 self._assign(CommandRole.POWER_SWITCH, outlet)
                 continue

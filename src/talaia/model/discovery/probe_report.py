@@ -24,6 +24,7 @@ __all__ = [
     "found_from",
 ]
 
+# Of the JSON form; raised when another version's reader would take it wrongly.
 FORMAT = 1
 
 

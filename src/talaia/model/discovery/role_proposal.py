@@ -52,6 +52,7 @@ _MEANINGS: dict[SignalRole, tuple[tuple[re.Pattern[str], StateMeaning], ...]] = 
             re.compile(r"\W*(error|alert|fatal|critical|fault|unsafe)\b.*", re.IGNORECASE),
             StateMeaning.UNSAFE,
         ),
+        # Any other word is shown as safe. Interlocks do not go by it: they name states themselves.
         (re.compile(r".*"), StateMeaning.SAFE),
     ),
 }
@@ -130,8 +131,10 @@ def place_arguments(device: Device, roles: DeviceRoles) -> PlaceArguments | None
             argument_with(command, "ra", "right"),
             argument_with(command, "dec", "declination"),
         )
+        # Without telling names the first two numbers; see `CommandForm.PLACE`.
         if not ra or not dec:
             numbers = [key for key, argument in command.arguments.items() if is_number(argument)]
+            # Filled up, so that there are always two.
             ra, dec = (*numbers, "", "")[:2]
         if ra and dec:
             return PlaceArguments(name, ra, dec)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["argument_with", "first_named", "first_of", "has_word", "is_number", "signals_that"]
 
+# For ``\W`` an underscore is a letter, hence beside it.
 _NO_WORD = re.compile(r"[\W_]+")
 
 

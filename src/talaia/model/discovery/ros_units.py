@@ -21,6 +21,7 @@ class Meaning(NamedTuple):
     scale: float = 1.0
 
 
+# ROS gives these as 0 to 1.
 _PERCENT = Meaning("%", 100.0)
 # By the message type (without /msg/) and the field in it; it holds for all that lies below.
 _KNOWN: dict[tuple[str, str], Meaning] = {
@@ -118,6 +119,7 @@ _QUANTITY: dict[str, Meaning] = {
     "illuminance": Meaning("lx"),
     "rssi": Meaning("dBm"),
 }
+# As definitions' comments spell them, in small letters.
 _SPOKEN: dict[str, str] = {
     "meter": "m",
     "meters": "m",
@@ -155,10 +157,13 @@ _SPOKEN: dict[str, str] = {
     "tesla": "T",
     "kilograms": "kg",
     "m/s^2": "m/s²",
+    # In newton metres, not in nanometres.
     "nm": "N·m",
 }
+# ``[m/s]`` or ``(rad)``; bounded, since brackets in comments hold whole sentences, too.
 _BRACKETS = re.compile(r"[\[(]\s*([^\])]{1,30}?)\s*[\])]")
 _IN = re.compile(r"\bin\s+(degrees celsius|[a-zA-Z/]+(?: per second)?)", re.IGNORECASE)
+# Words of ``motorLeft_GPS2``: motor, Left, GPS, 2.
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _NOT_A_LETTER = re.compile(r"[^a-z0-9]+")
 _MAX_WORD = 63
@@ -177,6 +182,7 @@ def unit_in_name(field: str) -> Meaning | None:
     words = [word.lower() for word in _WORD.findall(field)]
     if not words:
         return None
+    # A unit needs something before it: a field that is called ``m`` or ``v`` may be anything.
     if len(words) > 1 and words[-1] in _SUFFIX:
         return _SUFFIX[words[-1]]
     return _QUANTITY.get(words[-1])
@@ -208,4 +214,5 @@ def word_of(text: str) -> str:
     word = _NOT_A_LETTER.sub("_", spread).strip("_")[:_MAX_WORD].rstrip("_")
     if not word:
         return "unnamed"
+    # A word of an address begins with a letter.
     return word if word[0].isalpha() else f"n{word}"[:_MAX_WORD]

@@ -20,8 +20,8 @@ __all__ = ["SignalRoles"]
 _CLOSED = re.compile(r"clos(ed|e)?", re.IGNORECASE)
 _OPEN = re.compile(r"open(ed)?", re.IGNORECASE)
 _PARKED = re.compile(r"parked", re.IGNORECASE)
-_OFF = re.compile(r"off|no|false|0|open", re.IGNORECASE)
-_ON = re.compile(r"on|yes|true|1|closed", re.IGNORECASE)
+_OFF = re.compile(r"off|no|false|0|open", re.IGNORECASE)  # an open contact: no current
+_ON = re.compile(r"on|yes|true|1|closed", re.IGNORECASE)  # a closed one: current flows
 
 
 class SignalRoles:
@@ -58,7 +58,7 @@ class SignalRoles:
                 self._vehicle()
             case DeviceKind.OTHER:
                 pass
-        self._batteries()
+        self._batteries()  # last: any device may carry one
 
     # ── what is there to choose from ──
 

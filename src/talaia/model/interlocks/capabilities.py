@@ -26,6 +26,7 @@ def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
     said = enclosure.capabilities
     follows = Capabilities(
         has_shutter=True,
+        # What is described as an enclosure closes.
         can_rotate=enclosure.follow is not None or _can_turn(site, enclosure),
         segments=max(1, len(enclosure.segments)),
         can_partial=bool(
@@ -39,6 +40,7 @@ def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
         return follows
     return Capabilities(
         *(
+            # What is said wins over what follows.
             known if getattr(said, key) is None else getattr(said, key)
             for key, known in follows._asdict().items()
         )

@@ -194,8 +194,10 @@ class Enclosure(Shape, frozen=True, kw_only=True):
     abort: tuple[Step, ...] = ()
     park: Step | None = None
     parked: Sighting | None = None
+    # Where nobody says it, the roof may not clear the telescope.
     order: ClosingOrder = ClosingOrder.MOUNT_FIRST
     mount_within: float = 60.0
+    # A telescope that does not park must not keep the roof open.
     past_deadline: PastDeadline = PastDeadline.CLOSE
     move_within: float = 60.0
     retries: int = 3

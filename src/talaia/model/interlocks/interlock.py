@@ -86,6 +86,7 @@ class Condition(Shape, frozen=True, kw_only=True):
     override: Overriding = Overriding.AUTO
 
     def signals(self) -> tuple[str, ...]:
+        # Each condition of an ``all`` names its own.
         """Name all signals that it looks at, those of its ``all`` among them."""
         own = tuple(address for address in (self.signal, self.minus, self.humidity) if address)
         return (*own, *(name for part in self.all_of for name in part.signals()))

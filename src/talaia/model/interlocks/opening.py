@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 __all__ = ["opening_of"]
 
+# Compared without regard to capitals.
 _OPENING = "opening"
 
 
@@ -22,6 +23,7 @@ def opening_of(site: Site, enclosure: Enclosure) -> tuple[Sighting, ...]:
     found: dict[str, Sighting] = {}
     for address in (sensor.signal for sensor in (*enclosure.moving, *enclosure.closed)):
         device, _, signal = address.partition("/")
+        # Of a number there are none, so it says nothing of opening.
         words = [
             word
             for word in site.devices[device].signals[signal].states

@@ -45,6 +45,7 @@ def cutting_commands(device: Device, outlet: str) -> tuple[OutletCommand, ...]:
             for name, argument in command.arguments.items()
             if argument.type is ArgumentType.BOOLEAN
         ]
+        # The switch must be all that it asks for: beside another argument it may mean anything.
         if len(switches) == len(command.arguments) == 1:
             found.append(OutletCommand(command=outlet, args={switches[0]: False}))
     if f"{outlet}_off" in device.commands:
@@ -57,9 +58,11 @@ def outlets_cut(device: Device, command: str, args: Mapping[str, Value]) -> Iter
     described = device.commands.get(command)
     if described is None:
         return
+    # With the defaults: what is sent without arguments acts by them.
     given = args_of(described, args)
     for outlet in device.outlets:
         for cut in cutting_commands(device, outlet):
+            # Without arguments given, the command always cuts.
             if cut.command == command and all(
                 name in given and given[name] == value for name, value in cut.args.items()
             ):
@@ -72,11 +75,13 @@ def needs_of(site: Site, device: str) -> Iterator[Need]:
     for name, rule in site.enclosures.items():
         if device in _roof_devices(rule):
             yield Need(name, roof=True)
+        # Where nothing parks the telescope nobody waits for it.
         if rule.park is not None and device in _mount_devices(rule):
             yield Need(name, roof=False)
 
 
 def _roof_devices(rule: Enclosure) -> set[str]:
+    # What closes the roof and what says that it is closed: both need their power.
     addresses = {rule.close.command, *(sensor.signal for sensor in (*rule.closed, *rule.moving))}
     return {address.partition("/")[0] for address in addresses}
 

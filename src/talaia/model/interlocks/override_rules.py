@@ -35,6 +35,7 @@ __all__ = [
 
 # Whatever a description says.
 LONGEST_OVERRIDE_S = 1800.0
+# A litre a square metre is a millimetre of rain.
 _RAIN_UNIT = re.compile(r"(mm|in|inch|l/m²|l/m2)\s*/\s*(h|hr|hour|min)")
 _RAIN_BEGINS = ("rain", "precip", "drizzl", "snow", "hail")
 _WET = frozenset({"wet", "wetness"})
@@ -52,6 +53,7 @@ def longest_override(rule: Interlock) -> float:
 def condition_id(condition: Condition) -> str:
     """Name a condition within its interlock: what it looks at. Limits of one signal are one."""
     if condition.all_of:
+        # As long as a `Word` of the wire.
         return "+".join(condition_id(part) for part in condition.all_of)[:200]
     if condition.sun is not None:
         return "sun"
@@ -84,6 +86,7 @@ def never_overridden(site: Site, condition: Condition) -> str:
     described = site.devices[device].signals.get(name) if device in site.devices else None
     if described is None:
         return ""
+    # Those that are named, and with ``is_not`` all the others.
     unsafe = set(condition.is_one_of)
     if condition.is_not:
         unsafe |= set(described.states) - set(condition.is_not)

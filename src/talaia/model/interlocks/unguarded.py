@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = ["unguarded_devices", "unguarded_notice"]
 
+# Rain and wind reach these.
 _UNDER_THE_SKY = frozenset({DeviceKind.DOME, DeviceKind.TELESCOPE})
 
 

@@ -24,6 +24,7 @@ __all__ = [
     "sun",
 ]
 
+# 2000 January 1, 12 h, as a Julian day.
 J2000 = 2451545.0
 
 
@@ -44,11 +45,13 @@ class Horizontal(NamedTuple):
 
 def julian_day(unix_s: float) -> float:
     """Give the Julian day of a time in seconds since 1970 UTC (UT1 is taken as UTC)."""
+    # 2440587.5 is the Julian day of 1970 January 1, 0 h.
     return unix_s / 86400.0 + 2440587.5
 
 
 def sidereal_hours(jd: float, longitude: float) -> float:
     """Give the local mean sidereal time (h); Meeus 12.4."""
+    # Julian centuries since J2000.
     t = (jd - J2000) / 36525.0
     degrees = 280.46061837 + 360.98564736629 * (jd - J2000) + t * t * (0.000387933 - t / 38710000.0)
     return (degrees + longitude) % 360.0 / 15.0
@@ -59,6 +62,7 @@ def altaz(ra: float, dec: float, place: Observer, jd: float) -> Horizontal:
     hour = math.radians((sidereal_hours(jd, place.longitude) - ra) * 15.0)
     d, lat = math.radians(dec), math.radians(place.latitude)
     sine = math.sin(lat) * math.sin(d) + math.cos(lat) * math.cos(d) * math.cos(hour)
+    # Meeus counts azimuths from the south: the signs of both turn them to the north.
     y = -math.cos(d) * math.sin(hour)
     x = math.sin(d) * math.cos(lat) - math.cos(d) * math.sin(lat) * math.cos(hour)
     # Not the arc sine, which loses half its digits near the zenith.
@@ -80,15 +84,19 @@ def radec(alt: float, az: float, place: Observer, jd: float) -> tuple[float, flo
 def sun(jd: float) -> tuple[float, float]:
     """Give the Sun's apparent right ascension (h) and declination (°); Meeus 25, within 0.01°."""
     t = (jd - J2000) / 36525.0
+    # Mean longitude and mean anomaly, 25.2 and 25.3.
     mean = 280.46646 + 36000.76983 * t + 0.0003032 * t * t
     m = math.radians(357.52911 + 35999.05029 * t - 0.0001537 * t * t)
+    # The equation of the centre.
     centre = (
         (1.914602 - 0.004817 * t - 0.000014 * t * t) * math.sin(m)
         + (0.019993 - 0.000101 * t) * math.sin(2 * m)
         + 0.000289 * math.sin(3 * m)
     )
+    # The Moon's node, for nutation; with it and aberration the longitude is the apparent one.
     node = math.radians(125.04 - 1934.136 * t)
     longitude = math.radians(mean + centre - 0.00569 - 0.00478 * math.sin(node))
+    # The mean obliquity with the correction that 25.8 has for apparent places.
     tilt = math.radians(23.439291 - 0.0130042 * t + 0.00256 * math.cos(node))
     ra = math.atan2(math.cos(tilt) * math.sin(longitude), math.cos(longitude))
     dec = math.asin(math.sin(tilt) * math.sin(longitude))
@@ -97,6 +105,7 @@ def sun(jd: float) -> tuple[float, float]:
 
 def precess(ra: float, dec: float, jd_from: float, jd_to: float) -> tuple[float, float]:
     """Carry coordinates from one mean equinox to another; Meeus 21.2 to 21.4."""
+    # Centuries from J2000 to the first equinox, and from that to the second.
     big, t = (jd_from - J2000) / 36525.0, (jd_to - jd_from) / 36525.0
     lead = 2306.2181 + 1.39656 * big - 0.000139 * big * big
     zeta = lead * t + (0.30188 - 0.000344 * big) * t * t + 0.017998 * t**3
@@ -106,6 +115,7 @@ def precess(ra: float, dec: float, jd_from: float, jd_to: float) -> tuple[float,
         - (0.42665 + 0.000217 * big) * t * t
         - 0.041833 * t**3
     )
+    # Arc seconds until here.
     zeta, z, theta = (math.radians(arcseconds / 3600.0) for arcseconds in (zeta, z, theta))
     a, d = math.radians(ra * 15.0) + zeta, math.radians(dec)
     first = math.cos(d) * math.sin(a)

@@ -13,7 +13,7 @@ import math
 __all__ = ["dew_point"]
 
 _B = 17.625
-_C = 243.04
+_C = 243.04  # °C
 
 
 def dew_point(temperature: float, humidity: float) -> float:

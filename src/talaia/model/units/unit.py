@@ -65,6 +65,7 @@ _ROWS = (
     Unit("B", "byte", 0),
 )
 UNITS: dict[str, Unit] = {row.symbol: row for row in _ROWS}
+# What people type who do not find the sign on the keyboard.
 _SPELLINGS = {
     "m/s^2": "m/s²",
     "m/s2": "m/s²",

@@ -43,6 +43,7 @@ class Difference(NamedTuple):
 
 def list_differences(before: Site, after: Site) -> list[Difference]:
     """List what differs, in the order of the descriptions; a whole part that came counts once."""
+    # The channels of one signal are one rename.
     moved = {
         old.partition(".")[0]: new.partition(".")[0] for old, new in renames(before, after).items()
     }
@@ -54,6 +55,7 @@ def list_differences(before: Site, after: Site) -> list[Difference]:
     for old, new in moved.items():
         (of, name), (to, other) = old.split("/"), new.split("/")
         signal = was["devices"][of]["signals"].pop(name)
+        # To a device that is new itself: then the whole device counts as added.
         if to in was["devices"]:
             was["devices"][to].setdefault("signals", {})[other] = signal
     return [*found, *_part_differences("$", was, now)]
@@ -76,6 +78,7 @@ def _part_differences(path: str, was: object, now: object) -> Iterator[Differenc
     if not isinstance(was, dict) or not isinstance(now, dict):
         yield Difference(ChangeKind.CHANGED, path, _short_text(was), _short_text(now))
         return
+    # What was there first, in its order, then what came.
     for key in [*was, *(key for key in now if key not in was)]:
         at = f"{path}.{key}"
         if key not in now:

@@ -70,10 +70,13 @@ class _Document:
 
     def __init__(self, parser: _Parser) -> None:
         self._parser = parser
+        # Called for every event of the text.
         self._next = parser.get_event
+        # What ``&name`` stands for, and how many values that is.
         self._anchors: dict[str, _Anchored] = {}
         # Most words come often: tags are resolved once for each.
         self._known: dict[str, Value] = {}
+        # Values so far; what an alias repeats counts each time.
         self._size = 0
 
     def read(self) -> object:
@@ -105,6 +108,7 @@ class _Document:
 
     def _remember_anchor(self, anchor: str | None, value: Value, size: int) -> Value:
         if anchor is not None:
+            # Only once it is read: within itself an anchor is unknown, so nothing holds itself.
             self._anchors[anchor] = _Anchored(value, size)
         return value
 
@@ -114,6 +118,7 @@ class _Document:
         if known is None:
             raise _yaml_error(f"there is no &{event.anchor} before this", event)
         self._size += known.size
+        # A few lines of aliases to aliases can mean more values than any memory holds.
         if self._size > MAX_VALUES:
             raise _yaml_error("the aliases make it too large", event)
         return known.value
@@ -123,6 +128,7 @@ class _Document:
             raise _yaml_error(f"the tag {event.tag} has no meaning here", event)
         made: dict[Key, Value] = {}
         while not isinstance(at := self._next(), yaml.MappingEndEvent):
+            # In quotes it is a key as any other.
             if isinstance(at, yaml.ScalarEvent) and at.value == "<<" and at.implicit[0]:
                 raise _yaml_error("merge keys (<<) are not read: write out what is merged", at)
             key = self._read_value(at, depth + 1)

@@ -161,6 +161,7 @@ def dump_site(site: Site) -> str:
     return yaml.safe_dump(plain_of(site), sort_keys=False, width=1_000_000)
 
 
+# msgspec's sentence: what is wrong, and behind ``- at`` the path.
 _AT = re.compile(r"^(?P<problem>.*?)(?: - at `(?P<path>.*)`)?$", re.DOTALL)
 _UNKNOWN_FIELD = re.compile(r"unknown field `(.*)`")
 _UNKNOWN_ENUM = re.compile(r"Invalid enum value '(.*)'")
@@ -197,6 +198,7 @@ def _words_of(shape: object) -> list[str]:
     return []
 
 
+# A field, an index, or ``[...]``, which is how msgspec writes any key of a mapping.
 _STEP = re.compile(r"\.([A-Za-z_]\w*)|\[(\d+|\.\.\.)\]")
 
 

@@ -45,6 +45,7 @@ def _represent_float(representer: _Representer, value: WrittenFloat) -> object:
     return representer.represent_scalar(_FLOAT, str(value))
 
 
+# On classes of our own: ruamel's are shared with everybody in this process.
 _Constructor.add_constructor(_FLOAT, _construct_float)
 _Representer.add_representer(WrittenFloat, _represent_float)
 
@@ -54,6 +55,7 @@ def _make_yaml() -> YAML:
     made.Constructor = _Constructor
     made.Representer = _Representer
     made.preserve_quotes = True
+    # Never folded; see `write`.
     made.width = 1_000_000
     made.indent(mapping=2, sequence=4, offset=2)
     return made
@@ -67,6 +69,7 @@ def tree_of(text: str) -> CommentedMap:
 
     """
     try:
+        # ruamel writes line ends of its own; `upgrade_text` puts these back.
         tree: CommentedMap = _make_yaml().load(text.replace("\r\n", "\n"))
     except YAMLError as error:
         raise NotReadable("$", f"is not YAML: {error}") from error

@@ -9,6 +9,7 @@ import yaml
 
 __all__ = ["SourcePosition", "SourcePositions"]
 
+# As YAML's own errors say where.
 _LINE = re.compile(r"line (\d+)(?:, column (\d+))?")
 _STEP = re.compile(r"\.([^.\[]+)|\[(\d+)\]")
 
@@ -28,6 +29,7 @@ class SourcePositions:
         loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
         try:
             self._root: yaml.Node | None = yaml.compose(text, Loader=loader)
+        # Without a tree there are the lines that its errors name.
         except (yaml.YAMLError, ValueError, RecursionError):
             self._root = None
 

@@ -40,6 +40,7 @@ SOURCES: tuple[type[SourceShape], ...] = get_args(Source)
 SOURCE_KEYS = frozenset(key for shape in SOURCES for key in own_keys(shape))
 # Keys whose source, where they say something, does not go by the connection.
 _OF_DETECTION = ("stream", "sees")
+# As good as not written.
 _EMPTY: tuple[object, ...] = ("", {}, False, None)
 
 
@@ -129,6 +130,7 @@ def _tagged(source: dict[str, object], kind: ConnectionKind | None) -> dict[str,
     own = own_keys(shape)
     foreign = {key: value for key, value in source.items() if key in said and key not in own}
     more: dict[str, object] = {FOREIGN_KEYS: foreign} if foreign else {}
+    # What no protocol knows stays, and msgspec complains of it.
     mine = {key: value for key, value in source.items() if key in own or key not in SOURCE_KEYS}
     return {SOURCE_TAG: shape.__struct_config__.tag, **mine, **more}
 
@@ -170,6 +172,7 @@ def _untag(value: object, plain: object) -> None:
             _untag(value.source, plain["source"])
         case SourceShape():
             del plain[SOURCE_TAG]
+            # Back beside the others, as they were written.
             plain.update(plain.pop(FOREIGN_KEYS, {}))
         case dict():
             for key, inner in value.items():

@@ -70,17 +70,21 @@ def upgrade_text(
             without changing what else it says (aliases: two places that are one).
 
     """
+    # On plain values first: whether anything is to be changed, and what must come out.
     wanted = _parse_tree(text)
     version = version_of(wanted.get("talaia"), newest, OLDEST)
+    # Steps of its own version as well: it may still have the older spelling.
     due = [step for step in steps if step.version >= version]
     changes = _apply_steps(wanted, due, version, newest)
     if not changes:
+        # To the last blank as it was.
         return Upgraded(text, ())
     tree = tree_of(text)
     _apply_steps(tree, due, version, newest)
     after = written_tree(tree)
     if "\r\n" in text:
         after = after.replace("\n", "\r\n")
+    # Read back before it is given: behind an alias another place may have changed, too.
     if _parse_tree(after) != wanted:
         raise DescriptionError(
             "$",

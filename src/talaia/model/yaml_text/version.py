@@ -19,6 +19,7 @@ def version_of(found: object, newest: int = FORMAT, oldest: int = OLDEST) -> int
 
     """
     where, remedy = "$.talaia", f"write: talaia: {newest}"
+    # For Python True is an int.
     if found is None or isinstance(found, bool) or not isinstance(found, int):
         said = "it is missing" if found is None else f"found {found!r}"
         raise DescriptionError(where, f"expected the format version {newest}, {said}", remedy)
