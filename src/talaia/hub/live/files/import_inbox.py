@@ -29,10 +29,12 @@ __all__ = ["ANSWER", "BAD", "ImportInbox", "ImportResult", "answer_of"]
 
 _LOG = logging.getLogger(__name__)
 ANSWER, BAD = ".done", ".bad"
+# How often the folder is looked at (s).
 _LOOK_S = 0.5
 # Stretches of about four thousand samples that share a commit, and the rest after each.
 _AT_ONCE = 8
 _REST_S = 0.005
+# An answer that nobody has fetched by then is deleted (s).
 _ANSWERS_KEPT_S = 3600.0
 
 
@@ -59,12 +61,14 @@ class ImportInbox:
         self._history = history
         self._folder = folder
         self._taken = taken
+        # It was said that the database does not take imports; once for each failure.
         self._waits = False
 
     async def run(self) -> None:
         """Take parcels as they come, until cancelled."""
         await asyncio.to_thread(self._tidy)
         while True:
+            # Sorted, so that the order does not hang on the file system.
             for path in sorted(self._folder.glob(f"*{READY}")):
                 await self._try(path)
             await asyncio.sleep(_LOOK_S)
@@ -79,10 +83,13 @@ class ImportInbox:
         """
         head, stretches = await asyncio.to_thread(read_parcel, path)
         stored = there = 0
+        # By address: what of this file was stored before this attempt.
         before: dict[str, int] = {}
         while group := await asyncio.to_thread(lambda: list(islice(stretches, _AT_ONCE))):
             for batch in group:
                 if batch.address not in before:
+                    # The file's digest and the address name a run, so a second import stores
+                    # nothing twice.
                     boot = boot_of(head.digest, batch.address)
                     before[batch.address] = await self._history.stored_below(head.site, boot)
             await asyncio.gather(*(self._append(head, batch) for batch in group))
@@ -93,6 +100,7 @@ class ImportInbox:
             await asyncio.sleep(_REST_S)
         taken = ImportResult(stored, there)
         await self._taken(head, taken)
+        # Last: until then the file stays, and is taken again after a crash.
         await asyncio.to_thread(self._answer, path, taken)
         _LOG.info(
             "%s is in the history of %s: %d samples, and %d were there already",
@@ -112,10 +120,12 @@ class ImportInbox:
     async def _try(self, path: Path) -> None:
         try:
             await self.import_file(path)
+        # Whoever put it there has taken it back.
         except FileNotFoundError:
             return
         except ParcelDamaged as error:
             _LOG.error("an import is set aside: %s", error)
+            # Kept for people under another name, and not tried again.
             await asyncio.to_thread(path.rename, path.with_suffix(BAD))
         except (HistoryError, OSError) as error:
             if not self._waits:
@@ -126,8 +136,10 @@ class ImportInbox:
 
     def _answer(self, path: Path, taken: ImportResult) -> None:
         partial = path.with_suffix(ANSWER + ".tmp")
+        # Under another name first: whoever waits never reads half of it.
         partial.write_text(json.dumps(taken._asdict()))
         partial.replace(path.with_suffix(ANSWER))
+        # After the answer is there, or whoever waits would find neither.
         path.unlink()
 
     def _tidy(self) -> None:

@@ -55,9 +55,13 @@ FOLDER = "recordings"
 _MESSAGES, _FILM, _PART, _ABOUT = ".mcap", ".mp4", ".part", ".json"
 # Of a film beside which nothing says whose it is.
 _UNKNOWN = "unknown"
+# Ids become names of files: no dot and no slash, so none leaves its folder.
 _ID = re.compile(r"[0-9A-Za-z]{1,32}(-[0-9a-z]{1,16})?", re.ASCII)
+# Sites become names of folders, and the same holds.
 _SITE = re.compile(r"[a-z][a-z0-9_]{0,62}", re.ASCII)
+# One that does not read must not hold up the end (s).
 _FAREWELL_S = 0.5
+# What a socket raises when the other side has gone or does not take anything.
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 # The row says how far it is after so many bytes; the file itself knows it exactly.
 _SPARE_BYTES = 256 * 1024 * 1024
@@ -70,7 +74,9 @@ class GatewayFiles:
     def __init__(self, socket: WebSocket) -> None:
         """Speak over ``socket``, which is accepted already."""
         self._socket = socket
+        # Somebody has dismissed it.
         self._over = asyncio.Event()
+        # Why; the first reason stays.
         self._reason = ""
 
     def dismiss(self, reason: str) -> None:
@@ -86,6 +92,7 @@ class GatewayFiles:
             if isinstance(result, PeerError):
                 reason, code = result.problem, result.code
             elif isinstance(result, StoreDown):
+                # 1013: try again later; what has come stays.
                 reason, code = "the hub cannot store anything now; try again later", 1013
             elif isinstance(result, Exception) and not isinstance(result, _GONE):
                 raise result
@@ -97,6 +104,7 @@ class GatewayFiles:
             return
 
     async def _read(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
+        # The file that is being sent on this connection: pieces name it by its id.
         offered: FileOffer | FilmOffer | ArchiveOffer | None = None
         while True:
             event = await self._socket.receive()
@@ -142,10 +150,13 @@ class Recordings:
 
     def __init__(self, rows: RecordingList, audit: Audit, data: Path, most_bytes: int) -> None:
         """Keep files in ``data``; above ``most_bytes`` the oldest go (0: no limit)."""
+        # One row for each recording; files are the truth, see `open`.
         self._rows = rows
         self._audit = audit
         self._folder = data / FOLDER
+        # All recordings together (bytes); 0: as much as the disk holds.
         self._most_bytes = most_bytes
+        # How far each was when its row last said so; only of those that are coming.
         self._told: dict[tuple[str, str], int] = {}
         # One thing at a time for each recording: two connections may bring the same.
         self._turn = asyncio.Lock()
@@ -164,6 +175,7 @@ class Recordings:
 
     async def find(self, site: str, name: str) -> Recorded | None:
         """Find one."""
+        # Ids from a request are checked before they become a path.
         return await self._rows.find(site, name) if _ID.fullmatch(name) else None
 
     async def open(self) -> None:
@@ -177,6 +189,7 @@ class Recordings:
         found = await asyncio.to_thread(self._scan)
         for key, recorded in found.items():
             before = rows.get(key)
+            # What lies in the folder counts, whatever its row says.
             if before is None or before.state is not recorded.state:
                 _LOG.info("the recording %s of %s is in the list again", key[1], key[0])
                 await self._rows.save_recording(recorded)
@@ -191,6 +204,7 @@ class Recordings:
         """Answer an offer: how much of it is here."""
         async with self._turn:
             row = await self._rows.find(site, offer.id)
+            # The same id with another content: a complete recording is never written over.
             if row is not None and row.digest != offer.digest:
                 return FileProgress(id=offer.id, refused="another recording has that name already")
             if row is not None and row.state is RecordingState.COMPLETE:
@@ -228,6 +242,8 @@ class Recordings:
             raise PeerError("a piece that does not lie inside its file")
         async with self._turn:
             row = await self._rows.find(site, offer.id)
+            # Deleted while it came: the rest is refused, or it would come back without its
+            # beginning.
             if row is None or row.state is RecordingState.FAILED or row.digest != offer.digest:
                 return FileProgress(id=offer.id, refused="it was deleted here")
             if row.state is RecordingState.COMPLETE:
@@ -271,11 +287,14 @@ class Recordings:
             return True
         key = (coming.site, coming.id)
         rows = [row for row in await self._rows.all() if (row.site, row.id) != key]
+        # Those have no file that takes room.
         rows = [row for row in rows if row.state is not RecordingState.FAILED]
         total = coming.size + sum(row.size for row in rows)
+        # From the oldest on: the list has the newest first.
         for oldest in reversed(rows):
             if total <= self._most_bytes:
                 break
+            # What is still coming is not deleted under its gateway.
             if oldest.state is RecordingState.COMPLETE:
                 await self._delete(oldest)
                 total -= oldest.size
@@ -288,6 +307,7 @@ class Recordings:
         return total <= self._most_bytes
 
     async def _delete(self, recorded: Recorded) -> None:
+        # The file first: a row without a file is found at the next start, and says so.
         await asyncio.to_thread(self._unlink, recorded)
         await self._rows.remove(recorded.site, recorded.id)
 
@@ -306,11 +326,13 @@ class Recordings:
         if shutil.disk_usage(folder).free < recorded.size + _SPARE_BYTES:
             raise OSError("the disk is full")
         about = self._file(recorded, _ABOUT)
+        # Under another name first: a hub that is killed leaves no half of it.
         partial = about.with_suffix(".json.tmp")
         partial.write_text(json.dumps({**recorded._asdict(), "state": recorded.state.value}))
         partial.replace(about)
         part = self._part(recorded)
         have = part.stat().st_size if part.exists() else 0
+        # Of another file with that name: it cannot be its beginning.
         if have > recorded.size:
             part.unlink()
             have = 0
@@ -323,6 +345,8 @@ class Recordings:
             # Only what follows: a piece that came twice is there already.
             if piece.at == have:
                 done = os.pwrite(number, piece.data, piece.at)
+                # A full disk may take a part of it: taken back, so that the file ends with a whole
+                # piece.
                 if done < len(piece.data):
                     os.ftruncate(number, have)
                     raise OSError("the disk is full")
@@ -335,10 +359,12 @@ class Recordings:
         part = self._part(recorded)
         with part.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
+            # On disk before it is called complete: the gateway need not keep its own after that.
             os.fsync(file.fileno())
         if digest != recorded.digest:
             part.unlink()
             return False
+        # Only a whole file has the name without `.part`.
         part.rename(self.path(recorded))
         return True
 
@@ -367,6 +393,7 @@ class Recordings:
         with suppress(OSError, ValueError, TypeError, KeyError):
             about = json.loads((path.parent / (name + _ABOUT)).read_text())
             told = Recorded(**{**about, "topics": tuple(about["topics"])})
+            # What lies there decides, not what was written about it.
             return told._replace(
                 site=site, id=name, state=state, have=size, size=size if whole else told.size
             )

@@ -31,7 +31,9 @@ if TYPE_CHECKING:
 __all__ = ["Keeper", "UploadRefused", "Uploads"]
 
 log = logging.getLogger(__name__)
+# Stays free on the disk for the database and the rest of the machine.
 _SPARE_BYTES = 512 * 1024 * 1024
+# A piece of a file that nobody has gone on with for so long is deleted (s).
 _FORGET_S = 14 * 86_400
 
 
@@ -58,8 +60,11 @@ class Uploads:
 
     def __init__(self, folder: Path, keepers: Mapping[str, Keeper], most_bytes: int) -> None:
         """Gather in ``folder``; a file of more than ``most_bytes`` is refused."""
+        # One folder for each site; parts of files by the id of their offer.
         self._folder = folder
+        # Who keeps a file that is whole, by its kind.
         self._keepers = keepers
+        # Largest file (bytes).
         self._most = most_bytes
         # One thing at a time: two connections may bring the same.
         self._turn = asyncio.Lock()
@@ -82,8 +87,10 @@ class Uploads:
             StoreDown: it cannot be taken now.
 
         """
+        # The sum is of this piece alone; the whole has its SHA-256 in the offer.
         if crc32(piece.data) != piece.check:
             raise PeerError("a piece that is not what its sum says")
+        # The size was checked when it was offered: pieces must not get around that.
         if piece.at + len(piece.data) > offer.size or not piece.data:
             raise PeerError("a piece that does not lie inside its file")
         async with self._turn:
@@ -120,12 +127,14 @@ class Uploads:
     async def _finish(self, site: str, offer: ArchiveOffer) -> FileProgress:
         path = self._path(site, offer)
         if await asyncio.to_thread(_digest, path) != offer.digest:
+            # Which piece is wrong cannot be told, so all of it comes once more.
             path.unlink(missing_ok=True)
             log.warning("a file of %s came damaged; it is sent again", site)
             return FileProgress(id=offer.id)
         try:
             await self._keepers[offer.kind](site, offer, path)
         except UploadRefused:
+            # Refused for good: it would only fill the disk.
             path.unlink(missing_ok=True)
             raise
         return FileProgress(id=offer.id, have=offer.size, done=True)
@@ -136,12 +145,14 @@ class Uploads:
     def _found(self, site: str, offer: ArchiveOffer) -> int:
         path = self._path(site, offer)
         path.parent.mkdir(parents=True, exist_ok=True)
+        # Only when something comes: there is no task that tidies.
         for old in path.parent.glob("*.part"):
             if time.time() - old.stat().st_mtime > _FORGET_S:
                 old.unlink(missing_ok=True)
         size = path.stat().st_size if path.exists() else 0
         if shutil.disk_usage(path.parent).free < offer.size - size + _SPARE_BYTES:
             raise OSError("the hub's disk is full")
+        # Longer than what is offered: it was another file.
         if size > offer.size:
             path.unlink()
             size = 0
@@ -151,6 +162,7 @@ class Uploads:
 
 
 def _append(path: Path, piece: FilePiece) -> int:
+    # Readable by the hub's own account only.
     number = os.open(path, os.O_WRONLY | os.O_CREAT, 0o600)
     try:
         have = os.fstat(number).st_size

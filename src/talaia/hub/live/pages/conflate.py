@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 __all__ = ["EMPTY", "conflate", "frames_of", "join", "newest", "pick", "weight"]
 
 EMPTY = Columns(np.empty(0, np.uint16), np.empty(0, np.int64), np.empty(0, np.float64), {})
+# uint16, int64 and float64.
 _BYTES_A_SAMPLE = 18
+# A `str`, its place in the dict and the key, about.
 _BYTES_A_TEXT = 120
 
 
@@ -31,6 +33,7 @@ def pick(columns: Columns, keep: NDArray[np.bool_]) -> Columns:
     """Give the samples where ``keep`` is true; texts move to their new places."""
     texts = columns.texts
     if texts:
+        # For each sample that stays its new place.
         place = np.cumsum(keep) - 1
         texts = {int(place[at]): text for at, text in texts.items() if keep[at]}
     return Columns(columns.channel[keep], columns.time_us[keep], columns.value[keep], texts)
@@ -58,10 +61,12 @@ def join(pieces: list[Columns]) -> Columns:
 
 def conflate(columns: Columns) -> Columns:
     """Keep of each channel the first, the least, the greatest and the last sample, in order."""
+    # Up to four of each channel are not worth the work.
     if not len(columns) or np.bincount(columns.channel).max() <= 4:
         return columns
     channel, value = columns.channel, columns.value
     keep = np.zeros(len(columns), bool)
+    # Stable: the order within a channel is that of time of arrival.
     by_channel = np.argsort(channel, kind="stable")
     ordered = channel[by_channel]
     starts = np.flatnonzero(np.r_[True, ordered[1:] != ordered[:-1]])
@@ -72,6 +77,7 @@ def conflate(columns: Columns) -> Columns:
     by_value = np.lexsort((value, channel))
     numbers = np.add.reduceat(~np.isnan(value[by_value]), starts, dtype=np.int64)
     keep[by_value[starts]] = True
+    # With NaN only, the first stands for all.
     keep[by_value[starts + np.maximum(numbers, 1) - 1]] = True
     return pick(columns, keep)
 
@@ -95,6 +101,7 @@ def frames_of(columns: Columns) -> list[PackedColumns]:
     spans = int(times.max()) - int(times.min()) > MAX_SPAN_US
     if len(columns) <= MAX_SAMPLES and not spans:
         return [pack(columns)]
+    # Halved, for neither count nor span can be told in advance; each half is packed by itself.
     half = len(columns) // 2
     first = np.zeros(len(columns), bool)
     first[:half] = True

@@ -36,13 +36,20 @@ _MOST_GATHERED = 20_000
 class _Group:
     """Those who asked for the same channels of a site at the same pace."""
 
+    # The site's short name.
     site: str
     selection: Selection
+    # At most one sending in so many ms; 0: each batch as it comes.
     every_ms: int
+    # By page and its own number of the subscription, with what it asked for.
     members: dict[tuple[Browser, int], Subscribe] = field(default_factory=dict)
+    # What has gathered since the last sending; empty with `every_ms` 0.
     pieces: list[Columns] = field(default_factory=list)
+    # Samples in `pieces`.
     gathered: int = 0
+    # Not before this moment is sent again (monotonic).
     due_ns: int = 0
+    # Set while something waits for `due_ns`.
     timer: asyncio.TimerHandle | None = None
 
 
@@ -71,7 +78,9 @@ class Fanout:
         group.members[browser, asked.sub] = asked
         self._of[browser, asked.sub] = group
         browser.send_message(Subscribed(sub=asked.sub, refused=list(selection.refused)))
+        # The outbox asks by it for newest values when they go out.
         browser.known = self.known
+        # The newest value of every channel, before any sample that comes from now on.
         browser.owe(asked.sub, (selection.channels >= 0).nonzero()[0].tolist(), first=True)
 
     def unsubscribe(self, browser: Browser, sub: int) -> None:
@@ -82,6 +91,7 @@ class Fanout:
             return
         del group.members[browser, sub]
         if not group.members:
+            # Otherwise it would send for a group that is not there any more.
             if group.timer is not None:
                 group.timer.cancel()
             of_site = self._groups[group.site]
@@ -103,6 +113,7 @@ class Fanout:
 
     def redescribe(self, live: LiveSite) -> None:
         """Start every subscription of a site anew, after its channels changed."""
+        # A list first: `subscribe` changes the groups that it comes from.
         members = [
             (member[0], asked)
             for group in list(self._groups.get(live.name, {}).values())
@@ -126,11 +137,13 @@ class Fanout:
         group.pieces.append(picked)
         group.gathered += len(picked)
         if group.gathered > _MOST_GATHERED:
+            # Bounded by its channels: at most four samples of each stay.
             group.pieces = [conflate(join(group.pieces))]
             group.gathered = len(group.pieces[0])
         if group.timer is not None:
             return
         wait_ns = group.due_ns - self._clock.monotonic_ns()
+        # Nothing was sent for a whole interval: this goes at once.
         if wait_ns <= 0:
             self._flush(group)
         else:
@@ -158,13 +171,16 @@ class Fanout:
             return []
         at = np.array(places, np.int64)
         numbers = group.selection.channels[at]
+        # Those that were refused have no number.
         at, numbers = at[numbers >= 0], numbers[numbers >= 0]
         columns, ages = live.latest.of(numbers, self._clock.monotonic_ns())
+        # Numbered by the places in the page's own list.
         columns = Columns(
             at[columns.channel].astype("<u2"), columns.time_us, columns.value, columns.texts
         )
         told, begin = [], 0
         for message in values_of(sub, columns):
+            # Channels are packed as two bytes each.
             end = begin + len(message.channel) // 2
             told.append(msgspec.structs.replace(message, age_ms=ages[begin:end]))
             begin = end
@@ -190,6 +206,7 @@ def _send(group: _Group, columns: Columns) -> None:
     """Encode once for all who use the same number, and put it in each outbox."""
     if not len(columns):
         return
+    # By the page's number of the subscription and its form.
     encoded: dict[tuple[int, bool], Frame | None] = {}
     for browser, sub in group.members:
         key = (sub, browser.text)

@@ -32,6 +32,7 @@ def interlock_news(
     """
     rule = live.description.interlocks.get(name)
     if rule is None:
+        # The gateway may still speak of one that was taken out.
         return None
     state, heard_ns = live.current.interlocks[name]
     # Reasons name values and people: only for those who may view the whole site.
@@ -40,6 +41,7 @@ def interlock_news(
     seen = [command for command in rule.refuse if _sees(live, grants, command)]
     slowed = [command for command in rule.slow if _sees(live, grants, command)]
     passed_ms = (mono_ns - heard_ns) // MS
+    # For how long is said by the gateway; since when follows from the hub's own clocks.
     since_us = (wall_ns // MS - state.for_ms - passed_ms) * 1000
     return InterlockUpdate(
         site=live.name,
@@ -53,11 +55,13 @@ def interlock_news(
         refuses=[_named(live.description, address) for address in seen],
         targets=seen,
         slows=[
+            # U+202F is a narrow no-break space: SI has a space before the sign.
             f"{_named(live.description, command)} to {rule.slow[command] * 100:.0f}\u202f%"
             for command in slowed
         ],
         slowed=slowed,
         overridable=longest_override(rule) > 0 and not state.no_override,
+        # That it is overridden must be seen by all, by whom only by those who may view.
         overridden_by=state.overridden_by if views or not state.overridden_by else "an admin",
         reason=state.reason if views else "",
         override_ms=max(0, state.override_ms - passed_ms),

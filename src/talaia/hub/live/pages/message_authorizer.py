@@ -57,6 +57,7 @@ class MessageAuthorizer:
         described = live.description if live else None
         tag = str(type(message).__struct_config__.tag)
         if allows(need, grants, described, device):
+            # Rights of before are not trusted for long, but STOP and letting go need no trust.
             if need is AccessNeed.SESSION or self._rights.sure or _makes_safe(message):
                 return None
             return RequestError(
@@ -64,6 +65,7 @@ class MessageAuthorizer:
                 message=_UNSURE_SUBSCRIBED if isinstance(message, Subscribe) else _UNSURE,
                 about=tag,
             )
+        # Whoever may not even see it must not learn that it is there.
         if need is not AccessNeed.NEVER and not allows(AccessNeed.SEE, grants, described, device):
             what = f"device {device!r} at site {site!r}" if device else f"site {site!r}"
             return RequestError(code="unknown", message=f"there is no {what}", about=tag)

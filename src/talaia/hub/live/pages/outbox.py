@@ -29,9 +29,11 @@ if TYPE_CHECKING:
 __all__ = ["Frame", "Outbox", "values_of"]
 
 Frame = bytes | str
+# Bytes that may wait for one browser.
 BUDGET = 8 * 1024 * 1024
 # Of the budget: notes and states together; the rest is for values.
 _NOTES_SHARE = 4
+# Bytes alone would let very many short ones wait.
 _MOST_NOTES = 1024
 # A frame that is under way when another is built: the piece taken, and its bytes.
 _HEADROOM = 4
@@ -43,9 +45,11 @@ _OWED_AT_ONCE = 500
 class _Pending:
     """The samples of one subscription that wait."""
 
+    # In the order they came; joined only when they are thinned or sent.
     pieces: list[Columns] = field(default_factory=list)
     # The bytes of the only piece, as all browsers get them.
     frame: Frame | None = None
+    # Bytes, near enough; see `conflate.weight`.
     weight: int = 0
 
 
@@ -67,6 +71,7 @@ class Outbox:
 
         """
         self._encode = encode
+        # Asked when owed values go out, so that they are the newest then.
         self._known = known
         # What is owed before the values that wait, and behind them.
         self._owed_first: dict[int, set[int]] = {}
@@ -112,7 +117,9 @@ class Outbox:
         before = self._states.pop(key, None)
         self._states_weight += len(frame) - (len(before) if before is not None else 0)
         self._states[key] = frame
+        # The last one stays however large it is, or nothing would ever be said.
         while self._states_weight > self._notes_budget and len(self._states) > 1:
+            # The one that has gone longest without news goes first.
             self._states_weight -= len(self._states.pop(next(iter(self._states))))
             self.dropped_notes += 1
 
@@ -123,6 +130,7 @@ class Outbox:
         pending = self._values.get(sub)
         if pending is None:
             pending = self._values[sub] = _Pending()
+        # The bytes are those of one piece alone: a second makes them useless.
         pending.frame = frame if not pending.pieces else None
         pending.pieces.append(columns)
         added = weight(columns)
@@ -151,6 +159,7 @@ class Outbox:
 
         The rest stays, open to conflation, until the browser has taken these.
         """
+        # Short messages first: they tell of STOP, leases and alarms.
         if self._notes or self._states:
             frames = [*self._notes, *self._states.values()]
             self._notes.clear()
@@ -161,6 +170,7 @@ class Outbox:
             return self._take_owed(self._owed_first)
         if not self._values:
             return self._take_owed(self._owed) if self._owed else []
+        # The one that has waited longest.
         sub = next(iter(self._values))
         pending = self._values.pop(sub)
         self._values_weight -= pending.weight

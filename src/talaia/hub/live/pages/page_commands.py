@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PageCommands"]
 
+# Of one site: each waits for an answer that a gateway may never give.
 _MOST_PENDING = 1000
 
 Asked = (
@@ -55,6 +56,7 @@ class PageCommands:
             return
         match asked:
             case page.PageLease():
+                # Before it is sent: a page that goes now must free what it may still get.
                 if asked.op is not LeaseOp.FREE:
                     self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
                 live.link.send(_lease_ask(browser, asked.device, asked.op))
@@ -83,6 +85,7 @@ class PageCommands:
                         token=asked.token,
                     )
                 )
+                # A first request without a token only asks for one.
                 if asked.token:
                     self._append_record(live, "stop reset asked", browser.who.name, asked.device)
             case page.PageCommand():
@@ -99,6 +102,7 @@ class PageCommands:
 
     def leave(self, browser: Browser) -> None:
         """Free, at once, what a page that has gone was holding or was about to get."""
+        # All that it ever asked for: freeing what it does not hold changes nothing.
         for site, device in self._asked.pop(browser.key, set()):
             live = self._sites.get(site)
             if live is not None and live.link is not None:
@@ -106,6 +110,7 @@ class PageCommands:
 
     def _drive(self, browser: Browser, live: LiveSite, asked: page.PageDrive) -> None:
         # The gateway checks all of this again; what cannot be right is not even sent.
+        # A sum is finite only if all of its parts are: NaN and infinities are refused.
         if live.link is None or not math.isfinite(asked.linear + asked.angular + asked.held_ms):
             self._refuse(browser, asked, "invalid", "a driving frame holds plain numbers")
             return
@@ -156,10 +161,12 @@ class PageCommands:
         if problem:
             self._refuse(browser, asked, "invalid", problem)
             return
+        # An id that comes twice is a repeat: the robot must not do it twice.
         if asked.id in live.current.pending or len(live.current.pending) >= _MOST_PENDING:
             self._refuse(browser, asked, "busy", "this command is under way already")
             return
         who = browser.who.name
+        # Before it is sent, so that an end that comes at once finds it.
         live.current.pending[asked.id] = Pending(asked.id, asked.device, asked.command, who)
         live.link.send(
             frames.CommandRequest(
@@ -181,6 +188,7 @@ class PageCommands:
     def _refuse(self, browser: Browser, asked: Asked, code: str, message: str) -> None:
         about = str(type(asked).__struct_config__.tag)
         browser.send_message(page.RequestError(code=code, message=message, about=about))
+        # A page waits for the end of its command by id; a refusal is one too.
         if isinstance(asked, page.PageCommand):
             browser.send_message(
                 page.CommandUpdate(
@@ -193,6 +201,7 @@ class PageCommands:
                     who=browser.who.name,
                 )
             )
+        # Driving frames come many times a second: refusals of them would fill the log.
         if not isinstance(asked, page.PageDrive):
             self._audit.append_record(
                 f"{about} refused",
@@ -219,10 +228,12 @@ def _no_override(live: LiveSite, rule: Interlock, asked: page.PageOverride) -> s
     if asked.seconds > longest:
         most = f"at most {longest:g} s" if longest else "never"
         return f"{rule.name} may be overridden {most}"
+    # 0 s ends an override, and that is always allowed.
     if not asked.seconds:
         return ""
     if not asked.reason.strip():
         return "say why it is overridden"
+    # The gateway judges again; this only answers sooner.
     known = live.current.interlocks.get(asked.interlock)
     if known is not None and not known[0].locked:
         return f"{rule.name} locks nothing now, so there is nothing to override"

@@ -61,6 +61,7 @@ __all__ = ["SESSION_OVER", "Browser", "Browsers"]
 SESSION_OVER = 4401
 # A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
 _SILENT_S = 150.0
+# A browser that does not read must not hold up the end of its socket (s).
 _FAREWELL_S = 0.3
 # While the hub cannot tell who may do what, this many subscriptions are kept for later, and it is
 # looked so often whether it can again (s).
@@ -78,11 +79,14 @@ class Browser:
 
     def __init__(self, socket: WebSocket, who: Who, gate: MessageAuthorizer, *, text: bool) -> None:
         """Speak JSON with ``text``, else MessagePack."""
+        # Never replaced: a change of rights ends the socket, and the page loads anew.
         self.who = who
         # Names this page to gateways: a lease is held by a page, not by a person.
         self.key = new_token()
+        # Which form it reads: JSON, else MessagePack.
         self.text = text
         self._socket = socket
+        # Holds every message in both directions against rights.
         self._gate = gate
         # Asked for the newest values of a subscription's channels, by their places in its list.
         self.known: Callable[[Browser, int, list[int]], list[Values]] = lambda *_: []
@@ -114,6 +118,7 @@ class Browser:
 
         ``encoded`` keeps its bytes, by form, for others who get the same.
         """
+        # Rights are looked at for each message, so a message has to name what it is about.
         if self._over.is_set() or not self._gate.may_get(self.who.grants, message):
             return
         encoded = {} if encoded is None else encoded
@@ -145,6 +150,7 @@ class Browser:
 
     def end(self, reason: str) -> None:
         """Tell the person that the session is over and close; nothing else is sent or heard."""
+        # The first reason stays.
         self._reason = self._reason or reason
         self._over.set()
 
@@ -164,6 +170,7 @@ class Browser:
         results = await until_first(
             self._read(handle), self._write(), self._grant(handle), self._over.wait()
         )
+        # Before the farewell, which takes a while: leases of this page are free at once.
         left()
         if self._over.is_set():
             await self._farewell(SESSION_OVER, SessionEnded(reason=self._reason))
@@ -177,6 +184,7 @@ class Browser:
 
     async def _read(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
         while True:
+            # The page pings by itself, so silence is a connection that is dead.
             async with asyncio.timeout(_SILENT_S):
                 event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
@@ -189,14 +197,17 @@ class Browser:
                     RequestError(code="unknown", message=str(error), about=error.kind[:200])
                 )
                 continue
+            # What was read before the end was known is not done any more.
             if self._over.is_set():
                 return
+            # What a page does by itself does not keep its session alive.
             self._used = self._used or _by_hand(message)
             self._judge(message, handle)
 
     def _judge(self, message: FromBrowser, handle: Callable[[Browser, FromBrowser], None]) -> None:
         """Do what may be done, and say why not; a subscription that must wait is kept."""
         if isinstance(message, Subscribe | Unsubscribe):
+            # A newer wish, or none, takes the place of one that waits.
             self._wishes.pop(message.sub, None)
         problem = self._gate.refusal(self.who.grants, message)
         if problem is None:
@@ -219,6 +230,7 @@ class Browser:
             for sub, message in list(self._wishes.items()):
                 problem = self._gate.refusal(self.who.grants, message)
                 if problem is not None and problem.code == STORE:
+                    # Rights are not known yet: the others would get the same answer.
                     break
                 del self._wishes[sub]
                 if problem is None:
@@ -231,6 +243,7 @@ class Browser:
     async def _write(self) -> None:
         while True:
             await self._wake.wait()
+            # Before the outbox is emptied: what is added meanwhile sets it again.
             self._wake.clear()
             while self._outbox:
                 for frame in self._outbox.next_frames():
@@ -261,6 +274,7 @@ class Browsers:
 
     def __init__(self) -> None:
         """Start with none."""
+        # By key.
         self._browsers: dict[str, Browser] = {}
 
     def __iter__(self) -> Iterator[Browser]:
@@ -281,6 +295,7 @@ class Browsers:
 
     def broadcast_message(self, message: ToBrowser) -> None:
         """Send a message to everyone who may get it."""
+        # Written once in each form, for all who read it.
         encoded: dict[bool, Frame] = {}
         for browser in self:
             browser.send_message(message, encoded)

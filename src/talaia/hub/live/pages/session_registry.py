@@ -60,6 +60,7 @@ class SocketSessions:
     def __init__(self, register: CredentialLookup, clock: Clock, settings: Settings) -> None:
         """Ask ``register`` who is still signed in."""
         self._register = register
+        # Monotonic for how old a check is, wall for the ends of sessions, which the database has.
         self._clock = clock
         # How long before its end a session is warned (µs).
         self._warn_us = round(min(settings.warn_s, settings.idle_s / 2) * 1e6)
@@ -90,6 +91,7 @@ class SocketSessions:
 
     def end_session(self, session: str, reason: str) -> None:
         """Close every socket of a session, at once."""
+        # A copy: a socket that ends leaves the set.
         for seat in list(self._seats):
             if seat.who.session == session:
                 seat.end(reason)
@@ -106,16 +108,19 @@ class SocketSessions:
         a person removed, a role or its permissions changed.
         """
         failing = False
+        # Counted from here: nothing has been checked yet.
         self._checked_ns = self._clock.monotonic_ns()
         while True:
             await asyncio.sleep(every_s)
             try:
+                # A database that hangs must not hold up the ends that time brings.
                 async with asyncio.timeout(_CHECK_S):
                     await self.check()
             except (StoreDown, TimeoutError) as error:
                 if not failing:
                     _LOG.error("sessions cannot be checked; commands are refused: %s", error)
                 failing = True
+                # What the database said last holds on: whoever would have ended by time ends.
                 self._end_by_time()
             else:
                 if failing:
@@ -136,6 +141,7 @@ class SocketSessions:
             StoreDown: it cannot be told.
 
         """
+        # When it began, not when it ended: rights may have changed during a slow answer.
         began_ns = self._clock.monotonic_ns()
         seats = list(self._seats)
         living = await self._register.living({seat.who.session for seat in seats}) if seats else {}
@@ -148,6 +154,8 @@ class SocketSessions:
             if now is None:
                 seat.end(_OVER)
             elif now.who != seat.who:
+                # A new page has the new rights from the start; an open one may show what is not its
+                # any more.
                 seat.end("your rights have changed; the page loads again")
             else:
                 self._warn(seat, now)
@@ -160,6 +168,7 @@ class SocketSessions:
         """Tell, once, that the end is near; and once that it is not any more."""
         ends_us = min(alive.idle_ends_us, alive.ends_us)
         near = ends_us - self._now_us() <= self._warn_us
+        # Another end is told anew: use may have moved it.
         if near and self._warned.get(seat) != ends_us:
             self._warned[seat] = ends_us
             seat.tell_end(ends_us, idle=alive.idle_ends_us < alive.ends_us)

@@ -43,6 +43,7 @@ class Selection:
         """Give the samples of a batch that belong to this, numbered as the asker did."""
         place = self.place[columns.channel]
         keep = place >= 0
+        # Where all belong to it nothing is copied.
         if not keep.all():
             columns, place = pick(columns, keep), place[keep]
         return Columns(place.astype(np.uint16), columns.time_us, columns.value, columns.texts)
@@ -58,12 +59,15 @@ def select_channels(
     refused = []
     for at, address in enumerate(addresses):
         wanted = number.get(address)
+        # What may not be seen is answered like what is not there.
         if wanted is None or not sees_signal(
             grants, site, channels[wanted].device, channels[wanted].signal
         ):
             refused.append(address)
+        # Of an address that comes twice the second has no place of its own.
         elif place[wanted] < 0:
             place[wanted] = at
             found[at] = wanted
+    # What was refused leaves a gap, so that places are the asker's own.
     key = tuple(address if found[at] >= 0 else "" for at, address in enumerate(addresses))
     return Selection(key, place, found, tuple(refused))

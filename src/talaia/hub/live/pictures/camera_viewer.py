@@ -33,8 +33,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Viewer"]
 
+# A page that does not read must not hold up the end (s).
 _FAREWELL_S = 0.3
+# Problems that wait; the oldest goes.
 _MOST_NOTES = 8
+# What a socket raises when the other side has gone or does not take anything.
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
 
@@ -68,19 +71,28 @@ class Viewer:
         self.site = site
         self.stream = stream
         self.text = text
+        # Which form it gets and when, by how it answers.
         self.flow = PicturePacing(able)
+        # Pages that name no abilities are of older versions, which do not read problems.
         self.hears_problems = bool(able)
         # What is seen on the pictures is wanted, too.
         self.wants_boxes = False
         # Told that what it wants, or its need of a picture to begin with, may have changed.
         self.on_flow: Callable[[Viewer], None] = lambda _viewer: None
+        # The form that the camera was last asked for because of this page.
         self._told = self.flow.form
+        # Monotonic (µs).
         self._now_us = now_us
         self._socket = socket
+        # Problems that wait to be told.
         self._notes: deque[Frame] = deque(maxlen=_MOST_NOTES)
+        # What is seen on the newest picture; only the newest counts.
         self._boxes: Frame | None = None
+        # Something may be sent.
         self._wake = asyncio.Event()
+        # The session is over.
         self._over = asyncio.Event()
+        # Why, for the page.
         self._reason = ""
 
     def offer(self, ready: Ready) -> None:
@@ -115,6 +127,7 @@ class Viewer:
 
     def take_use(self) -> bool:
         """Looking at pictures is not doing anything."""
+        # To watch is no use of a session: a picture that is left open does not keep it alive.
         return False
 
     async def serve(self) -> None:
@@ -152,6 +165,7 @@ class Viewer:
     async def _write(self) -> None:
         while True:
             await self._wake.wait()
+            # Before all is sent: what comes meanwhile sets it again.
             self._wake.clear()
             while self._notes:
                 await self._send(self._notes.popleft())
@@ -165,6 +179,7 @@ class Viewer:
     def _ask_boxes(self, *, on: bool) -> None:
         if on != self.wants_boxes:
             self.wants_boxes = on
+            # Those of before are of pictures that have gone.
             self._boxes = None
             self.on_flow(self)
 

@@ -34,6 +34,8 @@ def pixels_of(data: bytes) -> NDArray[np.uint8]:
         raise Unreadable(_MISSING) from error
     try:
         height, width, *_ = simplejpeg.decode_jpeg_header(data)
+        # By the header alone, before any memory is given to it: a small file can claim a huge
+        # picture.
         if height * width > _MOST_PIXELS:
             raise Unreadable(f"a picture of {width} × {height} pixels is too large to be read")
         rgb: NDArray[np.uint8] = simplejpeg.decode_jpeg(data, colorspace="RGB")

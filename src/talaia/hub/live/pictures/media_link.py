@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 
 __all__ = ["GatewayCamera", "MediaLinks"]
 
+# One that does not read must not hold up the end (s).
 _FAREWELL_S = 0.5
+# What a socket raises when the other side has gone or does not take anything.
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
 
@@ -44,7 +46,9 @@ class GatewayCamera:
     def __init__(self, socket: WebSocket) -> None:
         """Speak over ``socket``, which is accepted already."""
         self._socket = socket
+        # Somebody has dismissed it.
         self._over = asyncio.Event()
+        # Why; the first reason stays.
         self._reason = ""
 
     def dismiss(self, reason: str) -> None:
@@ -101,6 +105,7 @@ class GatewayCamera:
                 case DetectedBoxes():
                     boxes(message)
                 case BeatReply():
+                    # The hub sends no beats here: the link's own tell how far the clocks are apart.
                     pass
 
 
@@ -115,6 +120,7 @@ class MediaLinks:
         self._media = media
         self._links = links
         self._clock = clock
+        # The open connection of each site; at most one, the newest.
         self._open: dict[str, GatewayCamera] = {}
 
     async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
@@ -122,6 +128,7 @@ class MediaLinks:
         camera, site = GatewayCamera(socket), key.site
         before = self._open.get(site)
         if before is not None:
+            # A gateway needs one; the older is likely a connection that is dead.
             before.dismiss("a newer connection was opened")
         self._open[site] = camera
         try:
@@ -133,13 +140,16 @@ class MediaLinks:
                     self._now_us,
                 )
         finally:
+            # A newer one may have its place already.
             if self._open.get(site) is camera:
                 del self._open[site]
 
     def _publish(self, site: str, picture: PictureFrame) -> None:
         live = self._sites.get(site)
+        # Its offset turns the time of a picture into ours, so no link: no pictures.
         if live is not None and isinstance(live.link, GatewayLink):
             self._media.shot(live, picture, live.link.offset)
 
     def _now_us(self) -> int:
+        # Monotonic, as for the link: both compare the same clocks.
         return self._clock.monotonic_ns() // 1000

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PictureFanout"]
 
+# Forms of the small size, by the words in which a gateway names them.
 _SMALL = {PictureForm.H264_SMALL.value, PictureForm.JPEG_SMALL.value}
 
 
@@ -34,7 +35,9 @@ class PictureFanout:
     def __init__(self, sites: Sites, clock: Clock, linger_s: float) -> None:
         """A stream rests ``linger_s`` after its last viewer has gone."""
         self._sites = sites
+        # Monotonic: by it pages are told when a picture was taken.
         self._clock = clock
+        # A camera goes on for so long after the last page has gone (s): pages are loaded anew.
         self._linger_s = linger_s
         # By site and stream: the sockets that watch.
         self._viewers: dict[tuple[str, str], set[Viewer]] = {}
@@ -46,6 +49,7 @@ class PictureFanout:
         self._boxed: set[tuple[str, str]] = set()
         # Who looks for the hub itself: in which form, and who is handed each picture.
         self._eyes: dict[tuple[str, str], tuple[PictureForm, Callable[[PictureFrame], None]]] = {}
+        # Why a stream cannot be shown, as its pages were last told; a picture ends it.
         self._troubles: dict[tuple[str, str], str] = {}
 
     def join(self, viewer: Viewer) -> None:
@@ -57,6 +61,7 @@ class PictureFanout:
         self._viewers.setdefault(key, set()).add(viewer)
         viewer.on_flow = self._flow
         self._flow(viewer)
+        # Whoever comes later is told as well.
         why = self._troubles.get(key)
         if why is not None:
             viewer.trouble(why)
@@ -103,6 +108,7 @@ class PictureFanout:
     def boxes(self, site: str, boxes: DetectedBoxes) -> None:
         """Hand what is seen on a picture to those who asked; written once for all of them."""
         key = (site, boxes.stream)
+        # On its way when nobody wanted it any more.
         if key not in self._boxed:
             return
         said = CameraPictureBoxes(seq=boxes.seq, time_us=boxes.time_us, things=boxes.things)
@@ -126,8 +132,10 @@ class PictureFanout:
     def shot(self, live: LiveSite, picture: PictureFrame, offset: ClockOffset) -> None:
         """Hand a picture to its viewers; written once for all who read the same form."""
         key = (live.name, picture.stream)
+        # A picture has come, so what was wrong is not any more.
         self._troubles.pop(key, None)
         eye = self._eyes.get(key)
+        # A picture that names no forms is for all.
         if eye is not None and (not picture.forms or eye[0] in picture.forms):
             eye[1](picture)
         wanting = [
@@ -136,6 +144,7 @@ class PictureFanout:
         if not wanting:
             return
         shot = self._shot(picture, offset)
+        # Written once in each form, for all pages that get it.
         written: dict[bool, Ready] = {}
         for viewer in wanting:
             ready = written.get(viewer.text)
@@ -199,6 +208,7 @@ class PictureFanout:
         if not wanted:
             del self._forms[key]
             self._troubles.pop(key, None)
+        # Before it is asked for: `watch` tells all of a site from these.
         (self._boxed.add if boxed else self._boxed.discard)(key)
         self.watch(key[0])
 

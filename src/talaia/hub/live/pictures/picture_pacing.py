@@ -26,6 +26,7 @@ CREDIT = 2
 # Of a film: so many, and none while one takes longer than the quickest by this (µs).
 _MOST_UNDER_WAY = 32
 _LATE_US = 100_000
+# What an answer is taken to need before the first has come (µs).
 _UNKNOWN_US = 300_000
 # What waits is given up when it has waited for so long (µs); a second time within so long (µs), and
 # the line carries less than that form: a machine's one hiccup is no slow line.
@@ -38,7 +39,9 @@ _SLOW_US = 250_000
 _CLIMBS_AT, _CLIMBS_AT_SINGLE, _TELLING, _WEIGHTLESS = 400_000, 800_000, 4_000, 2_500
 _PROBE_US, _LONGEST_US = 5_000_000, 160_000_000
 _PROBES = 3
+# A picture to begin with is asked for at most so often (µs).
 _ASK_AGAIN_US = 500_000
+# No answer is taken for quicker than this (µs), so that no speed is infinite.
 _RESTS_US = 1_000
 # The quickest forgets itself a little with each answer: paths change.
 _FORGET = 1.001
@@ -69,22 +72,35 @@ class PicturePacing:
 
     def __init__(self, able: Collection[str]) -> None:
         """Begin with the best form of those the page is ``able`` to show."""
+        # The large form: a film where the page can show one.
         self._best = PictureForm.H264 if PictureForm.H264 in able else PictureForm.JPEG
+        # What it wants now; `STILL` while single pictures are all it wants.
         self.form = self._best
+        # For figures: pictures that were left out.
         self.skipped = 0
+        # What the connection has not taken yet.
         self._waiting: deque[Ready] = deque()
+        # Sent and not answered: number, when (µs), bytes.
         self._under: deque[tuple[int, int, int]] = deque()
         # A picture to begin with is missing: what goes on from others is of no use.
         self.broken = True
         # What comes is a film: a gateway that knows none sends JPEG for all forms.
         self._film = self._best is PictureForm.H264
+        # When a picture to begin with was last asked for (µs); the first may be at once.
         self._asked_us = -_ASK_AGAIN_US
+        # When the connection last took one, or the oldest of those that wait came (µs).
         self._since_us = 0
+        # When what waited was last given up (µs).
         self._gave_up_us = -_TWICE_US
+        # The quickest answer of late (µs); 0: none yet.
         self._least_us = 0.0
+        # What a picture takes that weighs next to nothing: the way itself (µs); 0: not known.
         self._way_us = 0.0
+        # Bytes per second of the last pictures that were large enough to tell.
         self._speeds: deque[float] = deque(maxlen=_PROBES)
+        # Since when none was late (µs).
         self._calm_us = 0
+        # So long it must be calm before it tries the large form; doubles with each attempt (µs).
         self._probe_us = _PROBE_US
 
     @property
@@ -131,6 +147,7 @@ class PicturePacing:
     def shown(self, seq: int, now_us: int) -> None:
         """Take the page's word that it has drawn a picture, and with it all before."""
         took = size = 0
+        # One answer stands for all before it: a page may leave pictures out.
         while self._under and self._under[0][0] <= seq:
             _, sent_us, size = self._under.popleft()
             took = max(_RESTS_US, now_us - sent_us)
@@ -162,6 +179,7 @@ class PicturePacing:
         if still == (self.form is PictureForm.STILL):
             return
         self.form = PictureForm.STILL if still else self._best
+        # They are of the other form.
         self._waiting.clear()
         self.broken = True
         self._asked_us = -_ASK_AGAIN_US
