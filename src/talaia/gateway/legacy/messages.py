@@ -33,9 +33,9 @@ __all__ = [
     "status_of",
 ]
 
-MAX_MESSAGE = 16 * 1024
-MAX_ACTIONS = 8
-UNKNOWN = "unknown"
+MAX_MESSAGE = 16 * 1024  # Bytes; a longer one ends the connection.
+MAX_ACTIONS = 8  # In one message.
+UNKNOWN = "unknown"  # Said of what is not known, or is too old.
 
 
 class LegacyRequestError(Exception):
@@ -53,7 +53,7 @@ class LegacyAction(NamedTuple):
 class _Value(NamedTuple):
     value: float
     text: str
-    mono_ns: int
+    mono_ns: int  # When it came (monotonic).
 
 
 class NewestValues:
@@ -67,10 +67,11 @@ class NewestValues:
         ``first`` has the number of each signal's first channel by its address; see
         `ChannelNumbering`.
         """
-        self._onward = onward
+        self._onward = onward  # Where all samples go after this.
         self._now_ns = now_ns
+        # By channel number; written by adapters' threads, one assignment each.
         self._values: dict[int, _Value] = {}
-        self._first = first
+        self._first = first  # By address; replaced whole, so threads see the old or the new one.
 
     def redescribe(self, first: Mapping[str, int]) -> None:
         """Know the signals of another description from here on."""
@@ -79,6 +80,7 @@ class NewestValues:
     def put_samples(self, columns: Columns) -> None:
         """See `SampleSink.put_samples`."""
         now = self._now_ns()
+        # In the order they came, so the last of a channel stays.
         for index, channel in enumerate(columns.channel.tolist()):
             value = float(columns.value[index])
             self._values[channel] = _Value(value, columns.texts.get(index, ""), now)
@@ -87,6 +89,7 @@ class NewestValues:
     def of(self, address: str, signal: Signal, now_ns: int) -> str:
         """Give a signal's newest value as a word; see `UNKNOWN`."""
         found = self._values.get(self._first[address])
+        # By the monotonic clock, as everywhere: a value that is too old is not shown as one.
         if found is None or now_ns - found.mono_ns > round(signal.max_age * SECOND):
             return UNKNOWN
         if signal.type is SignalType.TEXT:
@@ -133,6 +136,7 @@ def read_message(text: str | bytes, site: Site) -> list[LegacyAction]:
 
     """
     try:
+        # RecursionError: lists within lists, from a client that means ill.
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise LegacyRequestError(f"the message is not JSON: {error}") from error
@@ -142,10 +146,12 @@ def read_message(text: str | bytes, site: Site) -> list[LegacyAction]:
     devices = asked.get("action") if isinstance(asked, dict) else None
     if not isinstance(devices, dict) or not devices:
         raise LegacyRequestError('expected {"msg": "status"} or {"msg": {"action": {…}}}')
+    # All are read before the first is done: a message that is half wrong does nothing.
     actions: list[LegacyAction] = []
     for device_id, found in devices.items():
         device = site.devices.get(device_id)
         if device is None:
+            # Cut: what a client says comes back in the answer and stands in the log.
             raise LegacyRequestError(
                 f"there is no device {device_id[:60]!r}: {_list(site.devices)}"
             )
@@ -170,10 +176,12 @@ def _list(known: Mapping[str, object]) -> str:
 
 def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
     """Cut the one text into the command's arguments, in the order of the description."""
+    # A truth first, for it is an int to Python.
     if isinstance(parameters, bool) or not isinstance(parameters, str | int | float):
         raise LegacyRequestError(f"{where}: expected the parameters as one text")
     text = str(parameters).strip()
     arguments = command.arguments
+    # A single text is taken as it is, with its quotes and spaces.
     if len(arguments) == 1 and next(iter(arguments.values())).type is ArgumentType.TEXT:
         return {next(iter(arguments)): text} if text else {}
     try:
@@ -185,6 +193,7 @@ def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
         raise LegacyRequestError(f"{where}: {len(words)} parameters; expected {names}")
     return {
         name: _typed(where, name, argument.type, word)
+        # Fewer words than arguments: the others have their defaults.
         for (name, argument), word in zip(arguments.items(), words, strict=False)
     }
 

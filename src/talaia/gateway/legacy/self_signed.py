@@ -16,10 +16,13 @@ __all__ = ["self_signed"]
 
 def self_signed() -> tuple[bytes, bytes]:
     """Make a certificate for this machine, good for ten years, and its key (both PEM)."""
+    # P-256: every TLS library has it, and its keys are made at once.
     key = ec.generate_private_key(ec.SECP256R1())
     host = socket.gethostname()
+    # A common name has at most 64 characters.
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, host[:64] or "localhost")])
     now = datetime.datetime.now(datetime.UTC)
+    # Certificates hold names in ASCII only.
     names = [x509.DNSName(name) for name in dict.fromkeys(("localhost", host)) if name.isascii()]
     certificate = (
         x509.CertificateBuilder()
@@ -36,6 +39,7 @@ def self_signed() -> tuple[bytes, bytes]:
             ),
             critical=False,
         )
+        # An authority that may sign nothing but itself, so that a browser can be told to trust it.
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .sign(key, hashes.SHA256())
     )
@@ -44,6 +48,7 @@ def self_signed() -> tuple[bytes, bytes]:
         key.private_bytes(
             serialization.Encoding.PEM,
             serialization.PrivateFormat.PKCS8,
+            # The gateway starts without a person; the file is readable by its owner only.
             serialization.NoEncryption(),
         ),
     )

@@ -51,12 +51,12 @@ if TYPE_CHECKING:
 __all__ = ["LegacyCredentials", "LegacyServer", "keys_of"]
 
 log = logging.getLogger(__name__)
-MAX_CLIENTS = 16
+MAX_CLIENTS = 16  # At the same time.
 # The founding client asks once a second; more than this from one is not it.
 MOST_A_SECOND = 20
 # After a wrong token everybody with a wrong one waits: a guesser gets one try a second.
 WRONG_S = 1.0
-MAX_MISTAKES = 50
+MAX_MISTAKES = 50  # Of one client, until it is sent away.
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ class LegacyCredentials:
 
     """
 
-    context: ssl.SSLContext
-    token: str
+    context: ssl.SSLContext  # TLS with the certificate; made once.
+    token: str  # What a client must say; never logged.
     fingerprint: str
 
 
@@ -90,18 +90,22 @@ def keys_of(settings: LegacySettings, data: Path) -> LegacyCredentials:
         if settings.token_file is None and not token_file.exists():
             _write(token_file, secrets.token_urlsafe(24).encode() + b"\n")
         token = token_file.read_text().strip()
+        # No certificate is asked of clients: they say the token.
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        # TLS 1.0 and 1.1 are deprecated (RFC 8996).
         context.minimum_version = ssl.TLSVersion.TLSv1_2
         context.load_cert_chain(certificate, key)
         der = ssl.PEM_cert_to_DER_cert(certificate.read_text())
     except (OSError, ValueError) as error:
         raise SettingsError(f"the door for founding clients cannot be opened: {error}") from error
+    # Too short to be left open to guessing, even at one try a second.
     if len(token) < 16:
         raise SettingsError(f"{token_file}: expected a token of at least 16 characters")
     return LegacyCredentials(context, token, hashlib.sha256(der).hexdigest())
 
 
 def _write(path: Path, data: bytes) -> None:
+    # `O_EXCL` and the mode at once: nobody reads it in between, and no link put there is followed.
     file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     with os.fdopen(file, "wb") as opened:
         opened.write(data)
@@ -116,6 +120,7 @@ def _make_certificate(certificate: Path, key: Path) -> None:
             "or install the package cryptography"
         ) from error
     made, secret = self_signed()
+    # The key first: only the certificate is looked for, so a crash between makes both anew.
     key.unlink(missing_ok=True)
     _write(key, secret)
     _write(certificate, made)
@@ -140,9 +145,10 @@ class LegacyServer:
         self._settings, self._keys, self._site, self._clock = settings, keys, site, clock
         self._commands, self._newest, self._answers = commands, newest, answers
         self._events = events
-        self._clients: set[ServerConnection] = set()
+        self._clients: set[ServerConnection] = set()  # Admitted, and talking.
+        # Held while a wrong token waits: guesses stand in line, from however many addresses.
         self._wrong = asyncio.Lock()
-        self.port = settings.port
+        self.port = settings.port  # The one that was had, when the settings say 0.
 
     def redescribe(self, site: Site) -> None:
         """Answer by another description from here on."""
@@ -163,9 +169,13 @@ class LegacyServer:
                 port,
                 ssl=self._keys.context,
                 process_request=self._admit,
+                # Longer messages end the connection before they are in memory whole.
                 max_size=MAX_MESSAGE,
+                # So many wait unread; then TCP holds the client back.
                 max_queue=4,
+                # Messages are small, and compression would cost memory for each client.
                 compression=None,
+                # Strangers are not told what runs here.
                 server_header=None,
             )
         except OSError as error:
@@ -183,14 +193,17 @@ class LegacyServer:
     # ── who comes in ──
 
     async def _admit(self, socket: ServerConnection, request: Request) -> Response | None:
+        # Before the token is looked at, so that a crowd costs next to nothing.
         if len(self._clients) >= MAX_CLIENTS:
             return socket.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
         if self._known(request):
             return None
         async with self._wrong:
+            # Slept within the lock, and only by those who are wrong: others come in meanwhile.
             await asyncio.sleep(WRONG_S)
         self._events.report_event("classic_refused", f"a wrong token from {_from(socket)}")
         response = socket.respond(HTTPStatus.UNAUTHORIZED, "give the token\n")
+        # So that an old browser asks for a password, which is the token.
         response.headers["WWW-Authenticate"] = 'Basic realm="observatory"'
         return response
 
@@ -202,11 +215,14 @@ class LegacyServer:
             given = value.strip()
         elif kind.lower() == "basic":
             try:
+                # `user:password`, and the user may be anybody.
                 given = base64.b64decode(value, validate=True).decode().partition(":")[2]
             except (binascii.Error, UnicodeDecodeError):
                 given = ""
+        # A browser's WebSocket can send no header.
         else:
             given = parse_qs(urlsplit(request.path).query).get("token", [""])[0]
+        # In constant time: how long it takes must not tell how much of it is right.
         return hmac.compare_digest(given.encode(), self._keys.token.encode())
 
     # ── what is said ──
@@ -215,6 +231,7 @@ class LegacyServer:
         self._clients.add(socket)
         try:
             await self._talk(socket)
+        # A client that goes away is no error; what it asked for goes on.
         except ConnectionClosed:
             pass
         finally:
@@ -222,12 +239,14 @@ class LegacyServer:
 
     async def _talk(self, socket: ServerConnection) -> None:
         loop = asyncio.get_running_loop()
+        # The loop's clock is monotonic.
         second, count, mistakes = loop.time(), 0, 0
         async for message in socket:
             if loop.time() - second >= 1.0:
                 second, count = loop.time(), 0
             count += 1
             if count > MOST_A_SECOND:
+                # 1008: against the rules (RFC 6455).
                 await socket.close(1008, "too many messages a second")
                 return
             answer: dict[str, object] = {}
@@ -251,6 +270,7 @@ class LegacyServer:
     async def _act(self, action: LegacyAction, socket: ServerConnection) -> str:
         """Begin a command; tell whether it began, in the words for people."""
         ask = CommandRequest(
+            # Random: no id comes twice, also over restarts.
             id=f"classic-{secrets.token_hex(8)}",
             device=action.device,
             command=action.command,

@@ -38,18 +38,19 @@ if TYPE_CHECKING:
 
 __all__ = ["ABLE", "IMAGE", "CapturedFrame", "FrameStamp", "PictureStream"]
 
+# Types of ROS messages; pictures of other cameras come as pixels.
 IMAGE = "sensor_msgs/msg/Image"
 COMPRESSED = "sensor_msgs/msg/CompressedImage"
 # The small rung: no wider than this (px), at most so many a second, and its share of the bits.
 SMALL_PX, SMALL_HZ, SMALL_BITS, SMALL_QUALITY = 320, 15.0, 250_000, 50
-STILL_HZ = 1.0
+STILL_HZ = 1.0  # One picture now and then, where nobody looks at a film.
 # By its large pictures a hub sees whether a connection on the small rung would carry more.
 KEY_EVERY_S = {PictureForm.H264: 10.0, PictureForm.H264_SMALL: 3.0}
 # A problem that lasts is told again so often, to those who have come meanwhile.
 _AGAIN_US = 2_000_000
 # One who asks for key pictures all the time makes them no dearer than this for the others.
 _KEY_EVERY_US = 300_000
-_LEAST_QUALITY = 20
+_LEAST_QUALITY = 20  # However narrow the line: below that fewer pictures come instead.
 # An encoder goes on while its bits are within this factor of what the line bears.
 _NEAR = 0.6
 # What decoders of foreign bytes raise; a camera's nonsense must not end the thread of them all.
@@ -65,7 +66,7 @@ _UNREADABLE = (
     MemoryError,
     struct.error,
 )
-_PNG = b"\x89PNG"
+_PNG = b"\x89PNG"  # How a PNG begins; `CompressedImage` carries both.
 
 
 class FrameStamp(NamedTuple):
@@ -219,8 +220,10 @@ class PictureStream:
         self._seq += 1
         stamp = FrameStamp(self._seq, time_us, mono_us)
         taken = CapturedFrame(lambda: self._decode(raw), self._encoding)
+        # Before the forms are asked for: detectors look whether or not a person does.
         sink.offer_frame(self.address, stamp, taken.rgb)
         forms = _served(sink.asked(self.address))
+        # An encoder nobody needs is let go; one who comes back begins with a key picture anyway.
         for form in self._rungs.keys() - forms.keys():
             del self._rungs[form]
         filming = Filming.NO if self._reel is None else sink.filming(self.address, time_us)
@@ -236,6 +239,7 @@ class PictureStream:
                 if picture is not None:
                     self._told = ""
                     sink.offer(picture)
+                    # Only the large film of viewers can be the recorded one, too.
                     large = picture if form is PictureForm.H264 else large
             # Last: those who look on do not wait for it.
             self._film(
@@ -300,6 +304,7 @@ class PictureStream:
         rung = self._rungs.get(form)
         if rung is None:
             rung = self._rungs[form] = _Rung(_rate(form, self._stream.max_rate))
+        # A list, not `any` of a generator: each question takes its answer away.
         asked = any([sink.key_due(self.address, picture_form) for picture_form in served])  # noqa: C419 - each is asked
         if share <= 0 or not rung.is_due(stamp.mono_us, _slower(share)):
             # One who has just come waits no longer than need be.

@@ -27,11 +27,13 @@ class CameraFilm:
 
     def __init__(self) -> None:
         """Begin with a picture that needs none before it."""
-        self._shared = False
+        self._shared = False  # What viewers get is filmed; until their pace leaves pictures out.
+        # Its own; None while the viewers' serves, or nobody films.
         self._encoder: Encoder | None = None
+        # Width, height, bit/s and Hz of `_encoder`.
         self._made_for: tuple[int, int, int, float] | None = None
-        self._wants_key = True
-        self._key_us = 0
+        self._wants_key = True  # The next picture must need none before it.
+        self._key_us = 0  # When the last such picture of its own was made (monotonic µs).
 
     def rest(self) -> None:
         """Nobody films now."""
@@ -50,8 +52,10 @@ class CameraFilm:
         if anew:
             self._shared, self._wants_key = False, True
         if not whole:
+            # From a shared film to its own: the new encoder has seen nothing of what came before.
             self._wants_key = self._wants_key or self._shared
             self._shared = False
+        # A film may only change over at a picture that needs none before it.
         elif picture is not None and picture.key:
             self._shared, self._wants_key = True, False
         return self._shared
@@ -82,6 +86,7 @@ class CameraFilm:
         due = self._wants_key or stamp.mono_us - self._key_us >= KEY_EVERY_S * 1e6
         made = encoder.encode(pixels, stamp.mono_us, key=due)
         if made is None:
+            # No packet yet: `_wants_key` and the last key picture's time stand.
             return None
         if made.key:
             self._wants_key, self._key_us = False, stamp.mono_us

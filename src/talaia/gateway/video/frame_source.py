@@ -20,10 +20,11 @@ class _Newest:
     """One camera: how many hold it, and its newest picture, which is decoded once at the most."""
 
     def __init__(self) -> None:
-        self.holders = 0
-        self.stamp = (0, 0, 0)
+        self.holders = 0  # Those who look; at 0 it is forgotten.
+        self.stamp = (0, 0, 0)  # Number, wall and monotonic time (µs) of the newest.
+        # Gives its pixels; None until the first came.
         self.decode: Callable[[], NDArray[np.uint8] | None] | None = None
-        self.look: CameraFrame | None = None
+        self.look: CameraFrame | None = None  # The newest that was decoded, shared by all who look.
 
 
 class FrameSource:
@@ -31,8 +32,9 @@ class FrameSource:
 
     def __init__(self, on_held: Callable[[], None] = lambda: None) -> None:
         """Hold nothing; ``on_held`` is told, from any thread, that other streams are held."""
-        self._of: dict[str, _Newest] = {}
+        self._of: dict[str, _Newest] = {}  # By stream; touched under `_lock` only.
         self._lock = threading.Lock()
+        # On the same lock: it is free while somebody waits for a picture.
         self._arrived = threading.Condition(self._lock)
         self._on_held = on_held
 
@@ -47,8 +49,10 @@ class FrameSource:
             newest = self._of.setdefault(stream, _Newest())
             newest.holders += 1
             first = newest.holders == 1
+        # Outside the lock, for the receiver may ask `held`.
         if first:
             self._on_held()
+        # A second call of the same release must not count somebody else out.
         freed = False
 
         def release() -> None:
@@ -74,6 +78,7 @@ class FrameSource:
     ) -> None:
         """Take a picture: number, wall time and monotonic time (µs), and what makes it RGB."""
         with self._lock:
+            # Nobody holds it: the picture is not even kept.
             newest = self._of.get(stream)
             if newest is not None:
                 newest.stamp, newest.decode = stamp, decode
@@ -107,6 +112,7 @@ class FrameSource:
             look = newest.look
             if look is not None and (look.seq, look.mono_us) == (stamp[0], stamp[2]):
                 return look
+        # Outside the lock: adapters that offer pictures must not wait for a decoder.
         rgb = None if decode is None else decode()
         if rgb is None:
             return None

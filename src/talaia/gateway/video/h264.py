@@ -33,7 +33,8 @@ _FORMATS = {
     "NV12": "nv12",
     "I420": "yuv420p",
 }
-_MICROS = Fraction(1, 1_000_000)
+_MICROS = Fraction(1, 1_000_000)  # Times go through unchanged, in µs.
+# FFmpeg's numbers: SMPTE 170M is BT.601; 1 is the limited range.
 _SMPTE170M, _LIMITED = 6, 1
 # A key picture may take as much of the link as this time of the stream (s).
 _BURST_S = 0.25
@@ -61,6 +62,7 @@ def bits_for(width: int, height: int, rate: float) -> int:
     1.5 Mbit/s for 640x480 at 30 Hz; larger pictures need less for each pixel.
     """
     pixels = width * height / (640 * 480)
+    # Roots: twice the pixels, or twice the rate, looks as well with less than twice the bits.
     return int(1_500_000 * pixels**0.75 * (min(rate, 60.0) / 30) ** 0.5)
 
 
@@ -78,30 +80,41 @@ class Encoder:
             FieldError: x264 does not take that size.
 
         """
+        # 4:2:0 wants even sizes; 16 px is the least block.
         self.width, self.height = max(16, width & ~1), max(16, height & ~1)
         self.bits = bits
-        self.codec = ""
+        self.codec = ""  # As WebCodecs names it; empty until the first key picture.
         context: VideoCodecContext = av.CodecContext.create("libx264", "w")
         context.width, context.height, context.pix_fmt = self.width, self.height, "yuv420p"
         context.time_base = _MICROS
+        # x264's rate control goes by it; below 1 it would round to none.
         context.framerate = Fraction(round(max(1.0, rate)))
         context.color_range = _LIMITED
+        # Said in the stream: a decoder that guesses may take large pictures for BT.709.
         context.colorspace = context.color_primaries = context.color_trc = _SMPTE170M
+        # With more, each thread may hold a picture back.
         context.thread_count = 1
         context.options = {
+            # The least work for each picture: it runs beside the robot's own programs.
             "preset": "ultrafast",
+            # No look-ahead and no reordering: a picture comes out as soon as it is in.
             "tune": "zerolatency",
+            # What every browser decodes; it has no pictures that refer to later ones.
             "profile": "baseline",
+            # A key picture is one after which nothing refers to what came before.
             "forced-idr": "1",
             # A still scene costs next to nothing; a busy one the limit.
             "crf": "25",
             "maxrate": str(bits),
+            # The bucket: by it the largest picture is bounded.
             "bufsize": str(round(max(bits * _BURST_S, 8 * _KEY_BYTES * width * height))),
             "x264-params": (
+                # No key pictures of its own accord at a cut: they are asked for, or come by time.
                 f"scenecut=0:threads=1:sliced-threads=0:keyint={round(rate * key_every_s) or 10}"
             ),
         }
         self._context = context
+        # Kept: it uses the scaler again that it made for these sizes.
         self._reformatter = VideoReformatter()
 
     def encode(self, pixels: Pixels, time_us: int, *, key: bool) -> Encoded | None:
@@ -120,6 +133,8 @@ class Encoder:
                 self.height,
                 "yuv420p",
                 dst_colorspace=_SMPTE170M,
+                # When it gets smaller each pixel is the mean of its area, else fine lines would
+                # flicker.
                 interpolation="AREA" if pixels.width > self.width else "FAST_BILINEAR",
                 threads=1,
             )
@@ -128,10 +143,12 @@ class Encoder:
             packets = self._context.encode(frame)
         except (av.FFmpegError, ValueError) as error:
             raise FieldError("data", f"it cannot be encoded ({error})") from error
+        # An encoder may take a picture without giving one out.
         if not packets:
             return None
         data = b"".join(bytes(packet) for packet in packets)
         is_key = any(packet.is_keyframe for packet in packets)
+        # The parameters stand in front of key pictures only.
         if is_key and not self.codec:
             self.codec = _codec_in(data)
         return Encoded(data, is_key)
@@ -146,6 +163,7 @@ def png_pixels(data: bytes) -> Pixels:
     """
     try:
         context: VideoCodecContext = av.CodecContext.create("png", "r")
+        # The empty packet at the end makes the decoder give out what it holds.
         frames = [*context.decode(av.Packet(data)), *context.decode(None)]
         rgb = np.asarray(frames[0].to_ndarray(format="rgb24"), np.uint8)
     except (av.FFmpegError, ValueError, IndexError) as error:
@@ -156,6 +174,7 @@ def png_pixels(data: bytes) -> Pixels:
 def _frame_of(pixels: Pixels) -> av.VideoFrame:
     form = _FORMATS.get(pixels.layout)
     odd = pixels.width % 2 or pixels.height % 2
+    # Shared colours need even sizes; what lies in whole pixels does not.
     if form is None or (odd and form not in ("rgb24", "bgr24", "rgba", "bgra", "gray")):
         return av.VideoFrame.from_ndarray(rgb_of(pixels), format="rgb24")
     data = pixels.data[:, :, 0] if form == "gray" else pixels.data
@@ -164,5 +183,6 @@ def _frame_of(pixels: Pixels) -> av.VideoFrame:
 
 def _codec_in(data: bytes) -> str:
     """Name the profile and level as WebCodecs does, from the sequence parameters (RFC 6381)."""
+    # 0x67: a sequence parameter set; profile, constraints and level are its next three bytes.
     at = data.find(b"\0\0\1\x67")
     return f"avc1.{data[at + 4 : at + 7].hex().upper()}" if at >= 0 else "avc1.42C01E"

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CompressedImageFields", "encoded", "jpeg_of", "jpeg_size", "pixels_in"]
 
+# Layouts that the codec takes as they are.
 _WHOLE = ("RGB", "BGR", "RGBA", "BGRA", "GRAY")
+# JPEG's marks of begin and end.
 _BEGIN, _END = b"\xff\xd8", b"\xff\xd9"
 
 
@@ -31,6 +33,7 @@ def encoded(pixels: Pixels, quality: int) -> bytes:
     data, layout = pixels.data, pixels.layout
     if layout not in _WHOLE:
         data, layout = rgb_of(pixels), "RGB"
+    # Half as many colours in both directions, as in films.
     subsampling = "Gray" if layout == "GRAY" else "420"
     jpeg: bytes = simplejpeg.encode_jpeg(
         np.ascontiguousarray(data), quality, layout, subsampling, fastdct=True
@@ -60,6 +63,7 @@ def jpeg_size(message: object) -> tuple[bytes, int, int]:
     """
     data = bytes(cast("CompressedImageFields", message).data)
     try:
+        # The header alone: nothing is made of that size before it is checked.
         height, width, _, _ = simplejpeg.decode_jpeg_header(data)
     except ValueError as error:
         shown = cast("CompressedImageFields", message).format[:40]
@@ -80,6 +84,7 @@ def pixels_in(jpeg: bytes) -> Pixels:
 
     """
     try:
+        # Fast and a little less exact: these are looked at, not measured.
         rgb = simplejpeg.decode_jpeg(jpeg, "RGB", fastdct=True, fastupsample=True)
     except ValueError as error:
         raise FieldError("data", f"the JPEG cannot be decoded ({error})") from error

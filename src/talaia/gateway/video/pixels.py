@@ -78,20 +78,24 @@ def pixels_of(message: object) -> Pixels:
     if kind is None:
         raise FieldError(
             "encoding",
+            # Cut: of a peer's words no more goes into a log or to a page.
             f"{image.encoding[:40]!r} is not known here; publish one of {len(ENCODINGS)} others, "
             "as rgb8, mono16, bayer_rggb8, yuyv, nv12 or 16UC1",
         )
     width, height = image.width, image.height
     if width <= 0 or height <= 0:
         raise FieldError("width", f"the picture is empty ({width}x{height})")
+    # Before anything is made of that size: a few bytes must not ask for gigabytes.
     if width * height > MOST_PIXELS:
         raise FieldError("width", f"{width}x{height} pixels are more than {MOST_PIXELS}")
+    # Neighbours share their colour, so a row (and for planes a column) has an even number.
     if kind.layout in ("YUYV", "UYVY", "NV12", "NV21", "I420") and (
         width % 2 or (height % 2 and kind.layout[0] in "NI")
     ):
         raise FieldError("width", f"{image.encoding} of the odd size {width}x{height}")
     data = np.frombuffer(cast("bytes", image.data), np.uint8)
     row, rows = kind.row(width), kind.rows(height)
+    # 0: not told, so rows lie without padding.
     step = image.step or row
     if step < row:
         raise FieldError("step", f"rows of {step} bytes are too short for {width} pixels ({row})")
@@ -103,6 +107,8 @@ def pixels_of(message: object) -> Pixels:
             f"({step * rows}); the picture is cut off",
         )
     if data.size < step * rows:
+        # A view, for the last row has no padding to reshape with; it stays within the size checked
+        # above.
         lines = np.lib.stride_tricks.as_strided(data, (rows, row), (step, 1))
     else:
         lines = data[: step * rows].reshape(rows, step)[:, :row]
@@ -117,6 +123,7 @@ def rgb_of(pixels: Pixels) -> Bytes:
         case "RGB":
             out = data
         case "BGR":
+            # A view with the channels turned round; `ascontiguousarray` below copies it.
             out = data[:, :, ::-1]
         case "RGBA":
             out = data[:, :, :3]
@@ -136,6 +143,7 @@ def rgb_of(pixels: Pixels) -> Bytes:
             out = _of_yuv(data[: pixels.height], quarter[0], quarter[1])
         case _:
             pairs = data[pixels.height :].reshape(pixels.height // 2, pixels.width // 2, 2)
+            # The two kinds differ only in which colour comes first.
             first = 0 if pixels.layout == "NV12" else 1
             out = _of_yuv(data[: pixels.height], pairs[:, :, first], pairs[:, :, 1 - first])
     return np.ascontiguousarray(out)
@@ -148,8 +156,10 @@ def thinned(pixels: Pixels, width: int) -> Pixels:
     """
     if not width or pixels.width <= width:
         return pixels
+    # Rounded up, so that it is never wider.
     by = -(-pixels.width // width)
     layout, data = pixels.layout, pixels.data
+    # Pixels that share their colour cannot be left out one by one.
     if layout not in ("RGB", "BGR", "RGBA", "BGRA", "GRAY"):
         layout, data = "RGB", rgb_of(pixels)
     data = np.ascontiguousarray(data[::by, ::by])
@@ -160,6 +170,7 @@ def thinned(pixels: Pixels, width: int) -> Pixels:
 
 
 def _words(lines: Bytes, big: bool) -> NDArray[np.uint16]:  # noqa: FBT001
+    # View and not `astype`: the bytes lie as the sender's machine had them.
     return np.ascontiguousarray(lines).view(">u2" if big else "<u2")
 
 
@@ -183,14 +194,17 @@ def _planes(lines: Bytes, _width: int, _height: int, _big: bool) -> Bytes:  # no
     return np.ascontiguousarray(lines)
 
 
+# Two bytes a pixel: its own brightness, and one of the two colours in turn.
 def _pairs(lines: Bytes, width: int, height: int, _big: bool) -> Bytes:  # noqa: FBT001
     return np.ascontiguousarray(lines).reshape(height, width, 2)
 
 
+# 16UC1 is a depth picture in millimetres (REP 118); 0 is no reading.
 def _millimetres(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
     return _near_is_bright(_words(lines, big).astype(np.float32) * 1e-3, width, height)
 
 
+# 32FC1 is a depth picture in metres (REP 118); NaN is no reading.
 def _metres(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
     read = np.ascontiguousarray(lines).view(">f4" if big else "<f4")
     return _near_is_bright(read.astype(np.float32), width, height)
@@ -203,10 +217,13 @@ def _near_is_bright(distance: NDArray[np.float32], width: int, height: int) -> B
     does not change from picture to picture.
     """
     seen = np.isfinite(distance) & (distance > 0)
+    # Every seventh row and column is enough for a percentile.
     some = distance[::7, ::7][seen[::7, ::7]]
     reach = float(np.percentile(some, 98)) if some.size else 1.0
+    # At least about a millimetre, however near all of it seems to be.
     far = 2.0 ** np.ceil(np.log2(max(reach, 2.0**-10)))
     near = np.where(seen, np.minimum(distance, far), far) / far
+    # From 255 near to 32 far, so that far is still told from nowhere.
     grey = np.where(seen, 255 - 223 * near, 0).astype(np.uint8)
     return grey.reshape(height, width, 1)
 
@@ -230,6 +247,7 @@ def _bayer(pattern: str, depth: int) -> Callable[[Bytes, int, int, bool], Bytes]
 def _mosaic(plane: Bytes, red_row: int, red_column: int) -> Bytes:
     """Fill in the two missing colours of each pixel by the mean of its neighbours (bilinear)."""
     height, width = plane.shape
+    # Mirrored without the edge itself, so that the pattern goes on beyond it; 16 bits for the sums.
     wide = np.pad(plane, 1, mode="reflect").astype(np.uint16)
 
     def at(row: int, column: int, dy: int, dx: int) -> NDArray[np.uint16]:
@@ -246,6 +264,7 @@ def _mosaic(plane: Bytes, red_row: int, red_column: int) -> Bytes:
             )
             cell = out[row::2, column::2]
             in_red_row, in_red_column = row == red_row, column == red_column
+            # A red or a blue pixel; on the others green is their own.
             if in_red_row == in_red_column:
                 first, last = (0, 2) if in_red_row else (2, 0)
                 cell[..., first], cell[..., last] = own, corners // 4
@@ -259,6 +278,7 @@ def _mosaic(plane: Bytes, red_row: int, red_column: int) -> Bytes:
 def _of_yuv(luma: Bytes, blue: Bytes, red: Bytes) -> Bytes:
     """Turn planes into RGB; the two of colour may be half as wide and high."""
     down, across = luma.shape[0] // blue.shape[0], luma.shape[1] // blue.shape[1]
+    # BT.601 in limited range, times 256: 298 is 1.164, and 128 rounds.
     y = (luma.astype(np.int32) - 16) * 298 + 128
     u, v = blue.astype(np.int32) - 128, red.astype(np.int32) - 128
 
@@ -267,6 +287,7 @@ def _of_yuv(luma: Bytes, blue: Bytes, red: Bytes) -> Bytes:
         return np.repeat(tall, across, axis=1) if across > 1 else tall
 
     out = np.empty((*luma.shape, 3), np.uint8)
+    # Red, green and blue: 1.596 V; -0.391 U and -0.813 V; 2.018 U.
     for channel, part in enumerate((409 * v, -100 * u - 208 * v, 516 * u)):
         out[..., channel] = np.clip((y + spread(part)) >> 8, 0, 255)
     return out
@@ -275,6 +296,7 @@ def _of_yuv(luma: Bytes, blue: Bytes, red: Bytes) -> Bytes:
 # Encodings of one byte a channel, by the number of channels; see `Pixels.layout`.
 _BYTES = {
     1: {"mono8": "GRAY", "8UC1": "GRAY"},
+    # OpenCV's kinds say nothing of colours; its own order is BGR.
     3: {"rgb8": "RGB", "bgr8": "BGR", "8UC3": "BGR"},
     4: {"rgba8": "RGBA", "bgra8": "BGRA", "8UC4": "BGRA"},
 }
@@ -309,7 +331,9 @@ def _kinds() -> dict[str, _Kind]:
     for name, layout in _PAIRS.items():
         kinds[name] = _Kind(layout, times(2), same, _pairs)
     for name, layout in (("nv12", "NV12"), ("nv21", "NV21"), ("i420", "I420")):
+        # A full plane of brightness, and two of colour with a quarter each.
         kinds[name] = _Kind(layout, times(1), lambda height: height * 3 // 2, _planes)
+    # A full plane of brightness, and a pair of colours for every pixel.
     kinds["nv24"] = _Kind("NV24", times(1), times(3), _planes)
     for pattern in _RED:
         kinds[f"bayer_{pattern}8"] = _Kind("RGB", times(1), same, _bayer(pattern, 1))

@@ -25,9 +25,12 @@ class PictureWorker:
         """Take where pictures go; `start` begins."""
         self._sink = sink
         self._clock = clock
+        # By stream: its newest raw picture with wall and monotonic time (µs); under `_turn`.
         self._waiting: dict[str, tuple[PictureStream, object, int, int]] = {}
+        # Guards what waits, and wakes the thread.
         self._turn = threading.Condition()
-        self._ended = False
+        self._ended = False  # Set once, under `_turn`.
+        # A daemon: where nobody calls `close`, it keeps no process from ending.
         self._thread = threading.Thread(target=self._run, name="talaia-pictures", daemon=True)
 
     def start(self) -> None:
@@ -37,9 +40,11 @@ class PictureWorker:
     def offer(self, stream: PictureStream, raw: object) -> None:
         """Take the newest raw picture of a stream; stamped now."""
         mono_ns = self._clock.monotonic_ns()
+        # Before the lock: most pictures of a fast camera end here.
         if not stream.is_due(mono_ns):
             return
         with self._turn:
+            # Out and in again: it goes to the end of the row, so a fast camera holds up no other.
             self._waiting.pop(stream.address, None)
             stamp = (self._clock.wall_ns() // 1000, mono_ns // 1000)
             self._waiting[stream.address] = (stream, raw, *stamp)
@@ -50,9 +55,11 @@ class PictureWorker:
             with self._turn:
                 while not self._waiting and not self._ended:
                     self._turn.wait()
+                # What still waits is dropped: nobody looks any more.
                 if self._ended:
                     return
                 stream, raw, time_us, mono_us = self._waiting.pop(next(iter(self._waiting)))
+            # Without the lock, so that pictures are taken while one is encoded.
             stream.process_picture(raw, time_us, mono_us, self._sink)
 
     def close(self) -> None:
