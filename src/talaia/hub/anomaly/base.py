@@ -17,6 +17,7 @@ __all__ = ["AnomalyDetector", "Floats", "keep", "number", "span", "tame", "wake"
 
 Floats = NDArray[np.float64]
 _NDARRAY = np.ndarray
+# Squares of such values, and sums of them, still fit into a float.
 _LARGEST = 1e150
 
 
@@ -52,12 +53,14 @@ D = TypeVar("D", bound=AnomalyDetector)
 
 def _encode(thing: object) -> object:
     if isinstance(thing, _NDARRAY):
+        # Little-endian whatever the machine, for the database may move to another one.
         return thing.astype("<f8").tobytes()
     raise TypeError(f"a detector holds a {type(thing).__name__}, which is not kept")
 
 
 def _decode(kind: type, raw: object) -> object:
     if (get_origin(kind) or kind) is _NDARRAY and isinstance(raw, bytes):
+        # A copy, for an array of bytes cannot be written to.
         return np.frombuffer(raw, "<f8").copy()
     raise TypeError(f"a detector holds a {kind}, which is not kept")
 

@@ -13,23 +13,31 @@ from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, span, tame
 
 __all__ = ["Baseline", "Quartiles", "Sorted"]
 
+# Newest samples from which the usual value comes.
 _WINDOW = 500
+# With fewer it has no opinion.
 _LEAST = 30
 # Spread of a normal distribution, in its median absolute deviation.
 _MAD = 1.4826
 # So many spreads from the baseline score one half.
 _USUAL = 6.0
+# A day in quarters of an hour.
 _SLOTS = 96
 _SLOT_US = 900_000_000
+# However often a person says that it was none, the spread is taken no wider.
 _MOST_TOLERANCE = 100.0
 
 
 class Sorted(msgspec.Struct, kw_only=True):
     """The newest values, in the order they came and sorted."""
 
+    # At most so many values.
     most: int
+    # In the order they came; a ring once it is full.
     came: list[float] = msgspec.field(default_factory=list)
+    # The same, sorted, so that quantiles cost no sorting.
     sorted: list[float] = msgspec.field(default_factory=list)
+    # The place of the oldest in `came`, once that is full.
     at: int = 0
 
     def add(self, value: float) -> None:
@@ -37,6 +45,7 @@ class Sorted(msgspec.Struct, kw_only=True):
         if len(self.came) < self.most:
             self.came.append(value)
         else:
+            # Floats that are equal are alike, so it does not matter which one goes.
             del self.sorted[bisect_left(self.sorted, self.came[self.at])]
             self.came[self.at] = value
             self.at = (self.at + 1) % self.most
@@ -73,17 +82,27 @@ class Baseline(AnomalyDetector, kw_only=True):
     """
 
     tolerance: float = 1.0
+    # Levels: values without what the time of day adds.
     recent: Sorted = msgspec.field(default_factory=lambda: Sorted(most=_WINDOW))
+    # How far values were from the usual.
     offsets: Sorted = msgspec.field(default_factory=lambda: Sorted(most=_WINDOW))
+    # The first time (µs); a second place is not used.
     times: Floats = msgspec.field(default_factory=lambda: np.zeros(2))
+    # What each slot of the day adds; NaN where it was never seen.
     season: Floats = msgspec.field(default_factory=lambda: np.full(_SLOTS, np.nan))
+    # Every slot has been seen, so the time of day is taken off.
     seasonal: bool = False
+    # How far the newest samples have drifted from that median.
     drift: float = 0.0
+    # Samples since the start.
     counted: int = 0
+    # Of the newest sample, for `why`: its value, the usual one, and the spread.
     value: float = 0.0
     usual: float = 0.0
     spread: float = 0.0
+    # The greatest number of spreads of late: what a person may call usual.
     peak: float = 0.0
+    # So long the window reaches back (s), for `why`.
     length_s: float = 0.0
 
     def see(self, time_us: int, value: float) -> float:
@@ -96,9 +115,11 @@ class Baseline(AnomalyDetector, kw_only=True):
         if len(self.recent.came) >= _LEAST:
             self.value = value
             self.usual = self.recent.quantile(0.5) + self.drift + season
+            # A signal that hardly moves would have next to no spread.
             smallest = 0.01 * abs(self.usual) + 1e-12
             self.spread = max(_MAD * self.offsets.quantile(0.5), smallest) * self.tolerance
             spreads = abs(value - self.usual) / self.spread
+            # Fades, so that a word of a person means what was just shown.
             self.peak = max(spreads, self.peak * 0.98)
             score = spreads / (spreads + _USUAL)
             self.offsets.add(abs(value - self.usual))
@@ -119,6 +140,7 @@ class Baseline(AnomalyDetector, kw_only=True):
         if self.recent.came:
             known = self.season[slot]
             off = value - self.recent.quantile(0.5) - self.drift
+            # Follows slowly: each sample moves its slot by a tenth of the difference.
             self.season[slot] = off if np.isnan(known) else known + (off - known) * 0.1
             if not self.seasonal and not np.isnan(self.season).any():
                 # From here on the level is without season: what was learned with it does not fit.
@@ -127,6 +149,7 @@ class Baseline(AnomalyDetector, kw_only=True):
                 self.drift = 0.0
         self.recent.add(level)
         self.counted += 1
+        # Not with each sample: three parts are sorted for it.
         if self.counted % 25 == 0 and len(self.recent.came) >= _WINDOW:
             self.drift = self._drift()
 

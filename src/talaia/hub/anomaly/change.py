@@ -26,9 +26,12 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
     """Scores how unusual the newest changes of level are, for this signal."""
 
     rarities: list[Rarity] = msgspec.field(default_factory=lambda: [Rarity() for _ in _PACES])
+    # Twice as long as needed, so that it is moved down once in a while only.
     values: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))
     times: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))
+    # One past the newest sample.
     end: int = 0
+    # For each pace how rare its change is, the change itself, and the greatest one of late.
     scores: list[float] = msgspec.field(default_factory=lambda: [0.0] * len(_PACES))
     changes: list[float] = msgspec.field(default_factory=lambda: [0.0] * len(_PACES))
     peak: list[float] = msgspec.field(default_factory=lambda: [0.0] * len(_PACES))

@@ -41,8 +41,11 @@ class Episodes(msgspec.Struct, kw_only=True):
     learning: int = 0
     began_us: int = -1
     top: float = 0.0
+    # Its last sample at or above the bar (µs): where it ends, once it is over.
     last_us: int = -1
+    # Samples since one last began; large at the start, so that `rest` holds none back.
     since: int = 1_000_000
+    # How many in a row scored below the bar.
     below: int = 0
 
     def update_score(self, time_us: int, score: float) -> EpisodeTurn | None:
@@ -76,6 +79,7 @@ class Episodes(msgspec.Struct, kw_only=True):
 
     def close(self) -> tuple[int, int, float]:
         """End the anomaly that is on: when it began, its last high sample, its greatest score."""
+        # It ended when it was last high, not when that was noticed.
         told = (self.began_us, self.last_us, self.top)
         self.began_us, self.top, self.below = -1, 0.0, 0
         return told

@@ -37,7 +37,9 @@ class GuardedDetector:
         """Tell ``fail`` in words what goes wrong."""
         self.detector = detector
         self.off = ""
+        # Tells people what fails.
         self._fail = fail
+        # Errors and slow samples so far.
         self._failures = 0
 
     def see(self, time_us: int, value: float) -> float:
@@ -83,6 +85,7 @@ class GuardedDetector:
         try:
             score = float(ask())
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
+            # One that fails counts as calm: an extension must not raise alarms by its faults.
             self.failed(f"it fails: {type(error).__name__}: {error}")
             return 0.0
         if math.isnan(score):

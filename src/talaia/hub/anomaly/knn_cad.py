@@ -30,10 +30,13 @@ class Nearest(AnomalyDetector, kw_only=True):
     """Scores how unlike any stretch of before the newest stretch is."""
 
     rarity: Rarity = msgspec.field(default_factory=Rarity)
+    # Twice as long as needed, so that it is moved down once in a while only.
     values: Floats = msgspec.field(default_factory=lambda: np.zeros(2 * _KEPT))
+    # One past the newest sample.
     end: int = 0
     score: float = 0.0
     distance: float = 0.0
+    # The greatest distance of late, and the stretch that it was of: what a person may call usual.
     strangest: float = 0.0
     strange: Floats = msgspec.field(default_factory=lambda: np.zeros(_LENGTH))
     # Stretches that a person called usual, one behind the other.

@@ -35,7 +35,9 @@ class Rarity(msgspec.Struct, kw_only=True):
 
     memory: float = 2000.0
     least: int = 40
+    # How much came in each step; the newest weigh most.
     bins: Floats = msgspec.field(default_factory=lambda: np.zeros(_BINS))
+    # What the next one weighs: it grows, which is forgetting without touching the others.
     weight: float = 1.0
     seen: int = 0
 
@@ -46,6 +48,7 @@ class Rarity(msgspec.Struct, kw_only=True):
         self.bins[at] += self.weight
         self.seen += 1
         self.weight *= math.exp(1.0 / self.memory)
+        # Before the numbers become too large for a float.
         if self.weight > _RESCALE:
             self.bins /= self.weight
             self.weight = 1.0
@@ -57,6 +60,7 @@ class Rarity(msgspec.Struct, kw_only=True):
 
     def _rarity(self, at: int) -> float:
         same = float(self.bins[at])
+        # Half of those in the same step: they count as neither greater nor less.
         above = float(self.bins[at + 1 :].sum()) + 0.5 * same
         total = float(self.bins.sum()) / self.weight
         return math.log((total + 1.0) / (above / self.weight + 1.0)) / math.log(total + 1.0)

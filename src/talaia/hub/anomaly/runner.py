@@ -142,8 +142,11 @@ class DetectorRunner:
         )
         self.score, self.why, self.changed, self.late = 0.0, "", False, 0
         self.from_us, self.to_us, self.forgiven = 0, 0, False
+        # Its learning has ended since `take_learned` was last asked.
         self._learned = False
+        # Times of the newest sample and of the last score that was written (µs); -1: none.
         self._newest_us = self._written_us = -1
+        # The last score that was written; -1 differs from every score.
         self._written = -1.0
         if kept is not None:
             self._wake(kept)
@@ -151,6 +154,7 @@ class DetectorRunner:
     def _wake(self, kept: bytes) -> None:
         try:
             asked, state, counts = msgspec.msgpack.decode(kept, type=_KEPT)
+            # Only for the same watch: by other settings it has learned something else.
             if asked == msgspec.msgpack.encode(self.watch):
                 if isinstance(self.detector, GuardedDetector):
                     inner = self.detector.detector
@@ -189,6 +193,7 @@ class DetectorRunner:
         if time_us <= self._newest_us:
             self.late += 1
             return None
+        # NaN compares false both ways; infinities would spoil every mean.
         if not -float("inf") < value < float("inf"):
             return None
         self._newest_us = time_us
@@ -198,6 +203,7 @@ class DetectorRunner:
     def idle(self, time_us: int) -> AnomalyBegan | AnomalyEnded | None:
         """Look at the clock: some detectors are about what does not come."""
         score = self.detector.idle(time_us)
+        # Silence tells something only if it is an anomaly: other scores stay those of samples.
         if score < self.episodes.bar or time_us <= self._newest_us:
             return None
         return self._update_score(time_us, score)
@@ -217,6 +223,7 @@ class DetectorRunner:
         self.score = score
         learning = self.episodes.learning
         turn = self.episodes.update_score(time_us, score)
+        # True in the one step in which the learning ends.
         self._learned = self._learned or (learning > 0 and not self.episodes.learning)
         if turn is EpisodeTurn.BEGAN:
             self.why = self.detector.why()

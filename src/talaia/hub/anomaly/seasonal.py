@@ -15,9 +15,13 @@ from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Season"]
 
+# Five minutes.
 _SLOT_US = 300_000_000
+# Slots of a day.
 _DAY = 288
+# Days that are compared with.
 _DAYS = 3
+# Hours that are compared.
 _HOURS = 4
 _WINDOW = _HOURS * 12
 _KEPT = (_DAYS + 1) * _DAY
@@ -33,12 +37,18 @@ class Season(AnomalyDetector, kw_only=True):
     """Scores how far the newest hours are from the same hours of each of the days before."""
 
     rarity: Rarity = msgspec.field(default_factory=Rarity)
+    # The mean of each slot, in a ring; NaN where nothing came.
     means: Floats = msgspec.field(default_factory=_nothing)
+    # Samples in each slot.
     counts: Floats = msgspec.field(default_factory=lambda: np.zeros(_KEPT))
+    # The newest slot, counted since 1970; -1: none yet.
     slot: int = -1
+    # Means of the last hours and of the same hours of the nearest day, for `why`.
     now: float = 0.0
     then: float = 0.0
+    # How far these are apart; below 0: nothing to compare with.
     off: float = -1.0
+    # The greatest of late: what a person may call usual.
     peak: float = 0.0
 
     def see(self, time_us: int, value: float) -> float:
@@ -60,6 +70,7 @@ class Season(AnomalyDetector, kw_only=True):
         """Go on to a slot; those in between had no samples. Times that go back stay where it is."""
         if self.slot < 0:
             self.slot = slot
+        # New slots take the places of the oldest; after a long pause each place is emptied once.
         for index in range(max(self.slot + 1, slot - _KEPT + 1), slot + 1):
             self.means[index % _KEPT], self.counts[index % _KEPT] = np.nan, 0.0
         self.slot = max(self.slot, slot)

@@ -11,6 +11,7 @@ from talaia.hub.anomaly.baseline import Sorted
 
 __all__ = ["LimitsDetector", "Missing", "RateOfChange", "Still"]
 
+# So many pauses or changes must have been seen before it has an opinion.
 _LEAST = 30
 # So many times the longest usual pause, or the fastest usual change, score one half.
 _TIMES = 3.0
@@ -28,15 +29,21 @@ class Still(AnomalyDetector, kw_only=True):
 
     within: float = 0.0
     after_s: float = 0.0
+    # The value that stands; NaN before the first.
     held: float = math.nan
+    # Since when it stands (µs).
     since_us: int = 0
+    # When the newest sample came (µs).
     now_us: int = 0
+    # The longest standstill of before (s); forgets slowly.
     longest_s: float = 0.0
+    # How often it has moved.
     changes: int = 0
     score: float = 0.0
 
     def see(self, time_us: int, value: float) -> float:
         """Score how long the value has stood still."""
+        # Written so that NaN, before the first sample, counts as a change.
         if not abs(value - self.held) <= self.within:
             if not math.isnan(self.held):
                 self.changes += 1
@@ -79,8 +86,11 @@ class Missing(AnomalyDetector, kw_only=True):
     """
 
     after_s: float = 0.0
+    # When the last sample came (µs); -1: none yet.
     last_us: int = -1
+    # The last pauses (s).
     pauses: Sorted = msgspec.field(default_factory=lambda: Sorted(most=200))
+    # The pause that goes on, or the last one (s).
     pause_s: float = 0.0
 
     def see(self, time_us: int, value: float) -> float:
@@ -119,6 +129,7 @@ class Missing(AnomalyDetector, kw_only=True):
         """Take such a pause as usual."""
         if self.after_s:
             self.after_s = max(self.after_s, 1.1 * self.pause_s)
+        # Enough of them to move the quantile of 0.98 that is taken as usual.
         for _ in range(len(self.pauses.came) // 20 + 1):
             self.pauses.add(self.pause_s)
         return True
@@ -134,10 +145,14 @@ class RateOfChange(AnomalyDetector, kw_only=True):
     """
 
     most: float = 0.0
+    # The newest sample's time (µs) and value; -1: none yet.
     last_us: int = -1
     last: float = 0.0
+    # The last speeds (unit/s).
     rates: Sorted = msgspec.field(default_factory=lambda: Sorted(most=1000))
+    # The newest, for `why`.
     rate: float = 0.0
+    # The greatest of late: what a person may call usual.
     peak: float = 0.0
 
     def see(self, time_us: int, value: float) -> float:

@@ -47,17 +47,19 @@ _LOG = logging.getLogger(__name__)
 _MOST_WAITING = 20_000
 # So long detectors run before all else has its turn.
 _SLICE_S = 0.001
+# How often silence is looked for, and scores are written (s).
 _TICK_S = 1.0
 # What was learned is written down: so many detectors a tick, each at most this often.
 _SAVES_A_TICK = 4
 _SAVE_EVERY_S = 900.0
-# Scores that may wait for a database that does not answer.
+# While these are raised the database is away; anything else is a defect.
 _FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
 
 class _Piece(NamedTuple):
     """Samples of watched channels of one site, in the order they came."""
 
+    # Samples of one batch; the lists have one item for each.
     live: LiveSite
     addresses: list[str]
     times: list[int]
@@ -68,12 +70,16 @@ class _SiteWatch:
     """The detectors of one site, by the address of their signal."""
 
     def __init__(self, description: Site) -> None:
+        # As it was when this was made; another object means another description.
         self.description = description
+        # Detectors by the address of their signal.
         self.watched: dict[str, list[DetectorRunner]] = {}
+        # What was learned before the start has been read from the database.
         self.ready = False
         # Place in the list of channels to whether it is watched; and the addresses.
         self.chosen = np.zeros(0, bool)
         self.addresses: list[str] = []
+        # Looks at signals of which one sample a second is enough.
         self.thinning = Thinning(np.zeros(0, bool))
         # A score's address to its number among the channels that a page may subscribe to.
         self.places: dict[str, int] = {}
@@ -103,19 +109,32 @@ class AnomalyService:
         clock: Clock,
     ) -> None:
         """Keep scores in ``history`` and what is learned in ``learned``; show scores live."""
+        # The sites as they are now.
         self._sites = sites
+        # Shows scores on pages.
         self._fanout = fanout
+        # What detectors have learned, in the database.
         self._learned = learned
+        # Monotonic for when things were saved, wall for silence.
         self._clock = clock
+        # Told of each anomaly that begins or ends, the alarms among them.
         self._sinks: list[AnomalySink] = []
+        # Told how a detector stands.
         self._shown_to: list[DetectorSink] = []
+        # By site; made anew for another description.
         self._of: dict[str, _SiteWatch] = {}
+        # In the order they came; bounded by `_MOST_WAITING`.
         self._waiting: deque[_Piece] = deque()
+        # Samples in all that waits.
         self._count = 0
         self.skipped = 0
+        # Something waits.
         self._news = asyncio.Event()
+        # Scores on their way to the history.
         self._scores = ScoreWriter(history)
+        # When each detector was last saved (monotonic, s), by site, address and name.
         self._saved_at: dict[tuple[str, str, str], float] = {}
+        # It was logged that the database fails; once for each failure.
         self._failing = False
 
     @property
@@ -187,6 +206,7 @@ class AnomalyService:
                 await self._news.wait()
                 self._news.clear()
                 while self._waiting:
+                    # Taken out only after it: what is being looked at counts as waiting.
                     await self._evaluate_piece(self._waiting[0])
                     self._count -= len(self._waiting.popleft().times)
         finally:
@@ -195,6 +215,7 @@ class AnomalyService:
 
     async def close(self) -> None:
         """Write down what is left; `run` has ended."""
+        # What cannot be kept now stays as it was saved last: the end of the hub does not wait.
         with suppress(*_FAILS):
             await self._scores.write_waiting()
         with suppress(*_FAILS):
@@ -204,6 +225,7 @@ class AnomalyService:
         watch = self._watch(piece.live)
         if not watch.ready:
             await self._wake(piece.live, watch)
+        # By the wall: what matters is how long all else has waited.
         until = time.perf_counter() + _SLICE_S
         for address, time_us, value in zip(piece.addresses, piece.times, piece.values, strict=True):
             for place, runner in enumerate(watch.watched.get(address, ())):
@@ -219,6 +241,7 @@ class AnomalyService:
                 self._after(piece.live, watch, runner=runner, turn=turn, time_us=time_us)
             if time.perf_counter() > until:
                 self._publish(piece.live, watch)
+                # Lets all else run that is ready; samples of this piece wait meanwhile.
                 await asyncio.sleep(0)
                 until = time.perf_counter() + _SLICE_S
         self._publish(piece.live, watch)
@@ -301,6 +324,7 @@ class AnomalyService:
 
     async def _wake(self, live: LiveSite, watch: _SiteWatch) -> None:
         """Go on with what was learned before the hub was started."""
+        # First: a database that fails must not be asked for each batch.
         watch.ready = True
         try:
             kept = await self._learned.of(live.name)
@@ -352,6 +376,7 @@ class AnomalyService:
         for live in self._sites:
             if not live.online:
                 continue
+            # By the gateway's clock, by which its samples are dated.
             now_us = self._clock.wall_ns() // 1000 + round(live.presence.skew_ms * 1000)
             watch = self._watch(live)
             for runner in watch.every():
@@ -377,6 +402,7 @@ class AnomalyService:
         try:
             await self._learned.save(rows)
         except _FAILS:
+            # Nothing of it was kept, so it is due again.
             for _, runner in due:
                 runner.changed = True
             raise
@@ -395,6 +421,7 @@ def _again(
 def _seen(runner: DetectorRunner, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
     """Let a detector see a sample; of an extension's it is judged how long it takes."""
     if not isinstance(runner.detector, GuardedDetector):
+        # Our own detectors are bounded; only those of others are timed.
         return runner.see(time_us, value)
     began = time.perf_counter()
     turn = runner.see(time_us, value)

@@ -32,9 +32,11 @@ __all__ = ["CameraDetection", "DetectionHost"]
 _LOG = logging.getLogger(__name__)
 # Without a picture for so long, what is in sight may be gone (s).
 _WAIT_S = 0.5
+# Between two attempts of a camera that fails; doubles each time.
 _FIRST_WAIT_S, _LONGEST_WAIT_S = 1.0, 30.0
 # So often a count that stays the same is said: who reads it knows that somebody looks.
 _SILENCE_US = 1_000_000
+# Later times are no times (µs): the year 2255.
 _LAST_US = 2**53
 
 
@@ -108,13 +110,19 @@ class CameraDetection:
 
         """
         self._around, self._live, self._name, self._detect = around, live, name, detect
+        # Follows things from picture to picture.
         self._eyes = CameraObjects(detect, {})
+        # Signals that count things on this camera, by their addresses.
         self._counted: Mapping[str, Signal] = {}
         # What was said of each signal last: when, and the count.
         self._said: dict[str, tuple[int, float]] = {}
+        # The newest picture that nobody has looked at yet; others are left out.
         self._picture: PictureFrame | None = None
+        # There is one.
         self._news = asyncio.Event()
+        # Before the next attempt (s); a picture that was looked at sets it back.
         self._wait_s = _FIRST_WAIT_S
+        # People were told that pictures cannot be read.
         self._unreadable = False
         # By the camera's clock: the newest picture's, and how far ours was ahead of it then.
         self._last_us, self._ahead_us = 0, 0
@@ -146,9 +154,11 @@ class CameraDetection:
                 await asyncio.sleep(wait_s)
                 self._pass_time()
         finally:
+            # What was in sight ends when nobody looks any more.
             self._around.publish_sightings(self._live, self._name, self._eyes.end())
 
     def _arrived(self, picture: PictureFrame) -> None:
+        # Single pictures only: a film is not decoded here.
         if picture.format == PictureForm.JPEG and 0 < picture.time_us < _LAST_US:
             self._picture = picture
             self._news.set()
@@ -172,6 +182,7 @@ class CameraDetection:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(_WAIT_S):
                     await self._news.wait()
+            # Nothing has come for a while: what is in sight may be gone.
             if self._picture is None:
                 self._pass_time()
                 continue
@@ -201,6 +212,7 @@ class CameraDetection:
         counts = {}
         for address, count in self._eyes.count(found).items():
             value = count * self._counted[address].scale
+            # A count that was never said counts as another: NaN equals nothing.
             said_us, said = self._said.get(address, (-_SILENCE_US, math.nan))
             if value != said or not 0 <= picture.time_us - said_us < _SILENCE_US:
                 self._said[address] = (picture.time_us, value)
@@ -214,5 +226,6 @@ class CameraDetection:
     def _pass_time(self) -> None:
         """Let what is in sight end, by the camera's clock, when no picture has come for a while."""
         if self._last_us:
+            # By the camera's clock, as if it had gone on since its last picture.
             at_us = self._around.now_us() - self._ahead_us
             self._around.publish_sightings(self._live, self._name, self._eyes.pass_time(at_us))

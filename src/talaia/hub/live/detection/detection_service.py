@@ -61,7 +61,9 @@ MODELS = "models"
 _FORM = PictureForm.JPEG_SMALL
 # Of one site so many cameras at the most.
 _MOST_CAMERAS = 16
+# What is counted gathers for so long before it is stored (s).
 _GATHER_S = 0.2
+# So long what waits may take to be stored at the end (s).
 _FINISH_S = 1.0
 
 
@@ -69,6 +71,7 @@ class _SiteEyes:
     """The cameras of one site, and its samples on their way to the history."""
 
     def __init__(self, live: LiveSite, ingest: Ingest) -> None:
+        # As it is described now.
         self.live = live
         # By stream: what it is set up by, what looks, and the task in which it does.
         self.cameras: dict[str, tuple[DetectionSetup, CameraDetection, asyncio.Task[None]]] = {}
@@ -140,12 +143,14 @@ class DetectionService:
         if self._closing or (site is None and not wanted):
             return
         if site is None:
+            # Nobody is told what is stored: no gateway keeps what the hub itself counts.
             ingest = Ingest(self._history, live.name, lambda _: None, _GATHER_S)
             site = self._of[live.name] = _SiteEyes(live, ingest)
         site.live = live
         self._say_too_many(live, site, wanted)
         wanted = dict(list(wanted.items())[:_MOST_CAMERAS])
         for name in list(site.cameras):
+            # Set up in another way: it begins anew. Only what is counted may change in between.
             if name not in wanted or site.cameras[name][0] != _eye(live, name):
                 self._end(site, name)
         self._take_models(live, wanted)
@@ -168,7 +173,9 @@ class DetectionService:
         for site in self._of.values():
             for name in list(site.cameras):
                 self._end(site, name)
+        # Each still tells the end of what was in sight.
         await asyncio.gather(*self._ended, return_exceptions=True)
+        # After the cameras, which may still wait for its answer.
         if self._worker is not None:
             await self._worker.close()
         storing = {site.storing for site in self._of.values()}
@@ -202,6 +209,7 @@ class DetectionService:
 
     def _take_models(self, live: LiveSite, wanted: Mapping[str, Detect]) -> None:
         """Know the detectors of a site by names that no other site's have."""
+        # Of a path only the name: a description must not reach into other folders.
         mine = {
             _model_of(live.name, detect.model): msgspec.structs.replace(
                 about, file=PurePath(about.file).name or "model.onnx"
@@ -210,6 +218,7 @@ class DetectionService:
             if detect.model
             and (about := live.description.object_models.get(detect.model)) is not None
         }
+        # Other sites' models stay: the worker is told all of them at once.
         others = {
             name: about
             for name, about in self._models.items()
@@ -279,9 +288,11 @@ class DetectionService:
         """
         model = _model_of(live.name, detect.model)
         async with self._turns.setdefault(model, asyncio.Lock()):
+            # Only when it is its turn: the newest, not the one that came when it began to wait.
             picture = newest()
             if picture is None or self._worker is None:
                 return None
+            # Decoding must not hold up the loop.
             rgb = await asyncio.to_thread(pixels_of, picture.data)
             return picture, rgb, await self._worker.seen(model, rgb, least_of(detect))
 
@@ -289,6 +300,7 @@ class DetectionService:
         self, live: LiveSite, camera: str, picture: PictureFrame, found: Sequence[Found]
     ) -> None:
         """Give what is on a picture to the pages that want to know."""
+        # Boxes are written for nobody if no page asks for them.
         if self._media.looked_at(live.name, camera):
             things = [DetectedObject(**thing._asdict()) for thing in found]
             said = DetectedBoxes(
@@ -325,6 +337,7 @@ class DetectionService:
         )
         self._samples.publish_batch(live, columns)
         addresses = tuple(live.channels[at].address for at in known)
+        # Stored by their own short list, so that a new description does not renumber them.
         own = Columns(np.arange(len(known), dtype=np.uint16), columns.time_us, columns.value, {})
         site.ingest.enqueue_batch(Batch(self.boot, site.sequence, addresses, own))
         site.sequence += len(known)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ScoreWriter"]
 
+# Of one site; more than these are dropped while the database is away.
 _MOST_SCORES = 100_000
 _FAILS = (SQLAlchemyError, TalaiaError, OSError)
 
@@ -47,6 +48,7 @@ class ScoreWriter:
 
         """
         for site in [site for site, waiting in self._waiting.items() if waiting]:
+            # Swapped, so that scores that come during the write wait apart.
             waiting, self._waiting[site] = self._waiting[site], []
             addresses = tuple(dict.fromkeys(address for address, _, _ in waiting))
             place = {address: at for at, address in enumerate(addresses)}
@@ -65,4 +67,5 @@ class ScoreWriter:
                 # Those that came meanwhile stand behind.
                 self._waiting[site] = (waiting + self._waiting[site])[:_MOST_SCORES]
                 raise
+            # Only when they are stored: after a failure they keep their numbers.
             self._first[site] = first + len(waiting)

@@ -22,8 +22,10 @@ __all__ = ["Key", "KnownSighting", "SiteSightings", "detect_of", "merged", "said
 _BURST, _A_SECOND = 1000, 5.0
 # Of one site, in sight and waiting; more is nothing that a person could follow.
 _MOST_OPEN = 500
+# After so long without one left out it is said that it is over (s).
 _CALM_S = 60.0
 
+# Site, camera, label, and when it began (µs, UTC).
 Key = tuple[str, str, str, int]
 
 
@@ -47,7 +49,9 @@ class SiteSightings:
         """Begin with nothing in sight."""
         self.open: dict[Key, KnownSighting] = {}
         self.asked_s = 0.0
+        # What may still begin, and when that was last reckoned (monotonic, s).
         self._credit, self._since_s = float(_BURST), now_s
+        # How many were left out since it was last calm, and when the last was (monotonic, s).
         self._left_out, self._left_out_s = 0, 0.0
 
     def takes_more(self, waiting: int, now_s: float) -> bool:
@@ -56,6 +60,7 @@ class SiteSightings:
 
     def spends(self, now_s: float) -> bool:
         """Take one from what may come, if there is one."""
+        # A token bucket: it fills again with time.
         self._credit = min(_BURST, self._credit + (now_s - self._since_s) * _A_SECOND)
         self._since_s = now_s
         if self._credit < 1:
@@ -67,6 +72,7 @@ class SiteSightings:
         """Count what is not kept; tell whether it is the first since all was well."""
         self._left_out += 1
         self._left_out_s = now_s
+        # Only the first is logged.
         return self._left_out == 1
 
     def calm_again(self, now_s: float) -> int:
@@ -89,6 +95,7 @@ def merged(older: Mapping[Key, Sighted], newer: Mapping[Key, Sighted]) -> dict[K
     found = dict(older)
     for key, sighting in newer.items():
         before = found.get(key)
+        # A picture is sent once: later words on the same sighting come without.
         keeps = before is not None and not sighting.picture
         found[key] = sighting._replace(picture=before.picture) if before and keeps else sighting
     return found

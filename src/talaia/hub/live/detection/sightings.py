@@ -50,9 +50,13 @@ _LOG = logging.getLogger(__name__)
 KIND = "sighting"
 # What gathers meanwhile is one transaction.
 _GATHER_S = 0.1
+# Between two attempts while the database fails (s).
 _RETRY_S = 1.0
+# How often sightings that nobody speaks of any more are looked for (s).
 _TICK_S = 2.0
+# How often old ones are deleted (s).
 _TRIM_S = 3600.0
+# More things at once than any camera shows: a number from a gateway is not to be believed.
 _MOST_MANY = 10_000
 # So long after its gateway was lost, nobody says of anything any more that it is in sight (s).
 _AWAY_S = 60.0
@@ -60,6 +64,7 @@ _AWAY_S = 60.0
 GRACE_S = 10.0
 _DAY_US = 86_400_000_000
 # Times from here on are no times (µs): the year 2255.
+# Beyond 2**53 JavaScript does not hold every whole number.
 _LAST_US = 2**53
 # Names the runs of the hub's own looking.
 OWN = "hub "
@@ -79,18 +84,30 @@ class SightingJournal:
         most: int,
     ) -> None:
         """Keep in ``store`` for ``days`` (0: for good), and at most ``most`` of each site."""
+        # The sites as they are now; whether they are linked decides what ends.
         self._sites = sites
+        # Pages; told only of what is in the database.
         self._browsers = browsers
         self._store = store
+        # Wall for when things were seen, monotonic for limits and waits.
         self._clock = clock
+        # Older ones are deleted (days); 0: none for its age.
         self._days = days
+        # Of each site the oldest above this number are deleted.
         self._most = most
+        # Told of each beginning and end, the alarms among them.
         self._sinks: list[SightingSink] = []
+        # By site: what is in sight, and its limits.
         self._of: dict[str, SiteSightings] = {}
+        # What is to be written, the newest word on each; emptied by `settle`.
         self._waiting: dict[Key, Sighted] = {}
+        # Something is to be written, or the end.
         self._news = asyncio.Event()
+        # Set once: what waits is written, and `run` ends.
         self._stopping = False
+        # It was logged that the database fails; once for each failure.
         self._failing = False
+        # When old ones were last deleted (monotonic, s).
         self._trimmed_s = self._now_s()
 
     def listen(self, sink: SightingSink) -> None:
@@ -107,6 +124,7 @@ class SightingJournal:
         for kept in await self._store.open():
             sighted = kept.sighted
             self._site(sighted.site).open[sighted.key] = KnownSighting(sighted, kept.id)
+            # Conditions that held when the hub was ended must hold again.
             self._tell_sinks(sighted)
             if sighted.boot.startswith(OWN):
                 # The hub was killed while it looked.
@@ -119,6 +137,7 @@ class SightingJournal:
         """Take what a gateway says; what its description does not let it say is left out."""
         detect = detect_of(live.description, seen.stream)
         key = (live.name, seen.stream, seen.label, seen.began_us)
+        # One that has begun is followed to its end, even if the description looks for it no more.
         known = key in self._site(live.name).open or key in self._waiting
         if not known and (detect is None or detect.at is not DetectAt.GATEWAY):
             self._leave_out(live, f"{seen.stream!r} is not watched by this gateway")
@@ -134,6 +153,7 @@ class SightingJournal:
             return
         site = self._site(live.name)
         ended_us = seen.ended_us
+        # An end before the beginning: the gateway's clock was set meanwhile.
         if ended_us and ended_us < seen.began_us:
             ended_us = seen.began_us
         sighted = Sighted(
@@ -151,9 +171,11 @@ class SightingJournal:
         waits = self._waiting.get(sighted.key)
         if waits is None and sighted.key not in site.open:
             waiting = sum(key[0] == live.name for key in self._waiting)
+            # Only what is new is held back: the end of what is in sight must always come through.
             if not site.takes_more(waiting, self._now_s()):
                 self._leave_out(live, "more is seen than anybody could follow")
                 return
+        # Bounded too, for each picture is read and stored.
         if seen.thumbnail and site.spends(self._now_s()):
             picture = self._checked(live, seen)
         if waits is not None and not picture:
@@ -178,15 +200,18 @@ class SightingJournal:
 
     def _end(self, name: str, which: Callable[[Sighted], bool], at_us: int) -> None:
         site = self._site(name)
+        # What waits is newer than what the database has.
         for key, told in list(site.open.items()):
             latest = self._waiting.get(key, told.sighted)
             if not latest.ended_us and which(latest):
                 self._put_end(latest, at_us)
+        # Those that are not in the database yet, so not in `open` either.
         for latest in list(self._waiting.values()):
             if latest.site == name and not latest.ended_us and which(latest):
                 self._put_end(latest, at_us)
 
     def _put_end(self, sighted: Sighted, at_us: int) -> None:
+        # Never before its beginning, nor before it was last spoken of.
         ended_us = max(sighted.began_us, sighted.told_us, at_us)
         self._waiting[sighted.key] = sighted._replace(ended_us=ended_us, told_us=self._now_us())
         self._news.set()
@@ -212,6 +237,7 @@ class SightingJournal:
                 async with asyncio.timeout(_TICK_S):
                     await self._news.wait()
             self._news.clear()
+            # At the end nothing more gathers.
             if not self._stopping:
                 await asyncio.sleep(_GATHER_S)
             try:
@@ -223,6 +249,7 @@ class SightingJournal:
                 if not self._failing:
                     _LOG.exception("sightings cannot be kept; they wait")
                 self._failing = True
+                # The end of the hub does not wait for a database.
                 if self._stopping:
                     return
                 await asyncio.sleep(_RETRY_S)
@@ -252,6 +279,7 @@ class SightingJournal:
             live = self._sites.get(name)
             if live is None:
                 continue
+            # A new run has had its time: what it has not spoken of has ended.
             if site.asked_s and now_s - site.asked_s >= GRACE_S:
                 site.asked_s = 0.0
                 self._end(
@@ -259,6 +287,7 @@ class SightingJournal:
                 )
             if not site.open or live.online:
                 continue
+            # By wall times, for `since_us` is one; a clock that is set ends them early or late.
             if now_us - live.presence.since_us > _AWAY_S * 1e6:
                 self._end(name, lambda _each: True, live.presence.last_seen_us)
 
@@ -270,6 +299,7 @@ class SightingJournal:
 
         """
         while self._waiting:
+            # Swapped, so that what comes during the write waits apart.
             batch, self._waiting = self._waiting, {}
             try:
                 kept = await self._store.save_sightings(list(batch.values()), self._line)
@@ -291,6 +321,7 @@ class SightingJournal:
                 open_.pop(sighted.key, None)
             else:
                 open_[sighted.key] = KnownSighting(sighted, kept.id)
+            # The same word again: shown anew, but no alarm is raised twice.
             if not again:
                 self._tell_sinks(sighted)
             self._browsers.broadcast_message(_news(kept.id, sighted))
