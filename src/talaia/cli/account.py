@@ -45,9 +45,11 @@ def main(argv: Sequence[str]) -> int:
         said = "signs in without a second factor now" if removed else "has no second factor"
         print(f"{options.name} {said}; sessions that were open are ended")
         return 0
+    # No option for a password: every user of the machine can read the words of a command.
     if sys.stdin.isatty():
         password = getpass.getpass(f"password for {options.name}: ")
     else:
+        # The line's end is no part of it; blanks are.
         password = sys.stdin.readline().rstrip("\n")
     if options.new_password:
         asyncio.run(accounts.set_password(settings, options.name, password))

@@ -43,6 +43,7 @@ def main(argv: Sequence[str]) -> int:
             print(f"{path}: {error}", file=sys.stderr)
             wrong += 1
             continue
+        # With the extensions' own rules, for the keys that they add.
         findings = check(site, installed().rules())
         for finding in findings:
             print(f"{path}: {finding}", file=sys.stderr)
@@ -57,6 +58,7 @@ def main(argv: Sequence[str]) -> int:
                 print(f"{path}: note: {line}")
             for sight in detection_availability(site, path.parent):
                 print(f"{path}: {sight.said}")
+    # Told, but no mistake of a description: it does not change the exit code.
     for broken in installed().broken():
         print(broken, file=sys.stderr)
     return 1 if wrong else 0
@@ -76,6 +78,7 @@ def _not_judged(site: Site) -> Iterator[str]:
         for watch in signal.anomalies
         if watch.extension and watch.extension not in detectors
     }
+    # Sets have no order; the same description must give the same lines.
     for kind, name, where in sorted(needed, key=lambda part: (part[0].group, part[1])):
         what = kind.group.removeprefix("talaia.").removesuffix("s")
         yield (

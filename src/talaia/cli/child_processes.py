@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 
 __all__ = ["ChildProcess", "end_all", "run_together", "start_program", "start_talaia"]
 
+# Of linux/prctl.h; see prctl(2).
 _PR_SET_PDEATHSIG = 1
+# Enough for the end of a traceback.
 _LAST_LINES = 15
+# Ends in a row after which a person should read the log.
 _NOT_STAYING = 3
 
 
@@ -43,14 +46,22 @@ class ChildProcess:
 
         With ``relaunch`` it is started again when it ends by itself; see `keep`.
         """
+        # What people read: "hub", "gateway of the vehicle".
         self.name = name
+        # The one that runs now; replaced by `_start_again`.
         self.process = process
+        # Appended to, so that a restart does not wipe out why it was needed.
         self.log = log
+        # None: its end is the end of all.
         self._relaunch = relaunch
+        # When the present process started (monotonic, s), to judge whether it stays.
         self._began = time.monotonic()
+        # Newest lines of output; they go on over a restart.
         self.last: deque[str] = deque(maxlen=_LAST_LINES)
         # Words that somebody waits to see in the output.
         self._waiting: list[tuple[str, asyncio.Future[str]]] = []
+        # Reads until the output ends, then tells everybody who waits for a word; one for each
+        # process.
         self._reader = asyncio.create_task(self._read())
 
     async def says(self, word: str, within: float) -> str:
@@ -60,6 +71,7 @@ class ChildProcess:
             PartStopped: the process ended first, or ``within`` seconds passed.
 
         """
+        # It may have been said before anybody asked.
         found = next((line for line in self.last if word in line), None)
         if found is not None:
             return found
@@ -90,6 +102,7 @@ class ChildProcess:
             PartStopped: it ended, and is not of that kind.
 
         """
+        # The gateway's rule for dialling: a process that lasted begins with short waits again.
         backoff = Backoff(random.SystemRandom().random)
         stops = 0
         while self._relaunch is not None:
@@ -107,10 +120,13 @@ class ChildProcess:
         await self.ended()
 
     async def _exit_code(self) -> int:
+        # The output first, for a process that has ended may have left lines in the pipe. Shielded:
+        # who waits here may be cancelled, and the output must be read on.
         await asyncio.shield(self._reader)
         return await self.process.wait()
 
     async def _start_again(self, relaunch: _Launch) -> None:
+        # A task of its own: cancelled half way, a process would run that nobody knows of.
         starting = asyncio.ensure_future(relaunch())
         try:
             await asyncio.shield(starting)
@@ -124,6 +140,7 @@ class ChildProcess:
         """Ask the process to end, and end it when it does not."""
         if self.process.returncode is None:
             with contextlib.suppress(ProcessLookupError):
+                # Gone between the test and the signal.
                 self.process.send_signal(signal.SIGTERM)
         try:
             await asyncio.wait_for(self.process.wait(), within)
@@ -131,6 +148,7 @@ class ChildProcess:
             with contextlib.suppress(ProcessLookupError):
                 self.process.kill()
             await self.process.wait()
+        # The log is complete only then.
         await self._reader
 
     async def _read(self) -> None:
@@ -141,11 +159,13 @@ class ChildProcess:
             async for raw in output:
                 line = raw.decode(errors="replace").rstrip()
                 log.write(line + "\n")
+                # Each line: whoever reads the log wants to see why nothing happens now.
                 log.flush()
                 self.last.append(line)
                 for word, future in self._waiting:
                     if word in line and not future.done():
                         future.set_result(line)
+        # Output has ended: what was not said until now will not be said.
         code = await self.process.wait()
         for _, future in self._waiting:
             if not future.done():
@@ -183,12 +203,15 @@ async def start_program(
     async def launch() -> asyncio.subprocess.Process:
         return await asyncio.create_subprocess_exec(
             *words,
+            # No part may take the keys that are typed in the terminal.
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT,
+            # Python holds output to a pipe back otherwise, and `says` would wait for a full buffer.
             env={**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})},
             start_new_session=True,
             preexec_fn=_follow_parent if sys.platform == "linux" else None,
+            # Bytes of a line; asyncio's own limit of 64 KiB would end the reader.
             limit=1024 * 1024,
         )
 
@@ -208,6 +231,7 @@ async def run_together(begin: Callable[[list[ChildProcess]], Coroutine[None, Non
     stop = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
+        # Only sets an event: the parts are ended below, in one place.
         loop.add_signal_handler(number, stop.set)
     parts: list[ChildProcess] = []
     stopped: asyncio.Future[object] = asyncio.ensure_future(stop.wait())
@@ -215,6 +239,7 @@ async def run_together(begin: Callable[[list[ChildProcess]], Coroutine[None, Non
         ready: asyncio.Future[object] = asyncio.ensure_future(begin(parts))
         await asyncio.wait({ready, stopped}, return_when=asyncio.FIRST_COMPLETED)
         if not ready.done():
+            # Cut short while starting; what was started is in `parts` already.
             ready.cancel()
             return
         await ready
@@ -224,6 +249,7 @@ async def run_together(begin: Callable[[list[ChildProcess]], Coroutine[None, Non
             task.cancel()
         # What is starting again just now must have started before it can be ended.
         await asyncio.gather(*kept, return_exceptions=True)
+        # Raises why a part ended, when it was that and not a person.
         for task in done - {stopped}:
             await task
     finally:
@@ -243,4 +269,6 @@ _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 def _follow_parent() -> None:
     if _LIBC is not None:
+        # Between fork and exec: SIGTERM to this process when its parent dies, a killed one
+        # included.
         _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

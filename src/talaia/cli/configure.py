@@ -29,11 +29,13 @@ def main(argv: Sequence[str]) -> int:
 
     """
     options = _parse_options(argv)
+    # Before Qt, which takes a while and may be missing.
     if options.site is not None and not options.site.is_file():
         raise CliError(f"{options.site}: there is no such file")
     try:
         from talaia.configurator.qt.app import run_window
         from talaia.configurator.qt.window import Means
+    # The package is missing; below, it is there, and a library of the system is not.
     except ModuleNotFoundError as error:
         raise PartMissing("talaia configure", error.name or "PySide6", "configurator") from error
     except ImportError as error:

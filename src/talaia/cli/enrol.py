@@ -40,6 +40,7 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--hub", metavar="URL", help="with --to: wss://host:port of this hub")
     options = parser.parse_args(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from())
+    # The key alone on standard output, for a script that stores it.
     if options.to is None:
         print(asyncio.run(accounts.create_gateway(settings, options.site)))
         return 0
@@ -51,9 +52,12 @@ def main(argv: Sequence[str]) -> int:
 def _write_key_file(settings: Settings, options: argparse.Namespace) -> int:
     now = dt.datetime.now(dt.UTC)
     address = HubAddress.checked(options.hub)
+    # Safe to run at each start of a container: a key that works is not replaced.
     if asyncio.run(is_good(settings, options.to, options.site)):
         print(f"{options.to} is valid already", file=sys.stderr)
         return 0
+    # The gateway knows the hub by this key, so nobody else can pose as it, and no authority is
+    # needed.
     pin = key_hash(own_certificate(settings, now).cert)
     content = KeyFile(key="", site=options.site, hub=address.url, fingerprint=pin)
     asyncio.run(make_key(settings, options.to, content))

@@ -16,6 +16,7 @@ class PartMissing(CliError):
 
     def __init__(self, what: str, module: str, extra: str) -> None:
         """Name the extra that brings it."""
+        # All of it, so that the error can be pickled and copied.
         super().__init__(what, module, extra)
         self.what, self.module, self.extra = what, module, extra
 

@@ -38,6 +38,7 @@ def main(argv: Sequence[str]) -> int:
     folder: Path | None = parser.parse_args(argv).extensions
     try:
         tiles = TileFolder() if folder is None else read_tiles(folder)
+    # The folder itself; a tile in it that cannot be read is listed as broken.
     except OSError as error:
         print(f"{folder} cannot be read: {error.strerror or error}", file=sys.stderr)
         return 2
@@ -57,6 +58,7 @@ def main(argv: Sequence[str]) -> int:
         print(f"tile {tile.name}: {tile.manifest.title} (can be used)")
     if not every and not tiles.tiles:
         print(f"no extensions are installed here (talaia.extend version {API_VERSION})")
+    # Errors' stream: a script that reads the list gets only what can be used.
     for broken in found.broken():
         print(broken, file=sys.stderr)
     for broken_tile in tiles.broken:
@@ -73,5 +75,6 @@ def _key_sets(declared: Declared) -> Iterator[tuple[str, type[ExtensionKeys]]]:
                 yield "command: ", declared.command
         case DetectorExtension() | NotifierExtension():
             yield "keys.", declared.keys
+        # Importers have none.
         case _:
             pass

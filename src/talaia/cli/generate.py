@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
+# Files of this folder are never written twice, not even by --force.
 _KEPT = "secrets/"
 
 
@@ -29,6 +30,7 @@ def main(argv: Sequence[str]) -> int:
     options = _parse_options(argv)
     site = raise_first(read_site(options.site))
     for where, path in (("--program", options.program), ("--ros-setup", options.ros_setup)):
+        # In a unit there is no folder that a relative path could begin at.
         if path and not path.startswith("/"):
             raise CliError(f"{where}: expected an absolute path, found {path!r}")
     if not 1 <= options.port <= 65535:
@@ -43,6 +45,7 @@ def main(argv: Sequence[str]) -> int:
         program=options.program,
         setup=options.ros_setup,
     )
+    # The text as it is, with its comments: the copy is what a person goes on to edit.
     files = make_deployment(
         site, options.site.read_text(), choice, lambda: secrets.token_urlsafe(24)
     )
@@ -92,6 +95,7 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def _write_files(folder: Path, files: dict[str, File], *, force: bool) -> None:
+    # Looked for before anything is written: a refusal leaves the folder as it was.
     there = [name for name in files if (folder / name).exists()]
     if there and not force:
         raise CliError(f"{folder} holds {there[0]} already; choose another folder, or --force")
@@ -102,6 +106,7 @@ def _write_files(folder: Path, files: dict[str, File], *, force: bool) -> None:
                 continue  # the database knows the password of before
             secret = name.startswith(_KEPT)
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700 if secret else 0o755)
+            # The mode before the text, so that a secret is at no moment readable by others.
             path.touch(mode=file.mode)
             path.chmod(file.mode)
             path.write_text(file.text)

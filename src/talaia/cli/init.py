@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
+# Of a report on standard input; without a limit a wrong pipe would fill the memory.
 MAX_BYTES = 64 * 1024 * 1024
 
 
@@ -56,6 +57,7 @@ def main(argv: Sequence[str]) -> int:
     host = socket.gethostname().split(".", 1)[0]
     made = propose(
         found,
+        # Cut, for people type it in commands and addresses.
         options.site or word_of(host)[:40],
         options.name or host[:100] or "Robot",
         options.zone or zone_here(),
@@ -65,6 +67,7 @@ def main(argv: Sequence[str]) -> int:
             f"nothing was found at {found.where}: start the robot, and see what `talaia probe` "
             "lists; nothing was written"
         )
+    # Made in memory first: nothing is written when there is nothing to write.
     text = write_description(made.site, _file_header(found, made))
     if shown:
         print(text, end="")

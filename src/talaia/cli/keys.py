@@ -26,6 +26,7 @@ async def is_good(settings: Settings, path: Path, site: str) -> bool:
 
     """
     key = _key_in_file(path)
+    # Asked of the hub's database: a file may hold a key that another one has replaced.
     return bool(key) and await accounts.gateway_site(settings, key) == site
 
 
@@ -41,6 +42,7 @@ async def make_key(settings: Settings, path: Path, content: KeyFile) -> None:
         HubError: the database cannot be opened.
 
     """
+    # First: with a folder that cannot be written, the key of before must stay valid.
     place = KeyPlace(path)
     try:
         key = await accounts.create_gateway(settings, content.site)

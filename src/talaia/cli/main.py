@@ -20,8 +20,10 @@ __all__ = ["COMMANDS", "main"]
 class Subcommand(NamedTuple):
     """One subcommand: where its ``main(argv)`` is, what it does, the extra it needs."""
 
+    # Imported only when the command is run: the hub's libraries need not be there for `check`.
     module: str
     summary: str
+    # As in ``pip install talaia[…]``; empty where the core is enough.
     extra: str
 
 
@@ -97,10 +99,12 @@ def main(argv: Sequence[str] | None = None) -> int:
             # garbage collection goes through it, the one at the end included.
             gc.freeze()
         return run(arguments[1:])
+    # On purpose, so a sentence is enough; all else is a mistake of ours, and shows its traceback.
     except TalaiaError as error:
         print(f"talaia {first}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
+        # 128 and the number of SIGINT, as shells have it.
         return 130
 
 
@@ -120,10 +124,12 @@ def _load_main(name: str, command: Subcommand) -> Callable[[Sequence[str]], int]
     try:
         module = importlib.import_module(command.module)
     except ModuleNotFoundError as error:
+        # A module of our own that is missing is no extra that one could install.
         if error.name is None or error.name.startswith("talaia"):
             raise
         raise PartMissing(f"talaia {name}", error.name, command.extra) from error
     finally:
+        # Left off where a caller had it off.
         if collecting:
             gc.enable()
     return cast("Callable[[Sequence[str]], int]", module.main)

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["add_options", "main", "probe_robot"]
 
 MAX_SECONDS = 600.0
+# INDI: at the most, for looking ends when nothing new comes.
 SECONDS, INDI_SECONDS = 5.0, 20.0
+# Registered for INDI at IANA.
 INDI_PORT = 7624
 # What people look for first in a list of topics.
 _KNOWN = {
@@ -113,6 +115,7 @@ def probe_robot(options: argparse.Namespace) -> Found:
         return _look_at_indi(options.indi, options.seconds or INDI_SECONDS, options.connect)
     seconds = options.seconds or SECONDS
     master = options.ros1
+    # Only where nothing was asked for: a domain is ROS 2's, and says enough.
     if master is None and not options.ros2 and options.domain is None:
         master = _answering_master()
     return (
@@ -121,9 +124,11 @@ def probe_robot(options: argparse.Namespace) -> Found:
 
 
 def _look_at_ros2(domain: int | None, seconds: float) -> Found:
+    # Above 232, DDS's ports would be beyond 65535.
     if domain is not None and not 0 <= domain <= 232:
         raise CliError(f"--domain: expected a ROS domain id from 0 to 232, found {domain}")
     try:
+        # Here, not at the top: the other protocols can be looked at without ROS.
         from talaia.gateway.adapters.ros2.probe import probe_graph
     except ImportError as error:
         raise PartMissing("talaia probe", error.name or "rclpy", "ros2") from error
@@ -140,9 +145,11 @@ def _answering_master() -> str | None:
     from talaia.gateway.errors import AdapterLost
 
     try:
+        # The variable alone says little: it may stay set on machines whose ROS 1 is long gone.
         RosMaster(named).check()
     except AdapterLost:
         return None
+    # Errors' stream: with --json the output must be JSON and nothing else.
     print(f"looking at ROS 1, master {named}; --ros2 looks at ROS 2", file=sys.stderr)
     return named
 
@@ -164,6 +171,7 @@ def _look_at_indi(place: str, seconds: float, connect: bool) -> Found:  # noqa: 
     from talaia.gateway.adapters.indi.probe import probe_server as look_at_indi
 
     try:
+        # With slashes before it, so that `urlsplit` takes it for a host, and brackets for IPv6.
         where = urlsplit(f"//{place}")
         host, port = where.hostname or "", where.port or INDI_PORT
     except ValueError as error:

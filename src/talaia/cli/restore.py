@@ -34,8 +34,10 @@ def main(argv: Sequence[str]) -> int:
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
     make_data_folder(settings)
     if not settings.url.startswith("sqlite"):
+        # Tables first: rows can only go into a database of today's form.
         asyncio.run(_migrate_database(settings))
         print(f"restored: {restore_server(options.folder, settings.url)} rows")
+    # Last: when the database refuses its rows, the folder is as it was.
     restore_folder(options.folder, options.data)
     print("restored: it takes effect when the hub starts next")
     return 0

@@ -28,16 +28,20 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
+# What is read from the hub's output; `run` in the hub writes these lines.
 _FINGERPRINT = re.compile(r"certificate: ([0-9A-Fa-f:]+)")
 _SETUP = re.compile(r"https?://\S+/setup#\S+")
 _ADDRESS = re.compile(r"ready: (https?://\S+)")
+# For each of hub and link; a hub that brings an old database up to date takes its time (s).
 READY_S = 60.0
 
 
 class _Up(NamedTuple):
     """What is running: where, and where the first admin is made, if nobody is there yet."""
 
+    # Of the dashboard, as the hub said it.
     address: str
+    # With the code for the first admin's account; empty when there is one.
     setup: str
 
 
@@ -48,6 +52,7 @@ def main(argv: Sequence[str]) -> int:
     site = raise_first(read_site(options.site))
     data = options.data or data_folder(site.site)
     try:
+        # Readable by its owner only: accounts, keys and recordings are in it.
         data.mkdir(parents=True, exist_ok=True, mode=0o700)
     except OSError as error:
         raise CliError(
@@ -101,18 +106,23 @@ async def _start_and_greet(
 async def _start_parts(
     options: argparse.Namespace, site: Site, data: Path, parts: list[ChildProcess]
 ) -> _Up:
+    # Without TLS only where no other machine can listen.
     plain = is_loopback(options.host)
+    # Chosen here, for hub and gateway are told the same one.
     port = free_port(options.port, options.host)
     settings = Settings(
         data=data, host=options.host, port=port, plain=plain, database_url=Settings.url_from()
     )
+    # Straight into the database: at the first start nobody has an account to enrol a gateway with.
     key = await _key_file(settings, site.site, data / "gateway.key")
     hub = ["hub", "--data", str(data), "--host", options.host, "--port", str(port)]
     parts.append(
         await start_talaia("hub", [*hub, *(["--plain"] if plain else [])], data / "hub.log")
     )
     address = _find_line(_ADDRESS, await parts[0].says("ready: ", READY_S))
+    # "All addresses" is none that one can connect to.
     inside = "127.0.0.1" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
+    # An IPv6 address needs brackets in a URL (RFC 3986).
     shown_host = f"[{inside}]" if ":" in inside else inside
     gateway = [
         "gateway",
@@ -127,9 +137,11 @@ async def _start_parts(
         options.accept_changes,
     ]
     if plain:
+        # Said on purpose: a gateway does not speak without TLS by itself.
         gateway.append("--allow-plain")
     else:
         shown = await parts[0].says("certificate: ", READY_S)
+        # The hub's certificate is its own; no authority signs for it, so it is known by its hash.
         gateway += ["--fingerprint", _find_line(_FINGERPRINT, shown)]
     parts.append(await start_talaia("gateway", gateway, data / "gateway.log"))
     await parts[1].says("linked to", READY_S)

@@ -62,10 +62,13 @@ def _upgrade_file(path: Path, *, write: bool) -> bool:
         print("".join(rows), end="")
     for change in changes:
         print(f"{path}: {change}", file=sys.stderr)
+    # The new text is read again, so that a mistake of the upgrade itself is told before it is
+    # written.
     findings = check(load_site(after))
     for finding in findings:
         print(f"{path}: {finding}", file=sys.stderr)
     if write:
+        # The file that a link leads to: replacing the link would leave two files.
         _replace_file(path.resolve(), after)
         return bool(findings)
     print(f"{path}: not changed; --write changes it", file=sys.stderr)
@@ -74,6 +77,7 @@ def _upgrade_file(path: Path, *, write: bool) -> bool:
 
 def _replace_file(path: Path, text: str) -> None:
     """Write the whole file or nothing of it; it stays whose and how readable it was."""
+    # In the same folder, for a rename works only within a file system.
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         mode = path.stat().st_mode & 0o777
@@ -82,10 +86,12 @@ def _replace_file(path: Path, text: str) -> None:
         with fresh.open("w", encoding="utf-8", newline="") as file:
             file.write(text)
             file.flush()
+            # Before the rename: after a power cut the name must not lead to an empty file.
             os.fsync(file.fileno())
         fresh.replace(path)
     except OSError as error:
         raise CliError(f"{path} cannot be written: {error.strerror}") from error
     finally:
         with contextlib.suppress(OSError):
+            # After the rename there is nothing of that name; that is no error.
             fresh.unlink()

@@ -40,6 +40,7 @@ DRIVERS = (
     # A real driver that reads a file, for the humidity, which the weather simulator has not.
     "indi_watcher_weather",
 )
+# Seconds between two measurements; the seed of the weather and of its noise.
 STATION_EVERY_S, STATION_SEED = 2.0, 1
 
 
@@ -78,6 +79,7 @@ async def _write_measurements(station: Path) -> None:
             temperature = weather.temperature + noise.gauss(0.0, 0.05)
             humidity = min(100.0, weather.humidity + noise.gauss(0.0, 0.1))
             next_file.write_text(f"temperature={temperature:.2f}\nhumidity={humidity:.2f}\n")
+            # Renamed into place: the driver must never read half a file.
             next_file.replace(station)
         await asyncio.sleep(STATION_EVERY_S)
 
@@ -104,6 +106,7 @@ async def _start_parts(
     # indiserver knows no other address than all of them: on a shared network, fence it.
     words = ["indiserver", "-v", "-p", str(indi), "-u", str(home / "socket"), *DRIVERS]
     parts.append(await start_program("INDI server", words, data / "indi.log", {"HOME": str(home)}))
+    # Before the gateway, which would only warn of a server that is still starting.
     await parts[0].says("listening to port", 30)
     settings = Settings(
         data=data, host="127.0.0.1", port=port, plain=True, database_url=Settings.url_from()
@@ -115,6 +118,7 @@ async def _start_parts(
     site.write_text(dump_site(_at_port(here, indi)))
     key = data / "gateway.key"
     key.write_text(await accounts.create_gateway(settings, EXAMPLE))
+    # Whoever can read it can speak as this gateway.
     key.chmod(0o600)
     hub = ["hub", "--data", str(data), "--host", "127.0.0.1", "--port", str(port), "--plain"]
     gateway = [
@@ -142,6 +146,7 @@ def _at_night(site: Site, unix_s: float) -> Site:
     place, mount = site.place, site.devices["telescope"]
     if place is None:
         return site
+    # INDI counts longitude from 0 to 360° east.
     where = {"LAT": place.latitude, "LONG": place.longitude % 360.0, "ELEV": place.elevation}
     mount = replace(mount, setup={**mount.setup, "GEOGRAPHIC_COORD": {**where}})
     return replace(site, devices={**site.devices, "telescope": mount})
@@ -163,4 +168,5 @@ def _at_port(site: Site, port: int) -> Site:
 def _any_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
+        # Free a moment ago; somebody else may take it, and then the server says so.
         return int(probe.getsockname()[1])

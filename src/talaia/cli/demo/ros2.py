@@ -81,6 +81,7 @@ async def _start_robots(
 ) -> None:
     port = free_port(options.port)
     address = f"http://localhost:{port}"
+    # Simulators first: they start while the accounts are made.
     robots = [_start_vehicle(options, data)]
     if not options.no_observatory:
         robots.append(_start_observatory(options, data))
@@ -99,6 +100,7 @@ async def _start_robots(
         log = data / f"gateway{suffix}.log"
         name = f"gateway of the {robot.name}"
         parts.append(await start_talaia(name, words, log, robot.environment, restart=True))
+    # The order of `parts`: robots and hub, which say "ready", then the gateways.
     ready = len(robots) + 1
     await asyncio.gather(
         *(part.says("ready", READY_S) for part in parts[:ready]),
@@ -128,12 +130,14 @@ class _Robot(NamedTuple):
     ``changed``: the description is not the example, for somebody changed it in an earlier run.
     """
 
+    # Short name of the site, by which its key and its log are named.
     site: str
     description: Path
     changed: bool
     name: str
     words: list[str]
     log: str
+    # ROS domain that robot and gateway share with nobody else.
     domain: int
     environment: dict[str, str]
 
@@ -160,12 +164,14 @@ def _without_detections(text: str) -> str:
     site = load_site(text)
     camera = site.devices["camera"]
     streams = {name: replace(stream, detect=None) for name, stream in camera.streams.items()}
+    # Names of signals that count what the camera sees.
     seen = {
         name
         for name, signal in camera.signals.items()
         if isinstance(signal.source, DetectionSource)
     }
     signals = {name: signal for name, signal in camera.signals.items() if name not in seen}
+    # Their addresses; rules that go by them would be mistakes of the description.
     gone = {f"camera/{name}" for name in seen}
     without = replace(
         site,
@@ -191,6 +197,7 @@ def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
     description = data / "observatory.yaml"
     changed = is_changed(description)
     if changed:
+        # Somebody's work, but its place must still be where it is night now.
         text = description.read_text()
         description.write_text(save_into_text(text, at_night(read_site(description), now)))
     else:
@@ -208,6 +215,7 @@ async def _gateway_command(robot: _Robot, settings: Settings) -> list[str]:
     suffix = "" if robot.site == VEHICLE else f"-{robot.site}"
     key = settings.data / f"gateway{suffix}.key"
     key.write_text(await accounts.create_gateway(settings, robot.site))
+    # Whoever can read it can speak as this gateway.
     key.chmod(0o600)
     return [
         "gateway",
@@ -221,6 +229,7 @@ async def _gateway_command(robot: _Robot, settings: Settings) -> list[str]:
         str(settings.data / f"gateway{suffix}"),
         "--ros-domain",
         str(robot.domain),
+        # The demo shows that too: everything may be changed on the page.
         "--accept-changes",
         "all",
     ]

@@ -30,6 +30,7 @@ __all__ = [
     "write_description",
 ]
 
+# The built-in roles; each login is named as its role.
 ROLES = ("admin", "operator", "guest")
 
 
@@ -37,6 +38,7 @@ class Login(NamedTuple):
     """A throw-away account."""
 
     name: str
+    # In the clear, for it is printed once; the database has its hash.
     password: str
     role: str
 
@@ -50,11 +52,13 @@ def data_folder(kept: Path | None, prefix: str) -> Iterator[Path]:
         yield data
     finally:
         if kept is None:
+            # A file that cannot be removed must not hide why the demo ended.
             shutil.rmtree(data, ignore_errors=True)
 
 
 async def make_logins(settings: Settings) -> list[Login]:
     """Make a person of each role; in a kept folder the same people get new passwords."""
+    # Made at random each time: others on the machine can reach the demo, too.
     logins = [Login(role, secrets.token_urlsafe(6), role) for role in ROLES]
     for login in logins:
         try:
@@ -67,6 +71,7 @@ async def make_logins(settings: Settings) -> list[Login]:
 def find_example(name: str) -> Path:
     """Find an example: in this tree, or beside the installed package."""
     package = Path(__file__).resolve().parents[2]
+    # The source tree before the package: who works on the examples wants to see his own.
     for base in (package.parent.parent / "examples", package / "examples"):
         if (base / name / "site.yaml").exists():
             return base / name / "site.yaml"
@@ -85,6 +90,7 @@ def is_changed(path: Path) -> bool:
 def write_description(path: Path, text: str) -> None:
     """Write a description, and note that it is the demo's own."""
     path.write_text(text)
+    # After the text: cut short between the two, the file counts as changed and is left alone.
     _digest_file(path).write_text(_digest_of(text))
 
 
