@@ -36,7 +36,7 @@ __all__ = [
     "preview_of",
 ]
 
-# what pages may ask for; the first is what they ask for by themselves
+# What pages may ask for; the first is what they ask for by themselves.
 STRETCHES = ("asinh", "linear", "log")
 # As the header says, before any memory is taken for them.
 MOST_PIXELS = 250_000_000

@@ -33,6 +33,7 @@ class AlarmsFeature(Feature):
 
     def __init__(self, core: Core, *, people: People, history: History, audit: Audit) -> None:
         """Preview alarms on ``history``; ``people`` are named by who acted."""
+        # Alarms and what has happened to them; the engine writes, the pages only read.
         store = AlarmStore(core.database)
         self.outbox = NotificationOutbox(core.database)
         self.engine = AlarmEngine(
@@ -52,6 +53,7 @@ class AlarmsFeature(Feature):
         )
         self.routers = [pages.router()]
         self.tasks = [
+            # Told to end instead of cancelled: what was judged is still to be written.
             BackgroundTask(name="judge", run=self.engine.run, stop=self.engine.stop),
         ]
 

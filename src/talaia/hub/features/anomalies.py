@@ -46,6 +46,7 @@ class AnomaliesFeature(Feature):
             fanout=core.fanout,
             clock=core.clock,
         )
+        # In this order: an anomaly is in the log before an alarm is raised by it.
         self.detectors.listen(reporting)
         self.detectors.listen(alarms)
         self.detectors.show(reporting)

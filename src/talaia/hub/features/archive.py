@@ -32,7 +32,9 @@ class ArchiveFeature(Feature):
     def __init__(self, core: Core, *, audit: Audit) -> None:
         """Write down in ``audit`` what is kept and what is refused."""
         settings = core.settings
+        # Files on their way are in another folder, so that the archive holds whole ones only.
         self.frames = Archive(core.database, settings.data / "archive")
+        # By the kind that a gateway's offer names; what has no keeper is refused.
         keepers = {"fits": FitsArchiver(core.sites, self.frames, audit)}
         self.uploads = Uploads(settings.data / "uploads", keepers, settings.file_bytes)
         self.routers = [ArchivePages(self.frames).router(), SkyPages().router()]

@@ -28,6 +28,7 @@ class AuditFeature(Feature):
         """Keep the log in the hub's database."""
         self.log = Audit(core.database, core.clock)
         self.routers = [AuditPages(self.log).router()]
+        # Rows are chained, so one task writes them, one after the other.
         self.tasks = [BackgroundTask(name="write", run=self._write, stop=self._stop)]
 
     async def _write(self) -> None:
@@ -35,5 +36,6 @@ class AuditFeature(Feature):
         await self.log.run()
 
     def _stop(self) -> None:
+        # Before the stop, which lets what waits be written once more.
         self.log.append_record("hub stopped")
         self.log.stop()

@@ -47,7 +47,9 @@ class DescriptionsFeature(Feature):
         audit: Audit,
     ) -> None:
         """Show a description to ``followers`` in their order."""
+        # Every text that a site went by.
         versions = Descriptions(core.database, core.clock)
+        # What a person sent and a gateway has not answered yet.
         changes = ChangeRequestClient(registry)
         self.describing = DescriptionIntake(
             sites=core.sites,

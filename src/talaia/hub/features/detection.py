@@ -46,6 +46,7 @@ class DetectionFeature(Feature):
         anomalies: AnomalyService,
     ) -> None:
         """Look at ``media``; what is counted goes to ``alarms``, ``anomalies`` and ``history``."""
+        # For the sites that are known at the start, and the folder of models.
         self._core = core
         self.samples = LiveSamples(
             fanout=core.fanout, alarms=alarms, anomalies=anomalies, clock=core.clock
@@ -70,4 +71,5 @@ class DetectionFeature(Feature):
         await self.cameras.close()
 
     def _make_worker(self, report: Callable[[str, str], None]) -> Worker:
+        # A process of its own: a model that fails, or takes all memory, ends that one.
         return Worker({}, self._core.settings.data / MODELS, report)

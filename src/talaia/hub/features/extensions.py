@@ -46,6 +46,7 @@ def tiles_of(settings: Settings) -> TileFolder:
     chosen = settings.extensions
     if chosen is None:
         return TileFolder()
+    # Resolved, so that a link into the data folder is found, too.
     if chosen.resolve().is_relative_to(settings.data.resolve()):
         raise CannotStart(
             f"--extensions {chosen} is inside the data folder, where files of gateways are kept",

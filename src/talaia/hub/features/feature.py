@@ -48,10 +48,12 @@ class Core:
         """
         self.settings = settings
         self.clock = clock
+        # Checks the URL and connects to nothing yet.
         self.database = Database(settings.url)
         self.sites = Sites()
         self.browsers = Browsers()
         self.fanout = Fanout(self.sites, clock)
+        # Read once: a file that is replaced meanwhile must not change what this hub seals by.
         self._seal = functools.cache(lambda: seal_of(settings.data / SEAL_FILE))
 
     def seal(self) -> Seal:
@@ -71,6 +73,7 @@ class Core:
             StoreError: the database cannot be opened.
 
         """
+        # Before the database: a folder that was restored without its key is told at once.
         self.seal()
         await self.database.migrate()
 
@@ -108,6 +111,7 @@ class Feature:
 
     """
 
+    # Class attributes, so that a feature without any of these need not say so.
     name: ClassVar[str]
     routers: Sequence[APIRouter] = ()
     sockets: Sequence[APIRouter] = ()

@@ -52,6 +52,7 @@ class GatewayLinksFeature(Feature):
             history=history,
             attendance=gateways.registry.attendance,
             links=gateways.links,
+            # Turns for the hello; those for the key are `PeopleFeature`'s.
             admission=JoinQueue(),
             settings=core.settings,
             clock=core.clock,

@@ -31,6 +31,7 @@ class GatewaysFeature(Feature):
 
     def __init__(self, core: Core, *, audit: Audit) -> None:
         """Write down in ``audit`` who enrols and is revoked."""
+        # How often keys are checked, and where the certificate is.
         self._settings = core.settings
         self.registry = SiteRegistry(core.database, core.clock)
         self.links = OpenLinks(core.sites, self.registry)
@@ -46,6 +47,7 @@ class GatewaysFeature(Feature):
         self.routers = [pages.router()]
         self.tasks = [
             BackgroundTask(name="keep attendance", run=attendance.run, stop=attendance.stop),
+            # A key may be made void from the command line, past this process.
             BackgroundTask(name="check keys", run=self._check_keys),
         ]
 
@@ -55,5 +57,6 @@ class GatewaysFeature(Feature):
     def _proof(self) -> Proof:
         if self._settings.plain:
             return Proof()
+        # Read each time: the hub renews it while it runs.
         cert = certificate_of(self._settings).cert
         return Proof(fingerprint(cert), key_hash(cert))

@@ -37,5 +37,6 @@ class ImportsFeature(Feature):
         imported = ImportedSites(
             sites=core.sites, registry=registry, history=history, alarms=alarms, audit=audit
         )
+        # A folder in which ``talaia import`` leaves what it has read, for the hub to store.
         inbox = ImportInbox(history, core.settings.data / FOLDER, imported.imported)
         self.tasks = [BackgroundTask(name="take imports", run=inbox.run)]

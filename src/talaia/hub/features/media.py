@@ -33,6 +33,7 @@ class MediaFeature(Feature):
         self, core: Core, *, admission: SocketAdmission, seats: SocketSessions, links: OpenLinks
     ) -> None:
         """Let pages in by ``admission``; ``seats`` and ``links`` close whose right has ended."""
+        # One copy of each stream comes from its gateway, however many look at it.
         self.streams = PictureFanout(core.sites, core.clock, core.settings.linger_s)
         pages = PictureSockets(
             admission=admission,

@@ -33,6 +33,7 @@ class NotificationsFeature(Feature):
         self, core: Core, *, alarms: AlarmEngine, outbox: NotificationOutbox, audit: Audit
     ) -> None:
         """Deliver what ``alarms`` puts into ``outbox``, and show there what cannot be."""
+        # The seal as a function: it is read when the core opens, which is later.
         store = NotifyStore(core.database, core.seal)
         self._alarms = alarms
         self.sender = Sender(core.settings.notify_networks)
@@ -43,6 +44,7 @@ class NotificationsFeature(Feature):
             clock=core.clock,
             told=alarms.refresh_troubles,
         )
+        # So a message goes out at once, and not at the next look at the outbox.
         alarms.on_notice(self._delivering.wake)
         pages = NotifyPages(store=store, sender=self.sender, audit=audit, clock=core.clock)
         self.routers = [pages.router()]

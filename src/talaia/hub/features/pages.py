@@ -42,6 +42,7 @@ class PagesFeature(Feature):
         """Tell a page that comes what ``reporting`` and ``sightings`` know."""
         sockets = PageSockets(
             admission=admission,
+            # Each message of a page is held against the rights of this moment.
             gate=MessageAuthorizer(sites=core.sites, rights=seats),
             seats=seats,
             browsers=core.browsers,
@@ -56,4 +57,5 @@ class PagesFeature(Feature):
             sites=core.sites, audit=audit, sightings=sightings.store, clock=core.clock
         )
         self.sockets = [sockets.router()]
+        # `Pages` last: it takes every path.
         self.routers = [sites.router(), ApiDescription().router(), Pages(static_dir()).router()]

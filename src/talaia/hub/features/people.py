@@ -57,6 +57,7 @@ class PeopleFeature(Feature):
     def __init__(self, core: Core, *, audit: Audit, registry: SiteRegistry) -> None:
         """Gateways are known by ``registry``."""
         settings, database, clock = core.settings, core.database, core.clock
+        # How often sessions are checked, and how long the set-up link is good.
         self._settings = settings
         self.setup_token: str | None = None
         self.accounts = People(database, clock)
@@ -68,11 +69,13 @@ class PeopleFeature(Feature):
             tokens=self.tokens,
             sites=core.sites,
             registry=registry,
+            # Turns for keys of gateways; people wait in no queue.
             admission=JoinQueue(),
             settings=settings,
         )
         self.limits = RateLimits(clock)
         self.admission = SocketAdmission(access=self.access, limits=self.limits)
+        # Brought back at the start: a restart must give nobody new tries.
         self._tries = FailedLogins(database, clock, Throttle())
         factors = SecondFactors(database, clock, core.seal)
         passwords = Passwords(settings.password_cost)

@@ -40,6 +40,7 @@ class RecordingsFeature(Feature):
         audit: Audit,
     ) -> None:
         """Write down in ``audit`` what comes and goes; other files go to ``uploads``."""
+        # The list is in the database and the files on the disk; `open` makes the two fit.
         self.files = Recordings(
             rows=RecordingList(core.database),
             audit=audit,

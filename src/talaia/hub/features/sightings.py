@@ -38,6 +38,7 @@ class SightingsFeature(Feature):
             days=core.settings.sightings_days,
             most=core.settings.sightings_most,
         )
+        # The journal tells each sighting once, also where a gateway reports it again.
         self.journal.listen(alarms)
         self.routers = [SightingPages(self.store).router()]
         self.tasks = [BackgroundTask(name="keep", run=self.journal.run, stop=self.journal.stop)]

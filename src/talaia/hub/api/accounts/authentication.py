@@ -35,6 +35,7 @@ _PREFIX = 64
 class SignInAttempt(NamedTuple):
     """What tries are counted by."""
 
+    # The name without case, an address or network, and the browser's own secret; see `Throttle`.
     user: str
     address: str
     browser: str
@@ -54,10 +55,12 @@ class Authentication:
         audit: Audit,
     ) -> None:
         """Count in ``tries``; ``sessions`` knows a browser from earlier sign-ins."""
+        # Knows whether the browser has been here with this person before.
         self._sessions = sessions
         self._people = people
         self._passwords = passwords
         self._factors = factors
+        # Every wrong try, kept over restarts: a restart must give nobody new ones.
         self._tries = tries
         self._audit = audit
 
@@ -70,6 +73,7 @@ class Authentication:
             ApiProblem: 401 ``wrong``, 401 ``factor``, 429 ``busy``.
 
         """
+        # Counted before anything is looked at: who breaks off half-way has tried, too.
         ask = await self.begin(request, name)
         person = await self._known(
             request, name=name, password=password, status=401, what="login failed"
@@ -78,6 +82,7 @@ class Authentication:
             await self._second(
                 request, ask=ask, person=person, code=code, status=401, what="login failed"
             )
+        # Only now: a right password with a wrong code is a wrong try.
         await self.right(ask)
         return person
 
@@ -88,6 +93,7 @@ class Authentication:
             ApiProblem: 403 ``wrong``, 429 ``busy``.
 
         """
+        # By number: the name could have been given to somebody else meanwhile.
         person = await self._person(user)
         ask = await self.begin(request, person.name)
         person = await self._known(
@@ -121,10 +127,12 @@ class Authentication:
             ApiProblem: 429 ``busy``.
 
         """
+        # Known to this very person: another's cookie must not take the name's count away.
         browser = await self._sessions.known_browser(request, name)
         ask = SignInAttempt(name_key(name), _network(address_of(request)), browser)
         wait_ns = await self._tries.count(ask.user, ask.address, ask.browser)
         if wait_ns:
+            # In whole seconds, rounded up.
             raise ApiProblem(
                 429, "busy", "too many wrong tries; wait a little", -(-wait_ns // SECOND)
             )
@@ -140,6 +148,7 @@ class Authentication:
         self, request: Request, *, name: str, password: str, status: int, what: str
     ) -> Person:
         person = await self._people.find(name)
+        # Who is unknown or disabled is checked against a hash of nobody's, for as long.
         kept = person.password_hash if person and not person.disabled else None
         if await self._passwords.verify(password, kept) and person is not None:
             return person
@@ -187,5 +196,6 @@ def _network(address: str) -> str:
     except ValueError:
         return address
     if isinstance(parsed, ipaddress.IPv6Address) and parsed.ipv4_mapped is None:
+        # Not strict: the bits behind the prefix are simply left out.
         return str(ipaddress.ip_network((parsed, _PREFIX), strict=False))
     return address

@@ -25,18 +25,22 @@ class BrowserSessions:
         self, *, access: Access, sessions: Sessions, browsers: KnownBrowsers, seats: SocketSessions
     ) -> None:
         """Keep sessions in ``sessions``; ``browsers`` are those known from earlier sign-ins."""
+        # Makes the cookies.
         self._access = access
         self._sessions = sessions
         self._browsers = browsers
+        # Sockets that are open: they end with their session, and follow a change of rights.
         self._seats = seats
 
     async def begin(self, user: int, request: Request, response: Response) -> LiveSession:
         """Begin a session for the browser that asks, in place of the one that it brought."""
         # A session that the browser brought is not the one that it leaves with.
         before = await self._access.who(request)
+        # The one before ends, so that a session that somebody planted here is of no use (fixation).
         if before is not None and not before.who.script:
             await self._sessions.end(before.who.session)
             self._seats.end_session(before.who.session, "you have signed in anew")
+        # Shown to the person in the list of sessions, so cut and cleaned.
         agent = safe_text(request.headers.get("user-agent", ""), 200)
         token, alive = await self._sessions.begin(user, address_of(request), agent)
         self._access.set_cookie(response, token)
@@ -47,6 +51,7 @@ class BrowserSessions:
     async def sign_out(self, request: Request, response: Response) -> None:
         """End the session of the browser that asks."""
         session = who_of(request).session
+        # In the database first: a socket that dials again at once must find it ended.
         await self._sessions.end(session)
         self._seats.end_session(session, "you have signed out")
         self._access.clear_cookie(response)
@@ -58,6 +63,7 @@ class BrowserSessions:
     async def end_one(self, session: str, request: Request, response: Response) -> bool:
         """End a session of the person who asks, this one or another; False: there is none."""
         who = who_of(request)
+        # Of that person only: another's id is as if it were not there.
         if not session.isalnum() or not await self._sessions.end_of(who.user, session):
             return False
         self._seats.end_session(session, "you have ended this session")

@@ -48,6 +48,7 @@ class OwnPages:
         audit: Audit,
     ) -> None:
         """Change what ``people`` and ``factors`` keep of who has passed ``proving``."""
+        # Asks for the password again: whoever finds a page open must not get the account.
         self._proving = proving
         self._sessions = sessions
         self._people = people
@@ -119,11 +120,13 @@ class OwnPages:
     async def confirm_factor(self, asked: CodeOnly, request: Request) -> RecoveryCodes:
         """Switch the second factor on; your other sessions end."""
         who = who_of(request)
+        # A code has six digits: without a count it could be found by trying.
         ask = await self._proving.begin(request, who.name)
         codes = await self._factors.confirm(who.user, asked.code)
         if codes is None:
             raise ApiProblem(403, "factor", "the code is wrong, or no second factor was begun")
         await self._proving.right(ask)
+        # They were opened by the password alone.
         await self._sessions.end_all(who.user, keep=who.session)
         self._append_record(request, "second factor set")
         return RecoveryCodes(recovery=codes)

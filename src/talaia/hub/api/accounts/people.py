@@ -41,6 +41,7 @@ class PeoplePages:
         audit: Audit,
     ) -> None:
         """Work on ``people`` and ``roster``; open sockets follow each change at once."""
+        # The one adds and names people; the other lists and changes them with their sessions.
         self._people = people
         self._roster = roster
         self._passwords = passwords
@@ -65,6 +66,7 @@ class PeoplePages:
 
     async def add(self, asked: PersonAsk, request: Request) -> PersonShape:
         """Add a person."""
+        # The rules before the hash, which takes a core for a while.
         with _refusals():
             check_name(asked.name)
             check_password(asked.password, asked.name)
@@ -78,6 +80,7 @@ class PeoplePages:
         """Change a person's role, password, or whether they may sign in; their sessions end."""
         number = number_of(person, "person")
         with _refusals():
+            # For the log, which names what has changed.
             before = await self._roster.one(number)
             hashed = None
             if asked.password is not None:
@@ -86,6 +89,7 @@ class PeoplePages:
             after = await self._roster.change(
                 number, role=asked.role, disabled=asked.disabled, password_hash=hashed
             )
+        # At once, instead of at the next check of all sockets.
         await self._sessions.follow_rights()
         said = _differences(before, after, new_password=hashed is not None)
         if said:
@@ -103,6 +107,7 @@ class PeoplePages:
         """End all of a person's sessions; open sockets are closed at once."""
         with _refusals():
             found = await self._roster.one(number_of(person, "person"))
+        # They were opened with a factor that somebody else may have now.
         await self._sessions.end_all(found.id)
         self._append_record(request, "person signed out", found.name)
 
@@ -126,6 +131,7 @@ def _refusals() -> Iterator[None]:
     try:
         yield
     except (WeakPassword, UnknownRole) as error:
+        # A role that is not there is a fault of what was sent; a person that is not, of the path.
         raise ApiProblem(422, "invalid", str(error)) from error
     except UnknownPerson as error:
         raise ApiProblem(404, "unknown", str(error)) from error

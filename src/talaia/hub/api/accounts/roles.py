@@ -51,6 +51,7 @@ class RolePages:
 
     async def add(self, asked: RoleAsk, request: Request) -> RoleShape:
         """Make a role."""
+        # Of sites and devices that may not be there yet: a permission needs no description.
         given = read_permissions(asked.permissions)
         with _refusals():
             check_name(asked.name)
@@ -66,7 +67,9 @@ class RolePages:
             before = await self._roles.one(number)
             await self._roles.change(number, asked.name, given)
             after = await self._roles.one(number)
+        # Whoever drives by this role loses it now, not at the next check.
         await self._seats.follow()
+        # Both in the log: it must say what a role could do at any time.
         was = in_words(before.grants.permissions)
         self._append_record(
             request,

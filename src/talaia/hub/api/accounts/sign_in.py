@@ -63,6 +63,7 @@ class Accounts:
         """Make the first admin and sign in."""
         # No name of a person begins like this, so it is counted by address alone.
         ask = await self._proving.begin(request, f"\0setup from {address_of(request)}")
+        # Looked at first: hashing a password for anybody who asks would keep cores busy.
         if not await self._people.may_set_up(asked.token):
             self._audit.append_record("setup refused", address=address_of(request), good=False)
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
@@ -73,6 +74,7 @@ class Accounts:
             raise ApiProblem(422, "invalid", str(error)) from error
         hashed = await self._passwords.hash(asked.password)
         user = await self._people.set_up(asked.token, asked.name, hashed)
+        # Of two who had the link at once the other was quicker.
         if user is None:
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
         await self._proving.right(ask)
@@ -98,6 +100,7 @@ def permissions_of(grants: Grants) -> list[PermissionShape]:
     """List permissions in one order: by site, device and right."""
     ordered = sorted(
         grants.permissions,
+        # Right by how much it allows, not by its letters.
         key=lambda permission: (
             permission.site,
             permission.device,

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["TokenPages"]
 
+# A year, also one with a leap day (µs).
 _LONGEST_US = 366 * 86_400 * 1_000_000
 
 
@@ -71,11 +72,13 @@ class TokenPages:
             check_name(asked.name)
         except WeakPassword as error:
             raise ApiProblem(422, "invalid", str(error)) from error
+        # The wall's clock: the end is a date, and holds over restarts.
         now_us = self._clock.wall_ns() // 1000
         if not now_us < asked.ends_us <= now_us + _LONGEST_US:
             raise ApiProblem(422, "invalid", "a token ends after now and within a year")
         wanted = read_permissions(asked.permissions)
         for permission in wanted:
+            # A script's token lies in some file: it must not be able to make people or roles.
             if permission.right is Right.ADMIN:
                 raise ApiProblem(422, "invalid", "a token cannot manage; take view or use")
             if not who.grants.covers(permission):
@@ -93,6 +96,7 @@ class TokenPages:
         name = await self._tokens.remove(who_of(request).user, number_of(token, "token"))
         if name is None:
             raise ApiProblem(404, "unknown", "you have no such token")
+        # Sockets that it opened are closed.
         await self._seats.follow()
         self._append_record(request, "token revoked", name)
 

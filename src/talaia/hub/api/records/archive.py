@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ArchivePages"]
 
+# One for both coordinates; each is held against its own bounds below.
 _Degrees = Annotated[float | None, Query(ge=-90, le=360, allow_inf_nan=False)]
 _LONGEST_RADIUS = 180.0
 
@@ -87,6 +88,7 @@ class ArchivePages:
             if not (0 <= ra <= 360 and -90 <= dec <= 90):
                 raise ApiProblem(422, "invalid", "expected ra 0 to 360 and dec -90 to 90 degrees")
             cone = Cone(ra, dec, radius)
+        # The right is a part of the query, so that pages and ``more`` count only what may be seen.
         cameras = [camera for camera in _cameras(request) if not device or camera == device]
         wanted = Wanted(night, target, filter, kind, from_us, to_us, cone)
         found, more = await self._archive.find(site, cameras, wanted, limit)
@@ -98,6 +100,7 @@ class ArchivePages:
         try:
             looks = await self._archive.looks(found)
         except NotKept as error:
+            # The row is there and the file is not, or is damaged: somebody worked on the folder.
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
         return FrameDetail(
             frame=_shape(found),
@@ -125,6 +128,7 @@ class ArchivePages:
         """Draw the picture as PNG of at most ``px`` a side, with limits by zscale."""
         found = await self._frame(request, site, frame)
         try:
+            # All small sizes are one, so that a list of pictures is drawn once for every screen.
             data = await self._archive.preview(found, stretch, SMALL_PX if px <= SMALL_PX else px)
         except NotKept as error:
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
@@ -132,6 +136,7 @@ class ArchivePages:
 
     async def _frame(self, request: Request, site: str, frame: str) -> ArchivedFrame:
         found = await self._archive.get(site, number_of(frame, "picture"))
+        # A picture of another's camera is told like one that is not there.
         if found is None or found.device not in _cameras(request):
             raise ApiProblem(404, "unknown", "there is no such picture")
         return found
@@ -182,4 +187,5 @@ def _histogram(looks: Looks) -> HistogramShape:
 
 
 def _format_number(value: float) -> float | None:
+    # JSON has no word for NaN.
     return value if math.isfinite(value) else None

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["AuditPages"]
 
+# Characters that are gathered before they are sent.
 _CHUNK = 64 * 1024
-_HEAD = ("id", "time_utc", *AuditEntry._fields)
+_HEAD = ("id", "time_utc", *AuditEntry._fields)  # as `_cells` orders them
 
 
 class AuditPages:
@@ -44,6 +45,7 @@ class AuditPages:
 
     async def rows(self, asked: Annotated[AuditPage, Query()]) -> AuditList:
         """List what happened, newest first."""
+        # Notes are written a moment later: who looks at once should find what was just done.
         await self._audit.written()
         rows, more = await self._audit.find(_filter(asked), asked.limit)
         return AuditList(rows=[_shape(row) for row in rows], more=more)
@@ -52,6 +54,7 @@ class AuditPages:
         self, request: Request, asked: Annotated[AuditAsk, Query()]
     ) -> StreamingResponse:
         """Give the rows as a CSV file, newest first. Cells that look like formulas get a '."""
+        # Which rows were taken, so that the log says what has left the hub.
         said = ", ".join(f"{key}={value}" for key, value in asked.model_dump().items() if value)
         name = who_of(request).name
         self._audit.append_record(
@@ -59,6 +62,7 @@ class AuditPages:
         )
         await self._audit.written()
         return StreamingResponse(
+            # Row by row: a log of years does not fit in memory.
             _csv(self._audit.every(_filter(asked))),
             media_type="text/csv; charset=utf-8",
             headers={"Content-Disposition": 'attachment; filename="talaia-audit.csv"'},
@@ -74,6 +78,7 @@ class AuditPages:
             who=who_of(request).name,
             address=address_of(request),
             message=said,
+            # What was found is itself a row, after those that were looked at.
             good=not found.broken,
         )
         return AuditChain(ok=not found.broken, rows=found.rows, broken=found.broken)
@@ -106,5 +111,6 @@ def _cells(row: AuditRecord) -> Iterable[str | int]:
     return [
         row.id,
         time,
+        # A spreadsheet would run a cell that begins like a formula.
         *(safe_cell(cell) if isinstance(cell, str) else int(cell) for cell in entry),
     ]

@@ -64,18 +64,21 @@ def asked_channels(
     """
     found: dict[str, Asked] = {}
     for address in addresses:
+        # First as it is described now; a former channel of the same address is the same one.
         some = _described(live, grants, address)
         if not some and may_read(live, grants, address):
             former = stored(address)
             some = [] if former is None else [former]
         if not some:
             raise NoChannel(address)
+        # A channel that is asked for twice keeps its first place.
         found.update({channel.address: channel for channel in some})
     return list(found.values())
 
 
 def former_channel(address: str, kind: StoredSensorKind | None) -> Asked:
     """Say what a channel was that the description no longer has."""
+    # Stored before descriptions were kept with the history, or never described.
     if kind is None or not kind.type:
         return Asked(address, known=False)
     part = address.partition(".")[2]
@@ -106,6 +109,7 @@ def _described(live: LiveSite, grants: Grants, address: str) -> list[Asked]:
     for channel in live.channels:
         if address not in {channel.address, f"{channel.device}/{channel.signal}"}:
             continue
+        # All channels of a signal are open, or none.
         if not sees_signal(grants, site, channel.device, channel.signal):
             return []
         signal = site.devices[channel.device].signals[channel.signal]

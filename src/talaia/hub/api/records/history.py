@@ -51,9 +51,11 @@ if TYPE_CHECKING:
 
 __all__ = ["HistoryPages"]
 
+# Channels of one request.
 _MOST_SERIES = 100
-_BUSY_S = 5
+_BUSY_S = 5  # when to try an export again
 _ARROW = MEDIA_TYPES[FileForm.ARROW]
+# Without their character set, as OpenAPI names them.
 _FILES = [kind.partition(";")[0] for kind in MEDIA_TYPES.values()]
 _BYTES: dict[str, object] = {"schema": {"type": "string", "format": "binary"}}
 _Addresses = Annotated[list[str], Query(max_length=_MOST_SERIES)]
@@ -108,6 +110,7 @@ class HistoryPages:
         asked = self._asked(request, [*channel, *signal])
         _check(from_us, to_us)
         site, addresses = live_of(request).name, [channel.address for channel in asked]
+        # Of states the least and the greatest of a pixel say nothing.
         steps = frozenset(channel.address for channel in asked if channel.states)
         found = await self._history.read(site, addresses, from_us, to_us, width=width, steps=steps)
         if format == "arrow" or (not format and _ARROW in request.headers.get("accept", "")):
@@ -129,6 +132,7 @@ class HistoryPages:
         """Give the last value of some channels before a time; those that have none are left out."""
         asked = self._asked(request, [*channel, *signal])
         addresses = [channel.address for channel in asked]
+        # `last` includes its end, "before" does not.
         found = await self._history.last(live_of(request).name, addresses, before_us - 1)
         return ValueList(
             values=[
@@ -175,6 +179,7 @@ class HistoryPages:
         site, found = live_of(request).name, []
         for asked_channel in asked:
             looking = self._history.outliers(site, asked_channel.address, from_us, to_us, k=k)
+            # Ended here and now, also when who asks has gone: the next one waits for it.
             async with aclosing(looking) as steps:
                 async for step in steps:
                     if step is not None:
@@ -244,6 +249,7 @@ class HistoryPages:
             raise ApiProblem(422, "invalid", "name at least one channel or signal")
         live = live_of(request)
 
+        # Those of detectors stand behind the description's own.
         scores = {channel.address for channel in live.every[len(live.channels) :]}
 
         def stored(address: str) -> Asked | None:
@@ -265,6 +271,7 @@ class HistoryPages:
     async def _is_text(self, site: str, asked: Asked) -> bool:
         if asked.known:
             return asked.text
+        # Nobody knows what it was, so its newest sample tells.
         found = await self._history.last(site, [asked.address])
         return any(text for _, _, text in found.values())
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["RecordingPages"]
 
-_MOST_FILMS = 500
+_MOST_FILMS = 500  # in one answer; ``more`` says that there are others
 # A file may have been made by anyone who has a gateway's key: it must not act in a page.
 _STILL = {"Content-Security-Policy": "sandbox; default-src 'none'; media-src 'self'"}
 _UNDESCRIBED = "the site description says nothing of recording"
@@ -70,6 +70,7 @@ class RecordingPages:
         """List what was recorded, and tell whether anything is being recorded now."""
         live, grants = live_of(request), who_of(request).grants
         found = await self._recordings.of(site)
+        # ``retained`` outlives the link, so what it says counts only while the gateway is online.
         plan, now = live.description.recording, live.retained.recorder
         return RecordingListShape(
             zone=live.description.zone,
@@ -98,6 +99,7 @@ class RecordingPages:
         live, name = live_of(request), who_of(request).name
         if live.description.recording is None:
             raise ApiProblem(409, "undescribed", _UNDESCRIBED)
+        # A request is not kept for later: a recording that begins hours after it is no use.
         if live.link is None:
             raise ApiProblem(409, "offline", _OFFLINE)
         if asked.stream and not _is_camera(live, asked.stream):
@@ -106,6 +108,7 @@ class RecordingPages:
             raise ApiProblem(409, "unable", _UNABLE)
         if not asked.stream and not (live.description.recorded() or live.description.filmed()):
             raise ApiProblem(409, "undescribed", "the site description names nothing to record")
+        # Queued and forgotten here; the gateway answers by its state and an event.
         live.link.send(RecordingRequest(on=asked.on, who=name, why=asked.why, stream=asked.stream))
         kind = "recording asked" if asked.on else "recording end asked"
         about = f"film of {asked.stream}" if asked.stream else ""
@@ -145,9 +148,11 @@ class RecordingPages:
 
     async def _sent(self, found: Recorded, request: Request, how: str) -> Response:
         path = self._recordings.path(found)
+        # The disk may be slow, or a network's.
         there = await asyncio.to_thread(path.is_file)
         if found.state is not RecordingState.COMPLETE or not there:
             raise ApiProblem(409, "incomplete", "this recording is not here as a whole")
+        # A player asks for a film in many parts: only whole downloads are written down.
         if "range" not in request.headers:
             self._append_record(request, "recording downloaded", found.site, found.id)
         camera = found.stream.replace("/", "-")
@@ -216,6 +221,7 @@ def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
     }
     shapes = []
     for recording in found:
+        # Films themselves, and recordings that nothing can be made of yet.
         if recording.stream or recording.state is not RecordingState.COMPLETE:
             continue
         for stream in (topics[topic] for topic in recording.topics if topic in topics):

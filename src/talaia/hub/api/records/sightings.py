@@ -60,6 +60,7 @@ class SightingPages:
         ``open`` asks for what is in sight now, or is not. ``before`` is the id of the last one of
         a page, for the next page.
         """
+        # Cameras of former descriptions, too: from what was kept, not from what is described.
         seen = await self._store.seen(site)
         cameras = {
             address

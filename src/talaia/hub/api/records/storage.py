@@ -33,8 +33,10 @@ class StoragePages:
         self._history = history
         self._sites = sites
         self._clock = clock
+        # The last look and when it was (monotonic ns); shared by all pages.
         self._found: Storage | None = None
         self._found_ns = 0
+        # One look at a time: who comes meanwhile takes what it finds.
         self._looking = asyncio.Lock()
 
     def router(self) -> APIRouter:
@@ -46,6 +48,7 @@ class StoragePages:
 
     async def storage(self) -> StorageShape:
         """Tell what the history takes, channel by channel, and when it will be full."""
+        # Whoever opens the page of storage wants to see it as it is.
         found = await self._measure(0)
         now_us = self._clock.wall_ns() // 1000
         said = self._forecast(found)
@@ -74,6 +77,7 @@ class StoragePages:
         if trouble and self._found is None:
             # The database may be away: what is known must not wait for it.
             return OutlookShape(trouble=trouble, warn="", full_us=None, free_bytes=None)
+        # In trouble the last look is shown, however old it is.
         found = self._found if trouble and self._found else await self._measure(_OUTLOOK_NS)
         said = self._forecast(found)
         return OutlookShape(
@@ -94,6 +98,7 @@ class StoragePages:
 
     def _forecast(self, found: Storage) -> Forecast:
         now_us = self._clock.wall_ns() // 1000
+        # What is free inside the SQLite file is used again before the file grows.
         free = None if found.free_bytes is None else found.free_bytes + found.spare_bytes
         # Rollups and indices grow with the blocks.
         share = max(1.0, found.database_bytes / found.blocks_bytes) if found.blocks_bytes else 1.0

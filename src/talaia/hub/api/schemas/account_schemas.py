@@ -36,8 +36,8 @@ __all__ = [
 # A name as people choose one for a person, a role or a token; the rules are in auth.passwords.
 _NAME = Field(min_length=1, max_length=200)
 _PASSWORD = Field(max_length=4096)
-_CODE = Field(min_length=1, max_length=64)
-_MOST_PERMISSIONS = 500
+_CODE = Field(min_length=1, max_length=64)  # of an authenticator, or for recovery, with its hyphens
+_MOST_PERMISSIONS = 500  # of one role or token
 
 
 class PasswordChange(Schema):
@@ -104,8 +104,8 @@ class TokenShape(Schema):
     name: str
     permissions: list[PermissionShape]
     created_us: int
-    ends_us: int
-    used_us: int
+    ends_us: int  # UTC
+    used_us: int  # UTC; 0: never
 
 
 class TokenList(Schema):

@@ -23,6 +23,7 @@ __all__ = [
 
 _Name = Annotated[str, StringConstraints(max_length=200, pattern=r"^[^\x00]*$")]
 _Words = Annotated[str, StringConstraints(max_length=1000, pattern=r"^[^\x00]*$")]
+# No limit can be held against NaN, and JSON cannot say it.
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
@@ -44,6 +45,7 @@ class AlarmDefinition(Schema):
     above: _Number | None = None
     below: _Number | None = None
     hysteresis: _Number = 0.0
+    # ``is`` in the description.
     is_one_of: list[_Name] = Field(default=[], max_length=100)
     is_not: list[_Name] = Field(default=[], max_length=100)
     max_age: _Number | None = None

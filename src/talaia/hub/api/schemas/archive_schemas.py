@@ -46,12 +46,12 @@ class FrameShape(_Shape):
     device: str
     night: str
     name: str
-    time_us: int
+    time_us: int  # when the exposure began (UTC)
     target: str
     filter: str
     kind: str
     exposure_s: float | None
-    ra_deg: float | None
+    ra_deg: float | None  # J2000; null where the header does not say
     dec_deg: float | None
     width: int
     height: int

@@ -67,6 +67,7 @@ _PLACE = Field(pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
 class Schema(BaseModel):
     """A key that is not described is an error, not a silence."""
 
+    # `_no_nul` looks at the texts of one level; nested shapes look at their own.
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     @model_validator(mode="after")
@@ -94,6 +95,7 @@ class LoginAsk(Schema):
     """Sign in; ``code`` is of the authenticator, or a recovery code, where there is a factor."""
 
     name: str = Field(min_length=1, max_length=200)
+    # Longer than any that is taken: `Passwords` says no to those, in the usual time.
     password: str = Field(max_length=4096)
     code: str = Field(default="", max_length=64)
 
@@ -124,8 +126,8 @@ class Me(Schema):
     role: str
     admin: bool
     factor: bool
-    idle_ends_us: int
-    ends_us: int
+    idle_ends_us: int  # UTC; moves on with each use
+    ends_us: int  # UTC; fixed at the sign-in
     permissions: list[PermissionShape]
 
 
@@ -140,12 +142,12 @@ class SiteSummary(Schema):
     name: str
     zone: str
     online: bool
-    since_us: int
-    last_seen_us: int
-    why: str
-    loop_ms: float
-    skew_ms: float
-    rival_us: int
+    since_us: int  # online or offline since then (UTC)
+    last_seen_us: int  # end of the last link (UTC); 0 before the first
+    why: str  # it is away, in words; empty while it is connected
+    loop_ms: float  # hub to gateway and back
+    skew_ms: float  # how far the gateway's wall clock is ahead of the hub's
+    rival_us: int  # when another gateway with its identity was there last (UTC); 0: none
     devices: int
     signals: int
     stale: int
@@ -226,10 +228,10 @@ class CommandShape(Schema):
 class DriveShape(Schema):
     """How a device is driven: m/s, rad/s, Hz and seconds. ``stop``: it has STOP (software)."""
 
-    max_speed: float
+    max_speed: float  # m/s
     max_reverse: float
-    max_turn: float
-    rate: float
+    max_turn: float  # rad/s
+    rate: float  # Hz
     ttl: float
     lease: float
     picture: str
@@ -269,7 +271,7 @@ class SiteShape(Schema):
     online: bool
     since_us: int
     last_seen_us: int
-    catalogue: str
+    catalogue: str  # names the description as it is now; another one has another
     place: PlaceShape | None
     devices: list[DeviceShape]
     rules: list[RuleShape]

@@ -24,9 +24,10 @@ __all__ = [
     "VersionShape",
 ]
 
+# Characters; the link bounds the bytes (`wire.sealing.MAX_TEXT`).
 _MOST = 4 * 1024 * 1024
 _TEXT = Field(max_length=_MOST)
-_DIGEST = Field(pattern="^[0-9a-f]{64}$")
+_DIGEST = Field(pattern="^[0-9a-f]{64}$")  # SHA-256
 
 
 class FindingShape(Schema):

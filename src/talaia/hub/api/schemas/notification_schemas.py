@@ -26,14 +26,16 @@ __all__ = [
     "WriteOnly",
 ]
 
+# No control characters: a new line in a header of mail would begin another one.
 _Line = Annotated[str, StringConstraints(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")]
 _Secret = Annotated[str, StringConstraints(max_length=2000, pattern=r"^[^\x00-\x1f\x7f]*$")]
 # One address and nothing else: it goes into a header.
 _MAIL = re.compile(r"[^\s\x00-\x1f\x7f<>(),:;\"\\@]{1,64}@[A-Za-z0-9.\-]{1,190}\Z")
+# Becomes the name of a field of the extension's keys.
 _Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,62}$")]
 _Severity = Literal["info", "warning", "critical"]
 WayWord = Literal["mail", "webhook", "chat", "push", "extension"]
-_Minute = Annotated[int, Field(ge=0, le=1439)]
+_Minute = Annotated[int, Field(ge=0, le=1439)]  # of the day, from midnight
 
 
 class WriteOnly(Schema):
@@ -158,6 +160,7 @@ class WentShape(Schema):
 class PushAsk(Schema):
     """A browser's subscription, as its Push API gives it."""
 
+    # The browser names where to: so only over TLS, and only to public addresses (`senders`).
     endpoint: Annotated[str, StringConstraints(max_length=1500, pattern=r"^https://[!-~]+$")]
     p256dh: str = Field(max_length=200, pattern=r"^[A-Za-z0-9_\-=]+$")
     auth: str = Field(max_length=100, pattern=r"^[A-Za-z0-9_\-=]+$")

@@ -50,9 +50,12 @@ if TYPE_CHECKING:
 
 __all__ = ["AlarmPages"]
 
+# ``\\Z``, since ``$`` would let a new line at the end pass.
 _ID = re.compile(r"[a-z][a-z0-9_]{0,62}\Z")
+# An alarm that nobody wants to hear for longer should be changed (µs).
 _LONGEST_SHELF_US = 30 * 86_400 * 1_000_000
 _WIDTH = 1500
+# Each is judged all the time.
 _MOST_MADE = 500
 
 
@@ -152,6 +155,7 @@ class AlarmPages:
             raise ApiProblem(
                 422, "invalid", "the short name takes small letters, digits and _, 63 at most"
             )
+        # Two of one name could not be told apart; the description is the one that counts.
         if alarm in live.description.alarms:
             raise ApiProblem(409, "described", "the site description has it; change it there")
         known = self._alarms.find(site, alarm)
@@ -161,6 +165,7 @@ class AlarmPages:
         ):
             raise ApiProblem(409, "too_many", f"a site has at most {_MOST_MADE} alarms made here")
         definition = _alarm(asked)
+        # The same rules as for an alarm in the description; the first thing that is wrong will do.
         finding = next(iter(alarm_findings(Addresses(live.description), "$", definition)), None)
         if finding is not None:
             raise ApiProblem(422, "invalid", str(finding).removeprefix("$."))
@@ -203,6 +208,7 @@ class AlarmPages:
         from_us = to_us - round(asked.hours * 3600 * 1e6)
         found = await self._history.read(site, condition.channels, from_us, to_us, width=_WIDTH)
         step = (to_us - from_us) // _WIDTH
+        # A point of one pixel and the next one's lie at most two pixels apart.
         tracks = {
             series.address: Track(
                 series.time_us, series.value, series.texts, 0 if series.exact else 2 * step
@@ -229,6 +235,7 @@ class AlarmPages:
                     raise ApiProblem(422, "invalid", "the comment is empty")
                 return Comment(now, who, asked.text)
             case "assign":
+                # Nobody: it is taken from whom it was assigned to.
                 if asked.to and await self._people.find(asked.to) is None:
                     raise ApiProblem(422, "invalid", f"there is nobody called {asked.to!r}")
                 return Assign(now, who, asked.to)
@@ -249,6 +256,7 @@ class AlarmPages:
         """
         grants = who_of(request).grants
         found = self._alarms.find(site, alarm)
+        # An alarm of no device is about the whole site.
         device = (found.about.device or ANY) if found else ANY
         described = known_live_of(request).description
         if found is not None and grants.may(right, site, device):
@@ -270,6 +278,7 @@ class AlarmPages:
 
 def _alarm(asked: AlarmDefinition) -> Alarm:
     said = asked.model_dump()
+    # The description's own word is a keyword of Python.
     said["is"] = said.pop("is_one_of")
     return msgspec.convert(said, Alarm)
 

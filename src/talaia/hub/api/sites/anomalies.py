@@ -57,6 +57,7 @@ class AnomalyPages:
 
     async def forgive(self, site: str, asked: ForgiveAsk, request: Request) -> ForgiveAnswer:
         """Say that the latest peak of a detector was no anomaly, so that it learns."""
+        # None: there is no such detector. False: it is one that cannot learn.
         learned = self._watching.forgive(site, asked.address, asked.detector)
         if learned is None:
             raise ApiProblem(404, "unknown", "no such detector is at work on this signal")

@@ -49,9 +49,12 @@ if TYPE_CHECKING:
 
 __all__ = ["DescriptionPages"]
 
+# Versions in one answer.
 _PAGE = 50
+# Of a difference, and findings of one text: more than anybody reads.
 _MOST_LINES = 5_000
 _MOST_FINDINGS = 200
+# WAITING: no answer came in time, and the gateway may go by it all the same.
 _PHASE = {
     ChangePhase.APPLIED: "applied",
     ChangePhase.REFUSED: "refused",
@@ -91,6 +94,7 @@ class DescriptionPages:
         """List the versions, the newest first, and say whether another can be sent."""
         live = known_live_of(request)
         found = await self._versions.of(site, below, _PAGE + 1)
+        # Only on the first page: further down none of them is the current one.
         newest = found[0].number if below == 2**53 and found else 0
         problem = live.gateway.problem
         return DescriptionList(
@@ -177,9 +181,11 @@ class DescriptionPages:
         if not live.gateway.source:
             problem = "this gateway's description is not one YAML file, so it is changed there"
             raise ApiProblem(409, "undescribed", problem)
+        # Two who edit at once: the second must see what the first has changed.
         if base != digest_of(live.gateway.source):
             problem = "the description has been changed meanwhile; load it anew"
             raise ApiProblem(409, "changed", problem)
+        # The gateway checks for itself; here a mistake is told without the way there and back.
         findings = await self._read(_check, text)
         if findings:
             return ChangeAnswer(
@@ -228,6 +234,7 @@ def _placed(findings: Iterable[Finding], text: str) -> list[FindingShape]:
     places = SourcePositions(text)
     shapes = []
     for finding in list(findings)[:_MOST_FINDINGS]:
+        # Where in the text the key stands that the finding is about.
         line, column = places.of(finding.where)
         shapes.append(FindingShape(**finding._asdict(), line=line, column=column))
     return shapes

@@ -74,10 +74,12 @@ class GatewayPages:
         """Ask ``proof`` for the certificate of now each time: it may have been renewed."""
         self._registry = registry
         self._enrolment = enrolment
+        # Connections that are open: a key that became void must not live on in one.
         self._links = links
         self._audit = audit
         self._clock = clock
         self._proof = proof
+        # Tries to enrol, by address: a code has far more possibilities than that allows to try.
         self._pace = RateLimiter(burst=10, per_s=0.2)
 
     def router(self) -> APIRouter:
@@ -118,6 +120,7 @@ class GatewayPages:
         """Make a one-time code, good for 15 minutes. It is shown once."""
         made, secret = await self._enrolment.offer(asked.site, asked.name)
         proof = self._proof()
+        # The code brings a pin of our key along: the gateway knows at once that it speaks to us.
         code = str(EnrolmentCode(secret, pin_of(proof.key_hash) if proof.key_hash else ""))
         command = _command(request, code, asked.site)
         self._append_record(request, "gateway code made", asked.site, asked.name)
@@ -140,6 +143,7 @@ class GatewayPages:
     async def revoke(self, gateway: str, request: Request) -> None:
         """Make a gateway's key void; its link is closed at once."""
         found = await self._find(gateway)
+        # First the key, then the link: a gateway that dials again at once finds it void.
         if not await self._registry.revoke(found.id):
             raise ApiProblem(409, "revoked", "this gateway's key is void already")
         self._links.hang_up(found.id, "its key was revoked")
@@ -168,6 +172,7 @@ class GatewayPages:
         if wait_ns:
             raise ApiProblem(429, "busy", "too many tries; wait a little", -(-wait_ns // SECOND))
         try:
+            # Its own check finds a slip of the hand without a look-up.
             code = read_code(asked.code)
         except CodeMistyped as error:
             self._refused(address, "mistyped")
@@ -177,6 +182,7 @@ class GatewayPages:
             self._refused(address, done.value)
             status = 404 if done is EnrolmentRefusal.UNKNOWN else 410
             raise ApiProblem(status, done.value, _REFUSED[done])
+        # The former gateway of the site would otherwise go on until the next check of keys.
         for before in done.replaced:
             self._links.hang_up(before, "another gateway has enrolled for this site")
         self._audit.append_record(
@@ -209,6 +215,7 @@ class GatewayPages:
 
 def _number(text: str) -> int:
     """Read an id of a path; what is no number is nobody's."""
+    # No row has the number 0.
     return int(text) if text.isascii() and text.isdecimal() and len(text) < 19 else 0
 
 
@@ -217,6 +224,7 @@ def _command(request: Request, code: str, site: str) -> str:
     hub = f"{request.url.scheme}://{request.headers['host']}"
     plain = ["--allow-plain"] if request.url.scheme == "http" else []
     words = ["talaia", "gateway", "enrol", hub, code, "--key-file", f"{site}.key", *plain]
+    # It is pasted into a shell.
     return shlex.join(words)
 
 

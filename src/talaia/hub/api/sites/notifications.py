@@ -49,7 +49,9 @@ if TYPE_CHECKING:
 
 __all__ = ["NotifyPages"]
 
+# One plain address: nothing that a header or a list of receivers could be made of.
 _MAIL = re.compile(r"[^\s<>(),:;\"\\@]{1,64}@[A-Za-z0-9.\-]{1,135}\Z")
+# Settings of mail that are no secrets; they are shown to admins again.
 _PLAIN = ("host", "port", "security", "sender", "user")
 
 
@@ -110,6 +112,7 @@ class NotifyPages:
         found = await self._store.way(number_of(way, "way"))
         if found is None:
             raise ApiProblem(404, "unknown", "there is no such way")
+        # To nobody of the tester's choice: else it would be a way to send mail to anyone.
         return await self._test(request, *found, found[0].settings.get("sender", ""))
 
     async def choices(self) -> WayChoiceList:
@@ -152,6 +155,7 @@ class NotifyPages:
         """Send a test by one of your rules."""
         number = number_of(rule, "rule")
         mine = await self._store.rules(who_of(request).user)
+        # Among one's own: another's rule is as if it were not there.
         wanted = next((channel for channel in mine if channel.id == number), None)
         found = await self._store.way(wanted.way) if wanted else None
         if wanted is None or found is None:
@@ -165,6 +169,7 @@ class NotifyPages:
         """List your browsers that take messages, and the key by which another can."""
         ways = [way for way in await self._store.ways() if way.kind is WayKind.PUSH]
         return PushList(
+            # There is one at most; see `_push_keys`.
             key=ways[0].settings["public_key"] if ways else "",
             browsers=[
                 PushBrowserShape(
@@ -176,6 +181,7 @@ class NotifyPages:
 
     async def add_browser(self, asked: PushAsk, request: Request) -> None:
         """Let this browser take messages."""
+        # Only shown, so that the person knows which browser it is.
         agent = request.headers.get("user-agent", "")[:200]
         printable = "".join(letter if letter.isprintable() else "?" for letter in agent)
         number = await self._store.add_browser(
@@ -222,6 +228,7 @@ class NotifyPages:
         settings: dict[str, str] = {}
         if asked.kind == "mail":
             settings = {key: str(getattr(asked, key)) for key in _PLAIN}
+            # Only what this kind uses is kept, whatever was sent.
             secrets = {key: said for key, said in secrets.items() if key == "password"}
         elif asked.kind == "extension":
             settings = {"extension": asked.extension}
@@ -252,10 +259,12 @@ class NotifyPages:
             found = await self._store.way(number)
             if found is not None and found[0].kind is WayKind.PUSH:
                 return {"public_key": found[0].settings["public_key"]}, dict(found[1])
+        # Subscriptions are bound to the key that they were made with (RFC 8292, 4).
         if any(way.kind is WayKind.PUSH for way in await self._store.ways()):
             raise ApiProblem(409, "taken", "Web Push is set up already")
         key = ec.generate_private_key(ec.SECP256R1())
         private = key.private_numbers().private_value.to_bytes(32, "big")
+        # The form that a browser's Push API takes.
         public = key.public_key().public_bytes(Encoding.X962, PublicFormat.UncompressedPoint)
         return {"public_key": _base64(public)}, {"private_key": _base64(private)}
 
@@ -264,6 +273,7 @@ class NotifyPages:
     ) -> WentShape:
         who = who_of(request)
         browsers = await self._store.browsers(who.user) if way.kind is WayKind.PUSH else []
+        # A key of its own, so that no receiver takes it for a message it had before.
         message = trial(new_token()[:32], who.name)
         went = await self._sender.send(
             way, secrets, target=target, message=message, browsers=browsers

@@ -33,6 +33,7 @@ __all__ = ["describe_enclosures", "describe_place", "describe_pointing", "descri
 def describe_place(site: Site, grants: Grants) -> PlaceShape | None:
     """Say where a site is, to those who may view something of it beyond what is public."""
     viewed = grants.devices(Right.VIEW, site.site)
+    # None is the whole site; an empty set is nothing but what is public.
     if site.place is None or (viewed is not None and not viewed):
         return None
     return PlaceShape(
@@ -58,6 +59,7 @@ def describe_rules(site: Site, grants: Grants) -> list[RuleShape]:
     """Say when each interlock is unsafe, by the signals that the person sees."""
     made = []
     for name, rule in site.interlocks.items():
+        # Whole or not at all: the limits of one signal would be wrong without the others.
         seen = [
             condition for condition in rule.when if _sees_all(site, grants, condition.signals())
         ]
@@ -71,6 +73,7 @@ def describe_rules(site: Site, grants: Grants) -> list[RuleShape]:
                 conditions=[_condition(address) for address in seen],
                 hidden=len(rule.when) - len(seen),
                 targets=targets,
+                # The longest: only then is it certain that the rule lets go (s).
                 dwell=max([rule.dwell, *(condition.dwell or 0.0 for condition in rule.when)]),
             )
         )

@@ -50,6 +50,7 @@ _GUEST = Grants()
 def describe(live: LiveSite, grants: Grants) -> SiteShape:
     """Describe a site, leaving out what is not open to the person."""
     site = live.description
+    # Addresses of the commands that keep a roof's own supervision quiet.
     heartbeats = {roof.heartbeat.command for roof in site.enclosures.values() if roof.heartbeat}
     return SiteShape(
         site=site.site,
@@ -124,10 +125,12 @@ def _signals(
         for signal_id, signal in device.signals.items()
         if sees_signal(grants, site, device_id, signal_id)
     }
+    # When each newest sample came here (monotonic): a gateway's clock may be wrong.
     arrived = live.latest.arrived_ns
     fresh = {
         (channel.device, channel.signal)
         for at, channel in enumerate(live.channels)
+        # The least number stands for "never".
         if arrived[at] != np.iinfo(np.int64).min
         and now_ns - int(arrived[at])
         <= ages.get((channel.device, channel.signal), 0.0) * 1_000_000_000
@@ -205,6 +208,7 @@ def _slew(device: Device, roles: DeviceRoles) -> SlewShape | None:
 def _signal(device_id: str, signal_id: str, signal: Signal, role: SignalRole | None) -> SignalShape:
     address = f"{device_id}/{signal_id}"
     decimals = signal.decimals
+    # The description leaves them to the unit.
     if decimals < 0:
         decimals = unit_of(address, signal.unit).decimals
     return SignalShape(
@@ -261,6 +265,7 @@ def _command(command_id: str, command: Command, role: CommandRole | None) -> Com
 def _drive(drive: Drive) -> DriveShape:
     return DriveShape(
         max_speed=drive.max_speed,
+        # None: as fast as forwards.
         max_reverse=drive.max_speed if drive.max_reverse is None else drive.max_reverse,
         max_turn=drive.max_turn,
         rate=drive.rate,

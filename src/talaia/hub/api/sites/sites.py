@@ -65,6 +65,7 @@ class SitePages:
     async def overview(self, request: Request) -> list[SiteSummary]:
         """List the sites that are open to you."""
         grants = who_of(request).grants
+        # The clock by which samples are stamped when they come.
         now = self._clock.monotonic_ns()
         return [
             summarise(live, grants, now)
@@ -109,6 +110,7 @@ class SitePages:
         wanted = AuditFilter(
             site=site,
             from_us=from_us,
+            # The log's own end is not included.
             to_us=to_us + 1,
             before=before,
             kind=kind,
@@ -116,6 +118,7 @@ class SitePages:
             device=device,
             text=text,
             good=good,
+            # Rows of other devices do not count for ``limit`` and ``more``, either.
             devices=devices,
         )
         rows, more = await self._audit.find(wanted, limit)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 __all__ = ["CatalogObject", "is_there", "look_up"]
 
+# In one answer.
 MOST = 8
 # OpenNGC's own word for what is another name of something, or is not there at all.
 _NOTHING = frozenset({"Duplicated record", "Nonexistent object"})
@@ -53,6 +54,7 @@ def look_up(name: str) -> list[CatalogObject]:
     words = " ".join(name.replace("%", " ").replace("_", " ").split())
     if catalogue is None or not words:
         return []
+    # A designation means one thing; only a name may mean several.
     exact = catalogue.get(words)
     rows = [exact] if exact is not None else catalogue.listObjects(cname=words)
     found = [_found(row) for row in rows if row.type not in _NOTHING]
@@ -64,9 +66,11 @@ def _found(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the package has 
     if row.coords is None:
         return None
     (hour, minute, second), (degree, arcminute, arcsecond) = row.coords.tolist()
+    # By its text: of −0° 30′ the number of degrees has no sign.
     sign = -1.0 if str(row.dec).startswith("-") else 1.0
     messier, _, _, common, _ = row.identifiers
     blue, visual = row.magnitudes[:2]
+    # For some of them only a blue magnitude is known.
     measured = visual if visual is not None else blue
     return CatalogObject(
         name=row.name,

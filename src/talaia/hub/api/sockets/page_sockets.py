@@ -50,6 +50,7 @@ class PageMessages:
 
     def send_greeting(self, browser: Browser) -> None:
         """Send the first message."""
+        # Refused whole: a part of the channels would look like all of them.
         browser.send_message(
             page.Greeting(
                 version=__version__,
@@ -136,6 +137,7 @@ class PageSockets:
 
     async def _serve(self, socket: WebSocket, who: Who) -> None:
         await socket.accept()
+        # Nothing is awaited until all has been said, so no news gets in between or is missed.
         browser = Browser(socket, who, self._gate, text=speaks_json(socket))
         self._browsers.add(browser)
         self._seats.add(browser)
@@ -147,6 +149,7 @@ class PageSockets:
                 self._messages.receive, lambda: self._messages.release_leases(browser)
             )
         finally:
+            # Whatever ended it: a lease that stayed would keep others from driving.
             self._seats.remove(browser)
             self._browsers.remove(browser)
             self._messages.forget(browser)

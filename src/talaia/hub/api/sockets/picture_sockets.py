@@ -59,6 +59,7 @@ class PictureSockets:
     async def _serve(self, socket: WebSocket, who: Who) -> None:
         site, stream = (socket.query_params.get(key, "") for key in ("site", "stream"))
         live = self._sites.get(site)
+        # The same words for a stream that is hidden and one that is not there.
         if live is None or not sees_stream(
             who.grants, live.description, *(stream.split("/", 1) if "/" in stream else ("", ""))
         ):
@@ -75,6 +76,7 @@ class PictureSockets:
             text=speaks_json(socket),
         )
         self._seats.add(viewer)
+        # The first viewer of a stream makes its gateway send it.
         self._media.join(viewer)
         try:
             await viewer.serve()

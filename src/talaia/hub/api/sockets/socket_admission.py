@@ -36,6 +36,7 @@ class SocketAdmission:
         if who is None:
             yield None
             return
+        # Counted for as long as the caller serves it.
         with self._limits.socket(who) as allowed:
             if not allowed:
                 message = f"at most {MOST_SOCKETS} connections at once; close some pages"
