@@ -35,7 +35,7 @@ class RunningTask:
         self._first_pause_s = first_pause_s
         # For the log, and for whoever lists the tasks of the loop.
         self._name = f"{feature}: {task.name}"
-        # Set once, by `end`; from then on nothing begins again.
+        # Set once, by `end`, and never cleared.
         self._stopping = asyncio.Event()
         # Kept, so that it is waited for; the loop itself holds tasks only weakly.
         self._running = asyncio.create_task(self._supervise(), name=self._name)

@@ -174,7 +174,7 @@ class Access:
                 async with self._admission.turn():
                     found = await self._registry.gateway_of(key.strip())
         except HubBusy as error:
-            # No fault of the key: with a 401 the gateway would ask people for another.
+            # No fault of the key: a 401 would say that it is void.
             await deny(
                 socket,
                 status=503,

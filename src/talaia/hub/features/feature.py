@@ -73,7 +73,7 @@ class Core:
             StoreError: the database cannot be opened.
 
         """
-        # Before the database: a folder that was restored without its key is told at once.
+        # Before the database: a key that cannot be read is told before anything is migrated.
         self.seal()
         await self.database.migrate()
 

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AlarmPages"]
 
-# ``\\Z``, since ``$`` would let a new line at the end pass.
+# ``\Z``, since ``$`` would let a new line at the end pass.
 _ID = re.compile(r"[a-z][a-z0-9_]{0,62}\Z")
 # An alarm that nobody wants to hear for longer should be changed (µs).
 _LONGEST_SHELF_US = 30 * 86_400 * 1_000_000

@@ -28,7 +28,7 @@ class SkyPages:
         self, site: str, name: Annotated[str, Query(min_length=1, max_length=60)]
     ) -> SkyList:
         """Find what goes by a name: NGC, IC, Messier, or what people call it."""
-        # It reads a file.
+        # Off the loop: it reads a file.
         found = await asyncio.to_thread(sky_names.look_up, name)
         return SkyList(
             available=sky_names.is_there(),
