@@ -47,7 +47,9 @@ __all__ = [
 FOLDER = "import"
 PART, READY = ".part", ".ready"
 _MAGIC = b"talaia import 1\n"
+# Length and CRC-32 of a body.
 _FRAME = struct.Struct("<II")
+# A greater length is damage: it must not be read into memory.
 _LONGEST = 64 * 1024 * 1024
 
 
@@ -152,6 +154,7 @@ class ParcelWriter:
         self._file.flush()
         os.fsync(self._file.fileno())
         self._part.rename(self._ready)
+        # The new name is on the disk only with its folder.
         _sync_folder(self._ready.parent)
         return self._ready
 
@@ -188,6 +191,7 @@ def read_parcel(path: Path) -> tuple[Head, Iterator[ImportChunk]]:
 def sweep(folder: Path) -> None:
     """Remove parcels whose writers were killed."""
     for path in folder.glob(f"*{PART}"):
+        # Whoever still writes a file holds its lock, and it stays.
         with contextlib.suppress(OSError), path.open("rb") as file:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             path.unlink(missing_ok=True)

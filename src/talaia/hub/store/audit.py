@@ -35,9 +35,13 @@ if TYPE_CHECKING:
 __all__ = ["Audit", "AuditEntry", "AuditFilter", "AuditRecord", "Chain", "append", "chain_hash"]
 
 _LOG = logging.getLogger(__name__)
+# More are lost while the database is away: memory is bounded.
 _MOST_WAITING = 20_000
+# Between two attempts while the database fails (s).
 _RETRY_S = 1.0
+# Rows that are read at a time.
 _PAGE = 1000
+# The number of the only row of `audit_head`.
 _HEAD = 1
 
 
@@ -95,7 +99,9 @@ class AuditFilter:
             and getattr(self, field.name) is not None
         ]
         if self.kind is not None:
+            # Nothing but commas matches no kind, rather than every one.
             kinds = [kind for kind in self.kind.split(",") if kind] or [self.kind]
+            # What people type holds no wildcards: `%` and `_` stand for themselves.
             said.append(or_(*(audit.c.kind.startswith(kind, autoescape=True) for kind in kinds)))
         if self.from_us is not None:
             said.append(audit.c.time_us >= self.from_us)
@@ -123,6 +129,7 @@ class Chain(NamedTuple):
 
 def chain_hash(before: str, entry: AuditEntry) -> str:
     """Give a row's hash (SHA-256, hex) from the hash of the row before and its own fields."""
+    # Only one way to write an entry: another spelling would be another hash.
     said = json.dumps([before, *entry], ensure_ascii=True, separators=(",", ":"))
     return hashlib.sha256(said.encode()).hexdigest()
 
@@ -209,6 +216,7 @@ class Audit:
         if batch:
             async with self._database.write() as connection:
                 await append(connection, batch)
+            # They are still in front: others were only appended meanwhile.
             for _ in batch:
                 self._waiting.popleft()
         if not self._waiting:
@@ -225,6 +233,7 @@ class Audit:
                 select(audit.c.id, *_COLUMNS)
                 .where(*wanted.conditions())
                 .order_by(audit.c.id.desc())
+                # One more than asked for tells whether there are more.
                 .limit(limit + 1)
             )
             found = [AuditRecord(row[0], AuditEntry(*row[1:])) for row in rows]
@@ -238,6 +247,7 @@ class Audit:
             for row in rows:
                 yield row
             if rows:
+                # By number, not by offset: what is added meanwhile shifts nothing.
                 wanted = replace(wanted, before=rows[-1].id)
 
     async def verify(self) -> Chain:
@@ -266,6 +276,7 @@ class Audit:
                 break
             # A long log must not keep the others waiting.
             await asyncio.sleep(0)
+        # Another end than the head's: rows at the end were cut off.
         return Chain(count, 0 if before == end_hash else end or 1)
 
 
@@ -274,6 +285,7 @@ _COLUMNS = tuple(audit.c[name] for name in AuditEntry._fields)
 
 async def append(connection: AsyncConnection, batch: Sequence[AuditEntry]) -> None:
     """Write rows in a transaction that writes; their texts must have passed `safe_text`."""
+    # Locked before it is read, or two hubs would build on the same row.
     head = select(audit_head.c.hash).where(audit_head.c.id == _HEAD).with_for_update()
     before = (await connection.execute(head)).scalar_one()
     rows = []

@@ -39,6 +39,7 @@ WAITING = "restore"
 _MANIFEST = "backup.json"
 # Not copied: the lock of who runs now, and imports on their way, whose files people still have.
 _NOT_KEPT = frozenset((LOCK, "import"))
+# How a backup's folder is laid out; other numbers are refused.
 _FORM = 1
 
 
@@ -57,6 +58,7 @@ def backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
     """
     if target.exists():
         raise StoreError(f"{target} is there already", "name a folder that is not there yet")
+    # Under another name first: a folder that has its final name is whole.
     partial = target.with_name(target.name + ".partial")
     try:
         if partial.exists():
@@ -66,6 +68,7 @@ def backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
         _copy_rest(data, partial)
         about = {"form": _FORM, "time_us": clock.wall_ns() // 1000, "database": version}
         (partial / _MANIFEST).write_text(json.dumps(about) + "\n")
+        # On disk before it gets that name.
         _sync(partial)
         partial.rename(target)
     except (OSError, sqlite3.Error, SQLAlchemyError) as error:
@@ -113,6 +116,7 @@ def take_restored(data: Path, clock: Clock) -> Path | None:
     try:
         aside.mkdir(mode=0o700, exist_ok=True)
         names = {file.name for file in waiting.iterdir()} - {_MANIFEST}
+        # A journal of the old database must never be applied to the restored one.
         names |= {DATABASE + end for end in ("-wal", "-shm")}
         for name in sorted(names):
             # A start that was broken off here goes on at the next: what is moved is not here.
@@ -148,6 +152,7 @@ def restore_server(source: Path, url: str) -> int:
                     f"the backup's tables are of version {theirs}, this program's of {ours}",
                     "restore it with the program that wrote it, then update",
                 )
+            # A wrong URL must not destroy a database that is in use.
             if writing.execute(select(metadata.tables["users"]).limit(1)).first() is not None:
                 raise StoreError(
                     f"the database {make_url(url).render_as_string()} has people in it already",
@@ -193,6 +198,7 @@ def _version(connection: Connection) -> str:
 
 def _copy_rest(data: Path, target: Path) -> None:
     for path in sorted(data.iterdir()):
+        # The target may lie within the data folder, and must not be copied into itself.
         ours = path.name.startswith((DATABASE, WAITING, "before-restore-"))
         ours = ours or path.name in _NOT_KEPT
         if ours or path.resolve() in {target.resolve(), *target.resolve().parents}:
@@ -222,6 +228,7 @@ def _check(source: Path) -> None:
     if form != _FORM:
         raise StoreError(f"the backup {source} has form {form}, this program reads {_FORM}")
     try:
+        # To look at a backup must not change it.
         with closing(sqlite3.connect(f"file:{source / DATABASE}?mode=ro", uri=True)) as database:
             (said,) = database.execute("PRAGMA quick_check(1)").fetchone()
     except sqlite3.Error as error:

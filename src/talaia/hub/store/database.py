@@ -152,6 +152,7 @@ def _run_migrations(connection: Connection) -> None:
     from alembic.config import Config
 
     config = Config()
+    # A single % would begin a reference there.
     config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
     command.upgrade(config, "head")
@@ -169,4 +170,5 @@ def _is_current(connection: Connection) -> bool:
 def _last_migration() -> str:
     """Give the last migration's number: its file's name begins with it, and is the highest."""
     files = (_MIGRATIONS / "versions").glob("[0-9]*_*.py")
+    # Names begin with four digits, so the greatest name is the last step's.
     return max(file.name.partition("_")[0] for file in files)

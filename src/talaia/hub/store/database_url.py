@@ -70,8 +70,10 @@ def reach(text: str, *, blocking: bool = False) -> Reach:
     context = _tls(url)
     if context is not None:
         arguments[dialect.tls_argument(url.drivername)] = context
+    # The drivers know these two words in other ways, or not at all.
     url = url.difference_update_query(["sslmode", "sslrootcert"])
     if dialect is MARIADB and "charset" not in url.query:
+        # Its older `utf8` holds no character of four bytes.
         url = url.update_query_dict({"charset": "utf8mb4"})
     return Reach(url, arguments, dialect)
 
@@ -89,7 +91,10 @@ def _tls(url: URL) -> ssl.SSLContext | None:
         context = ssl.create_default_context(cafile=root or None)
     except OSError as error:
         raise StoreError(f"{root} cannot be read: {error}", "correct sslrootcert") from error
+    # `verify-ca` trusts whoever has a certificate of that authority, whatever its name.
     context.check_hostname = mode == "verify-full"
+    # Encrypted, but nobody proves who they are. After the line above: Python refuses this while
+    # names are checked.
     if mode == "require":
         context.verify_mode = ssl.CERT_NONE
     return context

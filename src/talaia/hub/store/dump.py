@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["VERSION_TABLE", "copy_tables", "open_plain"]
 
+# Rows at a time: those of blocks are large.
 _AT_ONCE = 200
 _ = (_alarm_tables, _history_tables)
 VERSION_TABLE = Table(
@@ -41,6 +42,7 @@ def copy_tables(source: Connection, target: Connection) -> int:
 
     """
     tables = [*metadata.sorted_tables, VERSION_TABLE]
+    # In reverse, so that rows go before those that they refer to.
     for table in reversed(tables):
         target.execute(table.delete())
     copied = 0
@@ -54,6 +56,7 @@ def copy_tables(source: Connection, target: Connection) -> int:
 
 def _rows(source: Connection, table: Table) -> Iterator[list[dict[str, Any]]]:
     """Read a table by its key, a few rows at a time: a database need not fit into memory."""
+    # By key, not by offset: each page costs the same, however far it is.
     keys = list(table.primary_key)
     query = select(table).order_by(*keys).limit(_AT_ONCE)
     rows = source.execute(query).mappings().all()

@@ -73,6 +73,7 @@ def _problem(path: Path, read_through: int) -> str:
             if path.stat().st_size <= read_through:
                 return _check_table(database, "1")
             for table in tables:
+                # A damaged file may name its tables anything: a quote is doubled.
                 if problem := _check_table(database, f"'{table.replace(chr(39), chr(39) * 2)}'"):
                     return problem
     except sqlite3.DatabaseError as error:

@@ -305,6 +305,7 @@ class BlockIndex:
             ids = catalogue.channels[part.channel]
             draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
             draft.samples += len(part)
+            # At once, so that another batch of this commit is cut by it too.
             stored.add(first, first + len(part))
             self._settled.setdefault(boot, Ranges()).add(first, first + len(part))
             self._changed.add(boot)

@@ -82,6 +82,7 @@ class Names:
         """
         known = self.boots.get((site, boot))
         if known is None:
+            # Before it gets a number: nothing of a refused name is kept.
             _check(site, boot)
             known = self.boots[site, boot] = len(self.boots) + 1
             self._new.append((tables.boot, {"id": known, "site": site, "boot": boot}))
@@ -117,6 +118,7 @@ class Names:
             channel = self.channels.pop((site, old))
             self.channels[site, new] = channel
             self._renamed[channel] = new
+        # An address may stand for another channel now.
         self._lists = {key: channels for key, channels in self._lists.items() if key[0] != site}
 
     def by_id(self, catalogue: int) -> Catalogue:
@@ -149,6 +151,7 @@ class Names:
         return known
 
     def _listed(self, channels: NDArray[np.int64]) -> Catalogue:
+        # Little-endian on every machine: it is compared with what the database has.
         data = channels.astype("<u4").tobytes()
         known = self._catalogues.get(data)
         if known is None:

@@ -39,6 +39,7 @@ class Saved(NamedTuple):
     def write(self, connection: Connection) -> None:
         """Put it in place of the channel's former tail."""
         table = tables.tail
+        # Deleted, then inserted: every engine has its own words for doing both at once.
         connection.execute(delete(table).where(table.c.channel_id == self.channel))
         connection.execute(insert(table), {"channel_id": self.channel, "body": self.body})
         _advance(connection, self.channel, {"saved_row": self.row})
@@ -152,6 +153,7 @@ def _add_rollups(
     connection: Connection, channel: int, rollups: dict[int, Cells], newest: Newest
 ) -> Newest:
     """Add cells to the rows that are there: the first is, as a rule, and so are late ones."""
+    # Rows before the last one are not in memory: samples that came late fall into them.
     late = {
         width_us: cells.bucket_us[cells.bucket_us < newest[width_us].bucket_us[0]].tolist()
         for width_us, cells in rollups.items()

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Chunk", "Snapshot", "Tail", "Tails"]
 
+# More pieces of a tail are joined to one.
 _PARTS = 64
 
 

@@ -79,6 +79,7 @@ class FailedLogins:
             await connection.execute(
                 delete(wrong_tries).where(wrong_tries.c.last_us <= self._oldest_us())
             )
+            # Deleted, then inserted: every engine has its own words for doing both at once.
             for change in changes:
                 await connection.execute(
                     delete(wrong_tries).where(

@@ -18,6 +18,7 @@ __all__ = ["KNOWN_S", "KnownBrowsers"]
 
 # A browser that was not signed in from for this long is not known any more (s).
 KNOWN_S = 180 * 86400
+# Of one person; those that were used longest ago go.
 _MOST = 20
 
 
@@ -40,6 +41,7 @@ class KnownBrowsers:
                     known_browsers.c.used_us > self._now_us() - KNOWN_S * 1_000_000,
                 )
             )
+            # Known for whoever has signed in there, for nobody else.
             return found.scalar() == name_key(name)
 
     async def remember(self, user: int, token: str) -> str:

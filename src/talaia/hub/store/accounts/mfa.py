@@ -48,6 +48,8 @@ class SecondFactors:
         """Make a secret that waits for its first code; None when there is a factor already."""
         secret = new_factor()
         async with self._database.write() as connection:
+            # A factor in use is removed first: whoever takes over a session cannot put theirs in
+            # its place.
             if await _column(connection, user, "factor_secret"):
                 return None
             await connection.execute(
@@ -70,6 +72,7 @@ class SecondFactors:
             step = step_of(secret, code, self._now_s()) if secret else None
             if step is None:
                 return None
+            # The code that confirmed it is used up, and so is its step.
             await connection.execute(
                 update(users)
                 .where(users.c.id == user)
@@ -86,6 +89,7 @@ class SecondFactors:
     async def use(self, user: int, code: str) -> CodeVerdict:
         """Take a code of time, or a recovery code, each at most once."""
         async with self._database.write() as connection:
+            # Deleting is the test: of two that use one code at once only one deletes it.
             gone = await connection.execute(
                 delete(recovery_codes).where(
                     recovery_codes.c.user_id == user,
@@ -99,6 +103,7 @@ class SecondFactors:
             step = step_of(secret, code, self._now_s()) if secret else None
             if step is None:
                 return CodeVerdict.WRONG
+            # A step is accepted once: a code that was overheard is of no use (RFC 6238, 5.2).
             taken = await connection.execute(
                 update(users)
                 .where(users.c.id == user, users.c.factor_step < step)

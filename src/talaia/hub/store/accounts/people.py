@@ -45,6 +45,7 @@ class People:
     async def find(self, name: str) -> Person | None:
         """Find a person by name, in any case."""
         key = name_key(name)
+        # PostgreSQL refuses such a text, and nobody has that name.
         if "\0" in key:
             return None
         async with self._database.read() as connection:
@@ -125,6 +126,7 @@ class People:
 
         """
         async with self._database.write() as connection:
+            # Asked in the transaction that adds: two who set up at once do not both become admin.
             if not await self._good(connection, token) or await _count(connection):
                 return None
             await connection.execute(delete(setup_tokens))
@@ -157,6 +159,7 @@ class People:
                     used_us=0,
                 )
             )
+        # The unique key decides: of two that add one name at once one gets this.
         except IntegrityError as error:
             raise NameTaken(f"there is a person named {name!r} already") from error
         key = result.inserted_primary_key
@@ -192,6 +195,7 @@ async def set_hash(
     connection: AsyncConnection, user: int, password_hash: str, keep: str = ""
 ) -> None:
     """Give a person another password: sessions but ``keep`` end, no browser is known any more."""
+    # Whoever signed in with the old password is signed out, but for the session that is kept.
     await sign_out(connection, user, keep)
     await connection.execute(delete(known_browsers).where(known_browsers.c.user_id == user))
     await connection.execute(

@@ -64,6 +64,7 @@ class Sessions:
         hashed = hash_token(token)
         now = self._now_us()
         async with self._database.write() as connection:
+            # There is no task that deletes those that are over: it is done when somebody signs in.
             await connection.execute(delete(sessions).where(~self.alive_now()))
             await connection.execute(
                 insert(sessions).values(
@@ -136,6 +137,7 @@ class Sessions:
 
     async def end_of(self, user: int, hashed: str) -> bool:
         """End one session of a person; False when they have none of that name."""
+        # With the person's number too: nobody ends another's session by its hash.
         async with self._database.write() as connection:
             gone = await connection.execute(
                 delete(sessions).where(sessions.c.token_hash == hashed, sessions.c.user_id == user)
@@ -157,6 +159,7 @@ class Sessions:
     async def _read(
         self, connection: AsyncConnection, hashes: Collection[str]
     ) -> dict[str, LiveSession]:
+        # A person who is disabled is out at once, whatever sessions they have.
         rows = await connection.execute(
             select(
                 sessions.c.token_hash,
@@ -194,6 +197,7 @@ class Sessions:
     def alive_now(self) -> ColumnElement[bool]:
         """Give the condition by which a session counts."""
         now_us = self._now_us()
+        # Reckoned from when it was used and begun: another setting holds for open sessions too.
         return and_(
             sessions.c.used_us > now_us - self._idle_us,
             sessions.c.created_us > now_us - self._life_us,

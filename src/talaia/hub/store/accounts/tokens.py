@@ -30,7 +30,9 @@ __all__ = ["MARK", "MOST", "ApiToken", "ApiTokens"]
 MARK = "tal_"
 # What names a token among the names of sessions.
 _NAMED = "token:"
+# A use is written down at most so often (µs).
 _TOUCH_US = 60_000_000
+# Of one person.
 MOST = 100
 
 
@@ -105,6 +107,7 @@ class ApiTokens:
     async def remove(self, user: int, token: int) -> str | None:
         """Revoke a person's token; give the name it had, None when they have none such."""
         async with self._database.write() as connection:
+            # With the person's number too: nobody removes another's token.
             mine = (api_tokens.c.id == token, api_tokens.c.user_id == user)
             name = (await connection.execute(select(api_tokens.c.name).where(*mine))).scalar()
             if name is not None:
@@ -162,6 +165,7 @@ class ApiTokens:
                     theirs[row.role_id].limited(asked[row.id].permissions),
                     script=True,
                 ),
+                # Use does not prolong a token, so it has one end.
                 row.ends_us,
                 row.ends_us,
                 row.used_us,

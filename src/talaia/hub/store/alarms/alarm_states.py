@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AlarmChange", "AlarmStore", "MadeAlarm", "Past"]
 
+# Characters that the columns hold.
 _SENTENCE = 2000
 
 
@@ -84,6 +85,7 @@ class AlarmStore:
                 row = {**dataclasses.asdict(change.state), "phase": change.state.phase.value}
                 row["why"] = safe_text(change.state.why, _SENTENCE)
                 row["shelved_why"] = safe_text(change.state.shelved_why, _SENTENCE)
+                # Asked first: every engine has its own words for inserting or updating.
                 there = await connection.execute(select(alarm_states.c.site).where(*same))
                 if there.first() is None:
                     await connection.execute(insert(alarm_states).values(**key, **row))

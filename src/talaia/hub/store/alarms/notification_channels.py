@@ -25,6 +25,7 @@ __all__ = ["MOST_BROWSERS", "MOST_RULES", "NotifyStore", "PushBrowser", "Way", "
 
 # What says where a message goes.
 _SERVER = ("host", "port", "security", "extension")
+# Of one person.
 MOST_RULES = 50
 MOST_BROWSERS = 20
 
@@ -132,6 +133,7 @@ class NotifyStore:
                     key = added.inserted_primary_key
                     number = int(key[0]) if key else 0
                     values = {}
+                # Sealed for its number, which a new one has only now.
                 sealed = self._seal().close(json.dumps(kept), _about_way(number)) if kept else ""
                 await connection.execute(
                     update(notify_ways)
@@ -214,6 +216,7 @@ class NotifyStore:
         """Let a browser take messages of a person, of nobody else from now on."""
         hashed = hashlib.sha256(subscription["endpoint"].encode()).hexdigest()
         async with self._database.write() as connection:
+            # A browser is of one person: whoever subscribes it last.
             await connection.execute(
                 delete(push_browsers).where(push_browsers.c.endpoint_hash == hashed)
             )

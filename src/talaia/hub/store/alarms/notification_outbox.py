@@ -43,7 +43,9 @@ __all__ = [
     "rule_of",
 ]
 
+# What one message tells at the most.
 _AT_ONCE = 50
+# Characters of a message's key.
 _PARCEL = 32
 
 
@@ -126,6 +128,7 @@ async def add_notices(
     grants = await grants_of(connection, OF_ROLES, {role for _, role in wanted})
     told = []
     for rule, role in wanted:
+        # A rule gives no right: who may not view it is not told.
         if not grants[role].may(Right.VIEW, about.site, about.device or ANY):
             continue
         due = due_us(rule, about.severity, now_us)
@@ -190,6 +193,7 @@ async def _with_the_others(connection: AsyncConnection, rule: Rule, now_us: int,
         select(func.min(notices.c.due_us)).where(
             notices.c.rule == rule.id,
             notices.c.state == NoticeState.PENDING.value,
+            # Not with one that is tried again: that waits for a time of its own.
             notices.c.tries == 0,
             notices.c.due_us > now_us,
         )
@@ -299,6 +303,7 @@ class NotificationOutbox:
             "due_us": due,
             "problem": safe_text(problem, 2000),
         }
+        # Without a key it may go with others next time.
         if not same:
             values["parcel"] = ""
         async with self._database.write() as connection:
@@ -312,6 +317,7 @@ class NotificationOutbox:
         sending = notices.c.state == NoticeState.SENDING.value
         why = "the hub ended while it was being sent: it may have been delivered"
         async with self._database.write() as connection:
+            # First: what is left in `sending` after this is not sent again.
             await connection.execute(
                 update(notices)
                 .where(sending, notices.c.way.in_(list(repeatable)))
@@ -357,6 +363,7 @@ class NotificationOutbox:
                 )
                 .order_by(notices.c.id)
             )
+            # In the order of their numbers, so the newest problem of an alarm stays.
             return {(row.site, row.alarm): row.problem for row in rows}
 
     @staticmethod
@@ -371,6 +378,7 @@ class NotificationOutbox:
         there = rows.first()
         if there is None:
             return None
+        # Asked again: rights may have changed since it happened.
         grants = await grants_of(connection, OF_ROLES, {there.role_id})
         if not grants[there.role_id].may(Right.VIEW, found["site"], found["device"] or ANY):
             return None

@@ -76,12 +76,14 @@ class MariadbDialect:
 
     def await_write_turn(self, connection: Connection) -> None:
         """Lock the one row of a table that is there for this; it ends with the transaction."""
+        # Whoever has the one row of this table has the turn, until the transaction ends.
         connection.execute(select(write_turn.c.id).with_for_update())
 
     @contextlib.contextmanager
     def hold_migrations(self, connection: Connection) -> Iterator[None]:
         """Take a lock by name: row locks end with the first change of a table, this one lasts."""
         name = {"name": _LOCK_NAME + (connection.engine.url.database or "")}
+        # No row lock: each change of tables ends the transaction there, and the lock with it.
         words = text("SELECT GET_LOCK(:name, :wait)")
         if connection.execute(words, {**name, "wait": _MIGRATE_S}).scalar() != 1:
             raise StoreDown("another program is changing the tables", "try again soon")
@@ -177,5 +179,6 @@ def _let_bytes_pass(connection: DBAPIConnection, _record: object) -> None:
 def _gather_long(connection: DBAPIConnection, _entry: ConnectionPoolEntry) -> None:
     """Let MariaDB make one text of many rows; it would cut it off at a megabyte, silently."""
     cursor = connection.cursor()
+    # 64 MiB: beyond the limit the server would cut a text off without failing.
     cursor.execute("SET SESSION group_concat_max_len = 67108864")
     cursor.close()

@@ -82,6 +82,7 @@ class SqliteDialect:
 
     def prepare_history(self, engine: Engine, *, writes: bool) -> None:
         """Begin transactions ourselves; `Checkpoints` copies the journal, not a commit."""
+        # Nothing is copied by a commit itself: `Checkpoints` does that beside it.
         opened = open_sqlite("wal_autocheckpoint=0", f"cache_size=-{_CACHE_KIB}")
         event.listen(engine, "connect", opened)
         event.listen(engine, "begin", _begin_writing if writes else _begin_reading)
@@ -102,6 +103,7 @@ class SqliteDialect:
     @contextlib.contextmanager
     def hold_migrations(self, connection: Connection) -> Iterator[None]:
         """Do nothing: the transaction has the turn to write, and changes of tables are in it."""
+        # The writer's transaction has the turn already, and changes of tables are part of it.
         del connection
         yield
 
