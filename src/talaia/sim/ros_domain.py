@@ -34,6 +34,7 @@ class Reservation:
     """A domain number nobody else gets until `release`, or until this process ends."""
 
     domain: int
+    # Of the lock file; the lock lasts for as long as it is open. -1: released.
     _file: int
 
     def release(self) -> None:
@@ -69,6 +70,7 @@ def reserve(domain: int | None = None, *, folder: Path | None = None) -> Reserva
 
     """
     folder = folder or _runtime_folder()
+    # Nobody else's: whoever may write here can keep every number from us.
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     if domain is not None:
         _check_domain(domain)
@@ -94,6 +96,7 @@ def environment(domain: int) -> dict[str, str]:
     _check_domain(domain)
     return {
         "ROS_DOMAIN_ID": str(domain),
+        # Known from ROS 2 Iron on; the profile below holds everywhere.
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
         "FASTDDS_DEFAULT_PROFILES_FILE": str(profile()),
@@ -122,9 +125,11 @@ def _runtime_folder() -> Path:
 
 
 def _try_lock(folder: Path, domain: int) -> Reservation | None:
+    # No link that somebody laid here is followed, and no child inherits the lock.
     flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
     file = os.open(folder / f"{domain}.lock", flags, 0o600)
     try:
+        # The kernel takes it back however the process ends.
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         os.close(file)
@@ -141,6 +146,7 @@ def _is_silent(domain: int) -> bool:
     """Tell whether no DDS program that knows nothing of our locks has the domain's first port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
+            # By the RTPS specification, where a domain's first participant is found.
             probe.bind(("127.0.0.1", 7400 + 250 * domain + 10))
         except OSError:
             return False

@@ -66,11 +66,14 @@ def run_robot(name: str, domain: int | None, run: Callable[[Start], None]) -> in
     ended = threading.Event()
     try:
         with ExitStack() as stack:
+            # No more than an event: all is ended by the main thread, in order.
             for number in (signal.SIGINT, signal.SIGTERM):
                 before = signal.signal(number, lambda *_: ended.set())
+                # Put back as they were, for a caller that goes on.
                 stack.callback(signal.signal, number, before)
             if domain is None:
                 domain = stack.enter_context(reserve()).domain
+            # For this process and whatever it starts.
             os.environ.update(environment(domain))
             run(Start(domain, ended, stack))
     except (SimError, OSError) as error:

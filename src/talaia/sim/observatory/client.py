@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["answer_of", "main"]
 
+# How long a server is looked for (s).
 FIND_S = 5.0
 # Longer than any motion here takes; an exposure adds its own length.
 ANSWER_S = 120.0
@@ -30,6 +31,7 @@ ANSWER_S = 120.0
 def main(argv: Sequence[str]) -> int:
     """Run one program; 0 when the server did it, 1 when not, 2 for words that are wrong."""
     words = list(argv)
+    # It has to stand first: what comes behind belongs to the program.
     ros1 = "--ros1" in words[:1]
     program, *rest = words[1:] if ros1 else words or [""]
     device = PROGRAMS.get(program, "")
@@ -47,6 +49,7 @@ def main(argv: Sequence[str]) -> int:
     try:
         request = parse_request(device, rest[1:])
     except InvalidRequest as error:
+        # Where the server's answer would stand.
         sys.stdout.write(f" {error}\n")
         return 1
     if ros1:
@@ -60,7 +63,9 @@ def main(argv: Sequence[str]) -> int:
 
 def answer_of(request: Request) -> tuple[bool, str]:
     """Ask the server, and wait for its answer; tell whether it was done, and its words."""
+    # The middleware of the simulator's own servers; see `ros_domain.environment`.
     os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
+    # Wheels of ROS need it before rclpy; a ROS installation has none.
     with suppress(ImportError):
         import ros_wheels_bootstrapper  # noqa: F401
     try:
@@ -70,6 +75,7 @@ def answer_of(request: Request) -> tuple[bool, str]:
         return False, f"the ROS 2 packages cannot be imported ({error})"
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node(
+        # Several clients may run at once, and nodes' names must differ.
         f"{request.device}_client_{os.getpid()}",
         enable_rosout=False,
         start_parameter_services=False,
@@ -102,6 +108,7 @@ def _call_service(node: Any, request: Request) -> tuple[bool, str]:  # noqa: ANN
             Parameter(name, value=value).to_parameter_msg()
             for name, value in request.values.items()
         ]
+    # An exposure is answered only when it has ended.
     seconds = request.values.get("seconds", 0.0)
     within = ANSWER_S + (seconds if isinstance(seconds, float) else 0.0)
     future = client.call_async(message)
@@ -128,5 +135,6 @@ def _publish_fault(node: Any, request: Request) -> tuple[bool, str]:  # noqa: AN
     for _ in range(5):
         publisher.publish(String(data=words))
         time.sleep(0.2)
+    # What is not sent by then is lost with the process.
     publisher.wait_for_all_acked()
     return True, words

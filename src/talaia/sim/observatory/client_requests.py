@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 __all__ = ["PROGRAMS", "InvalidRequest", "Request", "parse_number", "parse_request"]
 
 PROGRAMS = {f"{device}_servcli": device for device in DEVICES}
+# Hours or degrees, minutes, and perhaps seconds, with a sign before all of them.
 _PARTS = re.compile(r"([+-]?)(\d+)[:h](\d+)(?:[:m](\d+(?:\.\d*)?))?s?")
 
 
@@ -52,6 +53,7 @@ def parse_number(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
+        # Refused below, with whatever else is not finite.
         value = float("nan")
     if value != value or value in (float("inf"), float("-inf")):
         raise InvalidRequest(f"{text!r} is not a number")
@@ -65,6 +67,7 @@ def parse_request(device: str, words: list[str]) -> Request:
         InvalidRequest: in the founding design's words where it had some.
 
     """
+    # One of our own that nobody reaches: it knows which words there are.
     server = make_server(device, seed=0, unix_s=0.0, call=_call_nobody)
     action, rest = (words[0], words[1:]) if words else ("", [])
     if device == "observatory" and action == "fault":
@@ -82,6 +85,7 @@ def parse_request(device: str, words: list[str]) -> Request:
 
 def _parse_values(server: Server, action: str, rest: list[str]) -> dict[str, Value]:
     arguments = server.asks[action].arguments
+    # Those whose example is a text may be left out.
     least = sum(not isinstance(argument, str) for argument in arguments.values())
     if not least <= len(rest) <= len(arguments):
         raise InvalidRequest(

@@ -28,7 +28,9 @@ class ControlPipe:
 
     def __init__(self, path: Path | None) -> None:
         """Open the pipe; it is made where there is none. Without a path nothing ever comes."""
+        # The beginning of a line whose end has not come yet.
         self._rest = b""
+        # -1 where there is no pipe.
         self._file = -1
         if path is not None:
             if not path.exists():
@@ -42,6 +44,7 @@ class ControlPipe:
             return []
         try:
             self._rest += os.read(self._file, 65536)
+        # Nothing has come.
         except BlockingIOError:
             return []
         *lines, self._rest = self._rest.split(b"\n")

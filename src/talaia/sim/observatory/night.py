@@ -23,6 +23,7 @@ def longitude_of_night(unix_s: float) -> float:
 
 
 def _hours_east(unix_s: float) -> int:
+    # Midnight is where UTC's hour and the hours east make 24; past 12 it is nearer to the west.
     east = round(24.0 - unix_s / _HOUR_S % 24.0)
     return east if east <= 12 else east - 24
 

@@ -24,6 +24,7 @@ class RequestLog:
         if self._file is None:
             return
         line = {
+            # One clock for all processes of the machine, and none that is ever set.
             "t": time.monotonic_ns(),
             "wall": time.time_ns(),
             "device": device,
@@ -33,6 +34,7 @@ class RequestLog:
             **more,
         }
         self._file.write(json.dumps(line) + "\n")
+        # Others read the file while it grows.
         self._file.flush()
 
     def close(self) -> None:

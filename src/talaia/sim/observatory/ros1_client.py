@@ -44,6 +44,7 @@ def _answer_of(request: Request) -> tuple[bool, str]:
         if request.kind == "switch":
             answer = rospy.ServiceProxy(path, SetBool)(request.values["data"])
         else:
+            # No standard request of ROS 1 has numbers: they go by the parameter server.
             for key, value in request.values.items():
                 rosgraph.Master(f"/{name}").setParam(f"{path}/{key}", value)
             answer = rospy.ServiceProxy(path, Trigger)()
@@ -59,6 +60,7 @@ def _publish_fault(words: str) -> tuple[bool, str]:
         if time.monotonic() > until:
             return False, "there is no observatory"
         time.sleep(0.05)
+    # As in `client`: each server listens for itself.
     for _ in range(5):
         publisher.publish(String(words))
         time.sleep(0.2)

@@ -39,8 +39,10 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
+# By the exact type: for Python a bool is an int.
 KINDS = {bool: Bool, int: UInt8, float: Float64, str: String, Stamped: Temperature}
 STEP_S = 0.05
+# In steps: all is published twice a second.
 PUBLISH_EVERY = 10
 
 
@@ -60,6 +62,7 @@ def main(argv: list[str]) -> int:
     began = time.monotonic()
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
+        # rospy's own are off. The loop ends, and everything is closed in order.
         signal.signal(number, lambda *_: ended.set())
     names = options.only or list(DEVICES)
     if options.fits:
@@ -91,6 +94,7 @@ def main(argv: list[str]) -> int:
             "servers": names,
             "seconds": round(time.monotonic() - began, 2),
         }
+        # Not before all services are up: whoever reads it calls them.
         print(json.dumps(line), flush=True)  # noqa: T201 - the one line whoever started us reads
         orders = ControlPipe(options.orders)
         _run_loop(shells, options.speed, ended, orders)
@@ -143,6 +147,7 @@ def _run_loop(
             for shell in shells:
                 shell.obey(device, words)
         for shell in shells:
+            # A machine that slept does not make the models catch up.
             shell.step(min(now - before, 1.0) * speed, publish=tick % PUBLISH_EVERY == 0)
         before, tick = now, tick + 1
 
@@ -159,6 +164,7 @@ def _call_service(device: str, what: str) -> Ticket:
         except (rospy.ROSException, rospy.ServiceException) as error:
             ticket.end(str(error), good=False)
 
+    # It may wait for a server that never comes, and keeps no process alive.
     threading.Thread(target=ask, daemon=True).start()
     return ticket
 
@@ -183,6 +189,7 @@ class _Shell:
         }
         self._pictures = self._files = None
         if server.pictures:
+            # Whoever comes later gets the newest picture at once.
             self._pictures = rospy.Publisher(f"/{name}/image", Image, queue_size=1, latch=True)
         if name == "camera":
             self._files = rospy.Publisher("/camera/fits", UInt8MultiArray, queue_size=1, latch=True)
@@ -218,6 +225,7 @@ class _Shell:
         def heard(message: Any) -> None:  # noqa: ANN401 - rospy ships no types
             values = [message.data] if len(numbers) == 1 else [message.x, message.y]
             given = {**texts, **dict(zip(numbers, values, strict=True))}
+            # A request may take minutes, and rospy's thread has to hear the next message.
             threading.Thread(
                 target=self._end_of, args=(name, lambda: ask.act(**given)), daemon=True
             ).start()
@@ -248,6 +256,7 @@ class _Shell:
         """Ask the model and wait until what was asked has ended. Each request has its thread."""
         name = self._server.name
         with self._moved:
+            # A server that hangs takes no request up before the fault ends.
             while self._server.hanging:
                 self._moved.wait(0.2)
             ticket = self._server.without_power() or act()
@@ -255,6 +264,7 @@ class _Shell:
             self._ledger.write(name, asked, phase, ticket.message, good=ticket.good)
             if phase == "answered":
                 return ticket
+            # Waiting lets go of the lock, so that time can pass.
             while not ticket.ended or self._server.hanging:
                 self._moved.wait(0.2)
         phase = "done" if ticket.good else "failed"
@@ -320,6 +330,7 @@ class _Shell:
             topics = dict(self._server.topics())
             watched = self._pictures is not None and self._pictures.get_num_connections() > 0
             frame = self._server.frame(watched=watched) if self._pictures is not None else None
+        # Outside the lock: requests do not wait for what is published.
         for name, value in topics.items():
             quick = not isinstance(value, float) and value != self._said.get(name)
             if publish or quick:

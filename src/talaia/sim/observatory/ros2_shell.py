@@ -35,11 +35,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Shells", "kind_of", "message_of", "values_of"]
 
+# By the exact type: for Python a bool is an int.
 KINDS = {bool: Bool, int: UInt8, float: Float64, str: String, Stamped: Temperature}
 # A late subscriber gets the newest picture at once. Not so values: one that is kept for those who
 # come later would look fresh to them however old it is.
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STEP_S = 0.05
+# In steps: all is published twice a second.
 PUBLISH_EVERY = 10
 # What the global server asks of the others.
 NEEDED = [
@@ -117,11 +119,13 @@ class Shells:
         orders: ControlPipe | None = None,
     ) -> None:
         """Take where FITS files are kept, where it writes down, how fast time goes, and orders."""
+        # The models' time goes so many times faster.
         self._speed = speed
         self._orders = orders or ControlPipe(None)
         self._fits = fits
         self._ledger = ledger
         self._shells: list[_Shell] = []
+        # By device and service; only the global server asks others.
         self._clients: dict[tuple[str, str], Any] = {}
         # Requests to other servers that wait for an answer, by client and sequence number.
         self._asked: dict[tuple[str, str], dict[int, Ticket]] = {}
@@ -150,6 +154,7 @@ class Shells:
         before = due = time.monotonic()
         while not ended.is_set():
             now = time.monotonic()
+            # A machine that slept does not make the models catch up.
             passed = min(now - before, 1.0) * self._speed
             self._hear_answers()
             for device, words in self._orders.read():
@@ -162,6 +167,7 @@ class Shells:
             if tick == 0:
                 started()
             tick += 1
+            # Steps that were missed are not made up for in a burst.
             due = max(due + STEP_S, now)
             ended.wait(max(0.0, due - time.monotonic()))
 
@@ -215,6 +221,7 @@ class _Shell:
             self._pictures = self.node.create_publisher(Image, f"/{server.name}/image", LATCHED)
         if server.name == "camera":
             self._files = self.node.create_publisher(UInt8MultiArray, "/camera/fits", LATCHED)
+        # Each service with what takes its requests; asked by `listen`.
         self._services: list[tuple[Any, Callable[[Any, Any], None]]] = []
         for name, trigger in server.triggers.items():
             self._offer_service(Trigger, name, _without_values(trigger))
@@ -223,9 +230,11 @@ class _Shell:
         for name, ask in server.asks.items():
             self._offer_service(SetParametersAtomically, name, _by_name(ask.act))
         self._offer_liveness()
+        # Each subscription with its type and who takes its values.
         self._ears: list[tuple[Any, Any, Callable[[Any], None]]] = []
         for topic, (kind, receive_request) in server.hears.items():
             self._subscribe_topic(topic, kind, receive_request)
+        # Several faults may come between two rounds.
         self._subscribe_topic("/observatory/fault", str, self._apply_fault, depth=10)
 
     def _offer_service(
@@ -337,10 +346,13 @@ class _Shell:
             self._ledger.write(self._server.name, "truth", "truth", self._truth)
         for asked, ticket in self._server.own_acts:
             self._ledger.write(self._server.name, asked, "asked", "by itself: no heartbeat")
+            # Nobody asked for it, so nobody is answered.
             self._waiting.append(_Waiting(ticket, asked, lambda _ticket: None))
         self._server.own_acts.clear()
+        # Answers of a server that hangs wait as well.
         if self._server.hanging:
             return
+        # A copy: the list gets shorter on the way.
         for waiting in [waiter for waiter in self._waiting if waiter.ticket.ended]:
             self._waiting.remove(waiting)
             ticket = waiting.ticket

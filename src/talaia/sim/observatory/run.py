@@ -87,6 +87,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if options.ros1:
         from talaia.sim.observatory.ros1_start import run_ros1
 
+        # The other Python reads the same words once more.
         return run_ros1("ros1_shell", [word for word in words if word != "--ros1"])
     return run_robot("observatory", options.domain, lambda start: _run_servers(options, start))
 
@@ -104,6 +105,7 @@ def _run_servers(options: argparse.Namespace, start: Start) -> None:
     orders = ControlPipe(options.orders)
     start.stack.callback(orders.close)
     shells = Shells(options.fits, ledger, options.speed, orders)
+    # Pushed last, so ended first: nodes go before ROS does.
     start.stack.callback(shells.close)
     place = MONTSEC._replace(longitude=options.longitude)
     for name in names:

@@ -29,6 +29,7 @@ __all__ = ["HEIGHT", "WAYS", "WIDTH", "Camera", "open_context"]
 WIDTH = 640
 HEIGHT = 480
 WAYS = ("egl", "osmesa")
+# What is out of sight is moved here: nobody draws this group.
 UNSEEN_GROUP = 5
 
 Context = Any
@@ -60,11 +61,13 @@ def _first_that_works(open_way: Open, model: Context) -> tuple[str, Context, Con
     """Give the way, its OpenGL context, and MuJoCo's own with textures and shapes loaded."""
     asked = os.environ.get("MUJOCO_GL", "").strip().lower()
     reasons: dict[str, str] = {}
+    # If the environment names a way, only that is tried.
     for way in (asked,) if asked in WAYS else WAYS:
         try:
             context = open_way(way)
             return way, context, mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         except Exception as error:  # noqa: BLE001 - graphics libraries raise anything at all
+            # The try that failed has set it.
             os.environ["MUJOCO_GL"] = asked
             reasons[way] = (str(error).strip() or type(error).__name__).splitlines()[0]
     raise NoRenderer(reasons)
@@ -93,20 +96,26 @@ class Camera:
         self.way, self._context, self._drawing = _first_that_works(open_way, self._model)
         self._data = mujoco.MjData(self._model)
         mujoco.mj_forward(self._model, self._data)
+        # What is more than that would not be drawn.
         self._scene = mujoco.MjvScene(model=self._model, maxgeom=2000)
+        # Dear to draw in software, and little is lost indoors.
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = False
         self._option = mujoco.MjvOption()
+        # Hulls are for collisions and rays; only looks are drawn.
         self._option.geomgroup[:] = 0
         self._option.geomgroup[LOOK_GROUP] = 1
+        # The library asks for one; nothing is ever pushed here.
         self._perturb = mujoco.MjvPerturb()
         self._view = mujoco.MjvCamera()
         self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._view.fixedcamid = self._model.camera(CAMERA).id
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
         self._rect = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
+        # Written anew for each picture; `draw` hands out a copy.
         self._pixels = np.zeros((HEIGHT, WIDTH, 3), dtype=np.uint8)
+        # All that can be seen, where and how large. The house never moves: worked out once.
         self._looks = np.flatnonzero(self._model.geom_group == LOOK_GROUP)
         self._places = self._data.geom_xpos[self._looks].copy()
         self._sizes = self._model.geom_rbound[self._looks].copy()
@@ -114,6 +123,7 @@ class Camera:
     def draw(self, x: float, y: float, yaw: float) -> npt.NDArray[np.uint8]:
         """Draw what is seen from a pose: RGB of shape (480, 640, 3), the caller's own."""
         self._data.qpos[:3] = (x, y, yaw)
+        # Only where things stand: no physics.
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         self._show_what_is_ahead(yaw)

@@ -36,8 +36,10 @@ class CameraProcess:
         words = [sys.executable, "-m", "talaia.sim.vehicle.images"]
         words += ["--seed", str(seed), "--rate", str(rate)]
         poses, self._poses = os.pipe()
+        # A full pipe must not make the vehicle wait.
         os.set_blocking(self._poses, False)
         self._process = subprocess.Popen(words, stdin=poses, stdout=subprocess.PIPE)  # noqa: S603 - our own words
+        # While we held a reading end, too, the end of the process would not be noticed.
         os.close(poses)
         # The process is gone, and this was logged.
         self._lost = False
@@ -72,6 +74,7 @@ class CameraProcess:
 
     def close(self) -> None:
         """End the process."""
+        # The end of its input ends it.
         os.close(self._poses)
         try:
             self._process.wait(timeout=5.0)

@@ -115,6 +115,7 @@ def build(stage: SceneBuilder, layout: np.random.Generator) -> None:
     _furnish_living_room(stage, layout)
     _furnish_kitchen(stage, layout)
     _furnish_others(stage, layout)
+    # Last: floors are darker where things stand, so all of them have to be there.
     if stage.looks:
         for room in ROOMS:
             _floor_and_ceiling(stage, room)
@@ -137,6 +138,7 @@ def _add_walls(stage: SceneBuilder, room: Room) -> None:
             if where == side
         )
         start = 0.0
+        # The wall's end is a gap without width.
         for low, high in [*gaps, (length, length)]:
             if low - start > 0.01:
                 corners = (start == 0.0, low == length)
@@ -158,6 +160,7 @@ def _add_wall(
     corners: tuple[bool, bool],
 ) -> None:
     low, high = (0.0, span[0], height[0]), (WALL, span[1], height[1])
+    # Above a door there is nothing to run into.
     if height[0] == 0.0:
         place.solid(low, high)
     stage = place.stage

@@ -63,6 +63,7 @@ def main() -> int:
     except NoRenderer as error:
         _write_line({"reasons": error.reasons})
         return 1
+    # Once before it is said that it can.
     camera.draw(0.0, 0.0, 0.0)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("vehicle_camera", enable_rosout=False, start_parameter_services=False)
@@ -100,9 +101,11 @@ class _Poses:
     """The newest pose of those that come in, read by a thread that does nothing else."""
 
     def __init__(self, source: BinaryIO) -> None:
+        # Replaced as a whole by the reading thread, so that no lock is needed.
         self.newest = (0.0, 0.0, 0.0)
         self.ended = threading.Event()
         self._source = source
+        # It stands in a read that nobody can end.
         threading.Thread(target=self._read_poses, name="poses", daemon=True).start()
 
     def _read_poses(self) -> None:
@@ -132,12 +135,14 @@ class Images:
         self._period = 1.0 / rate
         self._pictures = node.create_publisher(Image, "/images", NEWEST)
         self._infos = node.create_publisher(CameraInfo, "/camera_info", NEWEST)
+        # The lens never changes; only the stamp does.
         self._info = _make_camera_info()
 
     def publish_until_ended(self, camera: Camera) -> None:
         """Go on until no more poses come."""
         message = Image(height=HEIGHT, width=WIDTH, encoding="rgb8", step=3 * WIDTH)
         message.header.frame_id = "camera_optical_frame"
+        # Equal to nothing: the first pose is always drawn.
         drawn = (math.nan, math.nan, math.nan)
         ended = self._poses.ended
         due = time.monotonic()
@@ -158,6 +163,7 @@ class Images:
             message.header.stamp = stamp
             self._pictures.publish(message)
             self._publish_camera_info(stamp)
+            # Of all its threads. The rest behind it keeps drawing within its share of the cores.
             spent, before = time.process_time(), spent
             rest = (spent - before) / (SHARE * (os.cpu_count() or 1))
             due = max(due + max(self._period, rest), time.monotonic())
@@ -171,6 +177,7 @@ class Images:
 
 
 def _make_camera_info() -> CameraInfo:
+    # Of a pinhole (px): half the picture's height over the tangent of half its angle.
     focal = HEIGHT / 2 / math.tan(math.radians(CAMERA_FIELD / 2))
     cx, cy = WIDTH / 2, HEIGHT / 2
     info = CameraInfo(height=HEIGHT, width=WIDTH, distortion_model="plumb_bob")

@@ -28,12 +28,14 @@ def rounded_box(
     # For each side: the axis it faces, its sign, and the axes of u and v.
     sides = ((0, 1, 1, 2), (0, -1, 1, 2), (1, 1, 0, 2), (1, -1, 0, 2), (2, 1, 0, 1), (2, -1, 0, 1))
     for axis, sign, a, b in sides:
+        # Four points along each side: its ends, and where the rounding begins.
         u = np.array([-half[a], -core[a], core[a], half[a]])
         v = np.array([-half[b], -core[b], core[b], half[b]])
         grid = np.zeros((4, 4, 3))
         grid[:, :, axis] = sign * half[axis]
         grid[:, :, a] = u[None, :]
         grid[:, :, b] = v[:, None]
+        # From the core, a box without the rounding, every point is as far as the radius.
         inner = np.clip(grid, -core, core)
         out = grid - inner
         out /= np.linalg.norm(out, axis=2, keepdims=True)

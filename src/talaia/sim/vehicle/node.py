@@ -62,6 +62,7 @@ class Inputs:
         self._lock = lock
         self._log = log
         self._clock = clock
+        # Tells the thread to end.
         self._ended = threading.Event()
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(node)
@@ -84,6 +85,7 @@ class Inputs:
     def _run_executor(self) -> None:
         while not self._ended.is_set():
             try:
+                # How often it looks whether it is to end (s).
                 self._executor.spin_once(timeout_sec=0.2)
             except ExternalShutdownException:
                 return
@@ -92,10 +94,12 @@ class Inputs:
                 logger.exception("a ROS message or request could not be handled")
 
     def _apply_change(self, change: Callable[[], Change | None]) -> None:
+        # Written under the lock, so that lines stand in the order of the changes.
         with self._lock:
             self._log.write(change())
 
     def _on_twist(self, message: Message) -> None:
+        # Before the lock is waited for.
         now = self._clock.monotonic_ns()
         self._apply_change(lambda: self._base.command(now, message.linear.x, message.angular.z))
 
@@ -169,17 +173,20 @@ class Loop:
         before = due
         while not ended.is_set():
             now = time.monotonic()
+            # Before the first round no time has been measured.
             self._run_period(tick, min(now - before, LATE_S) if tick else TICK_S)
             before = now
             if tick == 0:
                 started()
             tick += 1
             due += TICK_S
+            # Catching up would be a burst of rounds: it counts from now on.
             if time.monotonic() - due > LATE_S:
                 due = time.monotonic()
             ended.wait(max(0.0, due - time.monotonic()))
 
     def _run_period(self, tick: int, seconds: float) -> None:
+        # Only what `Inputs` changes, too: physics and publishing hold up no command.
         with self._lock:
             self._log.write(self._base.pass_time(self._clock.monotonic_ns()))
             wanted = (self._base.speed, self._base.turn)
@@ -213,6 +220,7 @@ class Loop:
         ranges: npt.NDArray[np.float32] = self._world.scan()
         self._reports.scan(stamp, ranges)
         if wandering:
+            # As often as this is called.
             speed, turn = self._wander.drive(5 * TICK_S, ranges)
             with self._lock:
                 self._log.write(self._base.roam(speed, turn))

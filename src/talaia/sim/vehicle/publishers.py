@@ -37,6 +37,7 @@ __all__ = ["RELIABLE", "VehiclePublishers"]
 
 RELIABLE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 """Reliable writers serve reliable and best-effort readers alike."""
+# Whoever comes later is told at once: it seldom changes.
 LASTING = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
@@ -70,6 +71,7 @@ class VehiclePublishers:
         self._speed = self._make_publisher(Float64, "/speed")
         self._wandering = node.create_publisher(Bool, "/wandering", LASTING)
         self._metric = self._make_publisher(String, "/metric")
+        # What the sonars measured last (m), said once more by `metrics`.
         self._measured = {"ultrasonic1": 0.0, "ultrasonic2": 0.0, "ultrasonic3": 0.0}
         self._prepare_messages()
 
@@ -81,6 +83,7 @@ class VehiclePublishers:
         odometry.header.stamp = stamp
         pose = odometry.pose.pose
         pose.position.x, pose.position.y = motion.x, motion.y
+        # A turn about z: the quaternion's other two parts stay 0.
         pose.orientation.z, pose.orientation.w = math.sin(half), math.cos(half)
         twist = odometry.twist.twist
         twist.linear.x, twist.linear.y, twist.angular.z = motion.speed, motion.slip, motion.turn
@@ -90,7 +93,9 @@ class VehiclePublishers:
         imu.orientation.z, imu.orientation.w = pose.orientation.z, pose.orientation.w
         imu.angular_velocity.z = motion.turn + noise(0.002)
         imu.linear_acceleration.x = motion.acceleration + noise(0.02)
+        # Towards the middle of the turn: speed times turn rate.
         imu.linear_acceleration.y = motion.speed * motion.turn + noise(0.02)
+        # At rest it feels the floor that holds it up.
         imu.linear_acceleration.z = 9.81 + noise(0.02)
         self._imu.publish(imu)
         if self._transform is not None:
@@ -117,6 +122,7 @@ class VehiclePublishers:
         """Publish one turn of the lidar."""
         message = self._scan_message
         message.header.stamp = stamp
+        # Given as an array it is taken whole; a list would be looked at number by number.
         message.ranges = array.array("f", ranges.tobytes())
         self._scan.publish(message)
 
@@ -161,6 +167,7 @@ class VehiclePublishers:
         message.percentage = battery.charge
         message.charge = battery.charge * Battery.CAPACITY_AH
         message.voltage = battery.voltage
+        # By its definition negative while the battery discharges.
         message.current = -battery.current
         self._battery.publish(message)
 
@@ -182,6 +189,7 @@ class VehiclePublishers:
         odometry.twist.covariance = small
         self._imu_message = imu = Imu()
         imu.header.frame_id = "imu_link"
+        # Squares of the noise in `motion`.
         imu.angular_velocity_covariance = [4e-6, 0, 0, 0, 4e-6, 0, 0, 0, 4e-6]
         imu.linear_acceleration_covariance = [4e-4, 0, 0, 0, 4e-4, 0, 0, 0, 4e-4]
         self._joints_message = JointState(name=["wheel_left_joint", "wheel_right_joint"])
@@ -202,6 +210,7 @@ class VehiclePublishers:
             reading.header.frame_id = f"ultrasonic_{side}"
             reading.min_range, reading.max_range = SONAR_RANGE
             self._range_messages.append(reading)
+        # The square of the noise in `place`.
         self._temperature_message = Temperature(variance=0.0009)
         self._temperature_message.header.frame_id = "base_link"
         self._fix_message = fix = NavSatFix()
@@ -213,6 +222,7 @@ class VehiclePublishers:
         self._battery_message = battery = BatteryState(present=True)
         battery.header.frame_id = "base_link"
         battery.capacity = battery.design_capacity = Battery.CAPACITY_AH
+        # By its definition: not measured.
         battery.temperature = math.nan
         battery.power_supply_status = BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
         battery.power_supply_technology = BatteryState.POWER_SUPPLY_TECHNOLOGY_LIPO

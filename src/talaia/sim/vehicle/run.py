@@ -76,6 +76,7 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
     log = ActuationLog(options.log, clock)
     start.stack.callback(log.close)
     eye = None
+    # Early: its process builds its world while this one builds another.
     if not options.no_camera:
         eye = CameraProcess(options.seed, options.camera_rate)
         start.stack.callback(eye.close)
@@ -84,6 +85,7 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
     node = rclpy.create_node("vehicle", enable_rosout=False, start_parameter_services=False)
     start.stack.callback(node.destroy_node)
     base = Base(wandering=options.wander)
+    # Of `base`: commands come in one thread, and time passes in another.
     lock = threading.Lock()
     loop = shell.Loop(
         node, world=world, base=base, lock=lock, log=log, clock=clock, seed=options.seed, eye=eye

@@ -87,9 +87,13 @@ class SceneBuilder:
         self.spec = spec
         self.rng = rng
         self.looks = looks
+        # Read by the floors as well, which are darker around them.
         self.hulls: list[Hull] = []
+        # A copy: walls and floors add their own.
         self._finishes = dict(finishes)
+        # Those that are in the model already.
         self._materials: set[str] = set()
+        # By size, rounding and repetition: equal boxes share one mesh.
         self._meshes: dict[tuple[float, ...], str] = {}
 
     def at(self, x: float, y: float, yaw: float = 0.0) -> FloorPose:
@@ -111,6 +115,7 @@ class SceneBuilder:
             size=(hull.half[0], hull.half[2], 0.0) if hull.round else hull.half,
             quat=_yaw_quaternion(hull.yaw),
             group=HULL_GROUP,
+            # With the vehicle's 1 and 2 these meet it, and never each other.
             contype=2,
             conaffinity=1,
             friction=(0.2, 0.0, 0.0),
@@ -216,6 +221,7 @@ class FloorPose:
             return
         size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
         centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
+        # No more than the thinnest side has room for.
         radius = min(radius, *(side * 0.45 for side in size))
         self.stage.add_visual(
             finish,

@@ -13,7 +13,9 @@ ORIGIN = (42.0519, 0.7300, 1568.0)
 class Battery:
     """A lithium battery of three cells."""
 
+    # As a TurtleBot3's.
     CAPACITY_AH = 1.8
+    # Standing still with everything on.
     IDLE_A = 0.35
     PER_SPEED_A = 4.5
     PER_TURN_A = 0.35
@@ -33,6 +35,7 @@ class Battery:
     @property
     def voltage(self) -> float:
         """At the terminals (V): falls with charge and load."""
+        # A lithium cell falls steeply when it is nearly empty.
         knee = 0.9 * math.exp(-self.charge / 0.06)
         return 11.0 + 1.45 * self.charge - knee - 0.12 * self.current
 
@@ -43,6 +46,7 @@ def on_earth(x: float, y: float) -> tuple[float, float, float]:
     The house's x points east and its y north; within a house the Earth is a plane.
     """
     latitude, longitude, altitude = ORIGIN
+    # Metres in a degree on the ellipsoid, to the second term of its series.
     north = 111_132.95 - 559.85 * math.cos(2 * math.radians(latitude))
     east = 111_412.88 * math.cos(math.radians(latitude)) - 93.5 * math.cos(
         3 * math.radians(latitude)

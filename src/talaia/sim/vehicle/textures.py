@@ -94,6 +94,7 @@ def plaster(
     corners: tuple[bool, bool],
 ) -> Picture:
     """A painted wall ``metres`` wide and high, darker towards ceiling, floor and inner corners."""
+    # 64 pixels a metre.
     width, height = (max(8, int(64 * m)) for m in metres)
     up = np.linspace(metres[1], 0.0, height)[:, None]
     along = np.linspace(0.0, metres[0], width)[None, :]
@@ -118,6 +119,7 @@ def parquet(
     board = max(2, int(0.14 * scale))
     length = int(1.2 * scale)
     row = rows // board
+    # By a large prime, so that the joints of the rows make no steps.
     shift = (row * 7919) % length
     column = (columns + shift) // length
     tones = rng.normal(1.0, 0.055, size=(row.max() + 1, column.max() + 1))
@@ -183,12 +185,14 @@ def shade(picture: Picture, outlines: list[list[tuple[float, float]]], scale: in
 
     """
     height, width = picture.shape[:2]
+    # At a quarter of the size: the blur hides it, and it costs a sixteenth.
     step = 4
     mask = Image.new("L", (width // step, height // step), 0)
     pen = ImageDraw.Draw(mask)
     ratio = scale / step
     for outline in outlines:
         pen.polygon([(x * ratio, height / step - y * ratio) for x, y in outline], fill=255)
+    # Narrow where things touch the floor, wide for the light that they take away.
     near = mask.filter(ImageFilter.GaussianBlur(0.07 * ratio))
     far = mask.filter(ImageFilter.GaussianBlur(0.30 * ratio))
     dark = 0.30 * np.asarray(near, dtype=np.float64) / 255 + 0.38 * np.asarray(far) / 255
@@ -200,6 +204,7 @@ def shade(picture: Picture, outlines: list[list[tuple[float, float]]], scale: in
     light = Image.fromarray((255 * (1.0 - dark)).astype(np.uint8)).resize(
         (width, height), Image.Resampling.BILINEAR
     )
+    # Two bytes multiplied fit 16 bits.
     factor = np.asarray(light, dtype=np.uint16)[:, :, None]
     return ((picture * factor) // 255).astype(np.uint8)
 

@@ -42,6 +42,7 @@ def add_vehicle(stage: SceneBuilder) -> None:
             contype=1,
             conaffinity=2,
             friction=(0.2, 0.0, 0.0),
+            # All of its mass is the body's, below.
             mass=0.0,
         )
     body.explicitinertial = True

@@ -33,12 +33,14 @@ class Wander:
 
     def __init__(self, seed: int = 0) -> None:
         """Start without a preference."""
+        # A stream of its own, apart from the world's.
         self._rng = np.random.default_rng([seed, 77])
         # The side it leans to in open space (-1 to 1), and for how long still (s).
         self._leaning = 0.0
         self._left_s = 0.0
         # Turn rate while it turns on the spot (rad/s); 0 while it drives.
         self._spinning = 0.0
+        # The ways that are weighed (rad): every 10°, straight ahead in the place 17.
         self._headings = np.radians(np.arange(-170.0, 181.0, 10.0))
 
     def drive(self, seconds: float, ranges: npt.NDArray[np.float32]) -> tuple[float, float]:
@@ -58,6 +60,7 @@ class Wander:
         ahead = float(free[17])
         if self._spinning:
             if ahead < 0.7 and float(free.max()) > ahead + 0.1:
+                # It turns on until the way ahead is free, or no other is freer.
                 return 0.0, self._spinning
             self._spinning = 0.0
         worth = np.minimum(free, SIGHT) - 0.45 * np.abs(self._headings)
@@ -72,12 +75,14 @@ class Wander:
 
     def _free_ways(self, ranges: npt.NDArray[np.float32]) -> Array:
         """For each heading, how far the vehicle could drive straight on before it touched."""
+        # Where nothing was met it is free as far as the lidar reaches.
         seen = np.where(np.isfinite(ranges), ranges, 8.0).astype(np.float64)
         bearings = np.arange(len(seen)) * (2 * math.pi / len(seen))
         turn = bearings[None, :] - self._headings[:, None]
         along = seen[None, :] * np.cos(turn)
         aside = np.abs(seen[None, :] * np.sin(turn))
         wide = RADIUS + CLEARANCE
+        # Where a circle of that size, moving along, first touches what was seen.
         touch = along - np.sqrt(np.maximum(wide * wide - aside * aside, 0.0))
         in_way = (aside < wide) & (along > 0.0)
         free: Array = np.maximum(np.where(in_way, touch, 8.0).min(axis=1), 0.0)

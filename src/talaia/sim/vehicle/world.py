@@ -80,6 +80,7 @@ class World:
 
     def __init__(self, seed: int = 0, *, looks: bool = False) -> None:
         """Build the model and put the vehicle at its start."""
+        # One for each use, so that textures do not change where furniture stands.
         layout, paint, noise = (np.random.default_rng([seed, part]) for part in range(3))
         spec = _empty_model()
         stage = SceneBuilder(spec, paint, furniture.FINISHES | occupants.FINISHES, looks=looks)
@@ -88,6 +89,7 @@ class World:
         self.model: Any = spec.compile()
         self._data: Any = mujoco.MjData(self.model)
         self._noise = noise
+        # Rays leave its own shapes out.
         self._body: int = self.model.body(BODY).id
         # Time that is not simulated yet because it is less than a physics step (s).
         self._pending = 0.0

@@ -23,6 +23,7 @@ __all__ = ["FRAMES", "STATES", "CcdCamera", "Picture", "Scene"]
 
 STATES = ("idle", "exposing", "reading")
 FRAMES = ("light", "dark", "bias", "flat")
+# From the shutter's closing to the picture (s).
 READ_S = 1.0
 
 
@@ -66,7 +67,9 @@ class _Begun:
     seconds: float
     frame: str
     target: str
+    # s, UTC; negative until the first step, for only that knows the time.
     unix: float
+    # As everything stood when it began.
     scene: Scene
 
 
@@ -94,6 +97,7 @@ class CcdCamera:
         self.cooling = False
         self.newest: Picture | None = None
         self._ambient = ambient
+        # Of the exposure under way; an ended one while there is none.
         self._ticket = Ticket.done("")
         # The exposure under way, until it is read out.
         self._begun: _Begun | None = None
@@ -108,12 +112,14 @@ class CcdCamera:
         """Begin an exposure (s)."""
         if frame not in FRAMES:
             return Ticket.refused(f"frame {frame!r}: expected one of {', '.join(FRAMES)}")
+        # A bias is read without an exposure.
         least = 0.0 if frame == "bias" else 0.04
         if not least <= seconds <= 3600.0:
             return Ticket.refused(f"exposure {seconds:g} s: expected {least:g} to 3600 s")
         if self.state != "idle":
             return Ticket.refused("the camera is exposing; abort first")
         self.state, self.remaining = "exposing", seconds
+        # A copy: what changes from here on belongs to the next picture.
         now = Scene(**{**vars(self.scene), "weather": dict(self.scene.weather)})
         self._begun = _Begun(seconds, frame, target, -1.0, now)
         self._ticket = Ticket()
@@ -149,6 +155,7 @@ class CcdCamera:
         begun = self._begun
         if begun is None:
             return
+        # It began right behind the step before this one.
         if begun.unix < 0.0:
             begun.unix = unix_s - seconds
         if self.state == "exposing":
@@ -179,6 +186,7 @@ class CcdCamera:
             celsius=self.celsius,
             sky=sky,
             dimmed=max(0.0, 1.0 - clouds / 100.0),
+            # Other noise in each picture, and the same again in each run.
             seed=self._count,
         )
         rows = draw_picture(shot, self.chip)
@@ -242,8 +250,10 @@ class CcdCamera:
             ("CUNIT2", "deg", "unit"),
             ("CRVAL1", shot.ra, "[deg] at the reference pixel"),
             ("CRVAL2", shot.dec, "[deg] at the reference pixel"),
+            # FITS counts pixels from 1, at their centres.
             ("CRPIX1", (chip.width + 1) / 2, "reference pixel"),
             ("CRPIX2", (chip.height + 1) / 2, "reference pixel"),
+            # East is to the left: right ascension grows as x falls.
             ("CD1_1", -scale, "[deg/px]"),
             ("CD1_2", 0.0, "[deg/px]"),
             ("CD2_1", 0.0, "[deg/px]"),
@@ -254,6 +264,7 @@ class CcdCamera:
 
 
 def _sexagesimal_text(value: float, *, signed: bool = False) -> str:
+    # Rounded before it is divided, so that no seconds are shown as 60.0.
     tenths = round(abs(value) * 36000)
     sign = ("-" if value < 0 else "+") if signed else ""
     hours, rest = divmod(tenths, 36000)

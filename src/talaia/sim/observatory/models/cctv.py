@@ -38,6 +38,7 @@ class View(NamedTuple):
 
 def draw_view(view: View) -> bytes:
     """Draw one picture, ``rgb8``, top row first, as seen from the north wall to the south."""
+    # Never quite dark, so that something is seen at night.
     inside = max(0.12, 0.9 * view.light * view.shutter, 0.8 if view.lamp else 0.0)
     sky = _mixed_colour((6, 8, 22), (126, 178, 235), view.light)
     rows: list[bytes] = []
@@ -86,6 +87,7 @@ def _draw_telescope(rows: list[bytes], view: View, inside: float) -> None:
 def _shell_edge(y: int, shell: float) -> float:
     """Give how far aside the edge of a shell stands in a row; it turns about the foot's middle."""
     angle = min(1.0, max(0.0, shell)) * math.pi / 2
+    # Short of a right angle, where the tangent has no end.
     return 0.0 if y >= FOOT else (FOOT - y) * math.tan(min(angle, 1.57))
 
 

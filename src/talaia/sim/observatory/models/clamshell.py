@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["SHELLS", "Clamshell", "Shell"]
 
 SHELLS = ("west", "east")
+# A motor that is blocked for so long is switched off (s).
 STALL_S = 2.0
 
 
@@ -37,6 +38,7 @@ class Shell:
         self.position = 0.0
         self.stuck = False
         self.lying = ""
+        # For how long its motor has been on without moving it (s).
         self._stalled_s = 0.0
 
     @property
@@ -101,12 +103,14 @@ class Clamshell(SimulatedEnclosure):
     def _step_shutter(self, wanted: float, seconds: float) -> None:
         done = []
         for shell in self.shells.values():
+            # All of it is stuck, or this shell alone.
             reach = 0.0 if self.stuck or shell.stuck else seconds / self.can.shutter_s
             done.append(shell.move(wanted, reach=reach, seconds=seconds))
         self.position = max(shell.position for shell in self.shells.values())
         if not all(done):
             return
         self.wanted = None
+        # A shell that has stalled has also ended; whether it arrived is asked now.
         failed = [shell.name for shell in self.shells.values() if not shell.arrived(wanted)]
         if failed:
             self._error = True

@@ -71,6 +71,7 @@ class SimulatedEnclosure:
         # For how long the shutter did not move although it should (s).
         self._stalled = 0.0
         self._stopped = False
+        # The shutter was blocked; the next command clears it.
         self._error = False
 
     # ── what its sensors say ──
@@ -95,6 +96,7 @@ class SimulatedEnclosure:
         if self._error:
             return "error"
         if self.wanted is not None:
+            # 1 opens, 0 closes.
             return "opening" if self.wanted else "closing"
         if self.closed:
             return "closed"
@@ -182,6 +184,7 @@ class SimulatedEnclosure:
 
     def step(self, seconds: float) -> None:
         """Let time pass."""
+        # Somebody has turned the switch on site while it moved.
         if self.local and (self.wanted is not None or self._to is not None):
             self.stop()
         if self.wanted is not None:
@@ -198,6 +201,7 @@ class SimulatedEnclosure:
                 self._shutter.end("the shutter is stuck", good=False)
             return
         shutter, flap = seconds / self.can.shutter_s, seconds / self.can.flap_s
+        # The flap opens last and closes first.
         if not self.can.has_flap or (wanted and self.position < 1.0):
             self.position = _step_toward(self.position, wanted, shutter)
         elif wanted or self.flap > 0.0:
@@ -213,6 +217,7 @@ class SimulatedEnclosure:
             self._to = None
             self._turn.end("the encoder was lost; the dome has stopped", good=False)
             return
+        # The shorter way round, -180 to 180°.
         way = (to - self.azimuth + 180.0) % 360.0 - 180.0
         reach = self.can.rate * seconds
         if abs(way) <= reach:

@@ -8,6 +8,7 @@ from array import array
 __all__ = ["Card", "fits_file"]
 
 Card = tuple[str, "str | int | float | bool", str]
+# Header and data each fill whole blocks of so many bytes (3.1).
 BLOCK = 2880
 
 
@@ -30,8 +31,10 @@ def fits_file(rows: list[array[int]], cards: list[Card]) -> bytes:
     pixels = array("h")
     for row in rows:
         pixels.extend(array("h", [value - 32768 for value in row]))
+    # FITS has the highest byte of a number first.
     if sys.byteorder == "little":
         pixels.byteswap()
+    # A header is filled up with blanks, data with zeros.
     return _padded_block(header.encode("ascii"), b" ") + _padded_block(pixels.tobytes(), b"\0")
 
 
@@ -43,12 +46,15 @@ def _card_text(key: str, value: str | float | bool, comment: str) -> str:  # noq
     if isinstance(value, bool):
         shown = ("T" if value else "F").rjust(20)
     elif isinstance(value, str):
+        # Printable ASCII only, and a quote within the text twice.
         clean = "".join(c if " " <= c <= "~" else "?" for c in value).replace("'", "''")
+        # At least eight letters between its quotes, as the fixed format has it.
         shown = f"'{clean[:60]:<8}'".ljust(20)
     elif isinstance(value, int):
         shown = str(value).rjust(20)
     else:
         shown = f"{value:.12G}".rjust(20)
+        # Without a point it would be read as a whole number.
         if "." not in shown and "E" not in shown:
             shown = f"{value:.1f}".rjust(20)
     return f"{key:<8}= {shown} / {comment}"[:80].ljust(80)

@@ -18,6 +18,7 @@ class ControllerWatchdog:
     def __init__(self, limit_s: float = 10.0) -> None:
         """Be off."""
         self.limit_s = limit_s
+        # Since the last heartbeat (s); none while it is off.
         self._silent_s: float | None = None
 
     @property

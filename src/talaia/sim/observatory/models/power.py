@@ -7,6 +7,7 @@ from talaia.sim.observatory.models.ticket import Ticket
 __all__ = ["OUTLETS", "Power"]
 
 OUTLETS = ("Dome", "Telescope", "Camera", "Cooling", "Dew heater", "Lamp", "CCTV", "Spare")
+# What each one's device draws (W).
 _WATT = (120.0, 60.0, 25.0, 40.0, 30.0, 20.0, 8.0, 0.0)
 
 
@@ -18,6 +19,7 @@ class Power:
     def __init__(self) -> None:
         """Start as an observatory is left: everything on but lamp and spare."""
         self.on = [name not in ("Lamp", "Spare") for name in OUTLETS]
+        # Outlets that are being rebooted, with the time until each is on again (s).
         self._again: dict[int, float] = {}
 
     @property
@@ -29,6 +31,7 @@ class Power:
         """Switch an outlet, counted from 1."""
         if not 1 <= outlet <= len(OUTLETS):
             return Ticket.refused(f"outlet {outlet}: expected 1 to {len(OUTLETS)}")
+        # Whoever switches it by hand ends a reboot.
         self._again.pop(outlet, None)
         self.on[outlet - 1] = on
         return Ticket.done(f"outlet {outlet} ({OUTLETS[outlet - 1]}) is {'on' if on else 'off'}")

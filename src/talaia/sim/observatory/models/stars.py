@@ -96,6 +96,7 @@ def stars_near(ra: float, dec: float, radius: float) -> list[Star]:
         # Right ascension spans more degrees near the pole; a whole cell is added for the edges.
         reach = min(180.0, radius / max(0.01, math.cos(math.radians(middle))) + width)
         first, last = math.floor((ra - reach) / width), math.floor((ra + reach) / width)
+        # Near the pole both ends may reach the same cell: each counts once.
         for column in {index % count for index in range(first, min(last, first + count) + 1)}:
             found += _stars_of_cell(band, column, width)
     return found
@@ -124,6 +125,7 @@ def project_star(ra: float, dec: float, ra0: float, dec0: float) -> tuple[float,
     a, d, d0 = math.radians(ra - ra0), math.radians(dec), math.radians(dec0)
     cosine = math.sin(d0) * math.sin(d) + math.cos(d0) * math.cos(d) * math.cos(a)
     if cosine <= 0.0:
+        # Behind the observer: the plane of the picture does not have it.
         return None
     xi = math.cos(d) * math.sin(a) / cosine
     eta = (math.cos(d0) * math.sin(d) - math.sin(d0) * math.cos(d) * math.cos(a)) / cosine
@@ -168,10 +170,12 @@ def _spread_light(shot: Shot, chip: Chip) -> dict[int, dict[int, float]]:
             continue
         x = (chip.width - 1) / 2 - flat[0] * degree
         y = (chip.height - 1) / 2 + flat[1] * degree
+        # A star just beyond the edge still sheds light into the picture.
         if not (-10 < x < chip.width + 10 and -10 < y < chip.height + 10):
             continue
         # Pogson: five magnitudes are a factor of 100; `zero` gives one electron a second.
         light = shot.seconds * shot.dimmed * 10 ** (0.4 * (chip.zero - star.mag))
+        # Less than a thousandth of a star's light falls farther out.
         reach = math.ceil(sigma * 4)
         for py in range(max(0, round(y) - reach), min(chip.height, round(y) + reach + 1)):
             row = lit.setdefault(py, {})

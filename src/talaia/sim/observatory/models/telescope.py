@@ -191,6 +191,7 @@ class Telescope:
                 to = altaz(*self._target, self.place, self.jd)
             if not self.stuck:
                 self.at = _moved_axes(self.at, to, self.limits.rate * seconds)
+            # `_moved_axes` ends at the goal itself; the rest is rounding.
             if _angle_between(self.at, to) < 1e-6:
                 self._finish_slew()
         elif self.state == "tracking" and self._target is not None:

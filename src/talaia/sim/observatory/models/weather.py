@@ -19,8 +19,10 @@ FORCES: dict[str, dict[str, float]] = {
     "humid": {"humidity": 97.0},
     "clear": {"clouds": 5.0, "rain": 0.0, "humidity": 45.0, "wind": 8.0},
 }
+# In %, %, km/h and hPa, as the spread below.
 _MEAN = {"clouds": 20.0, "humidity": 55.0, "wind": 10.0, "pressure": 1016.0}
 _SPREAD = {"clouds": 18.0, "humidity": 8.0, "wind": 4.0, "pressure": 4.0}
+# In this time a deviation falls to about a third (s).
 _RELAX_S = 3600.0
 
 
@@ -67,6 +69,7 @@ class Weather:
         if what and what not in FORCES:
             return f"weather {what!r}: expected one of {', '.join(FORCES)}"
         self._forced = dict(FORCES.get(what, {}))
+        # The gusts of the weather before are forgotten.
         self.gust = 0.0
         self.step(0.0, self._unix)
         return ""
@@ -83,6 +86,7 @@ class Weather:
         real = {name: _MEAN[name] + _SPREAD[name] * self._walk[name] for name in _MEAN}
         # It rains from 85 % of cloud cover on, more with more clouds.
         real["rain"] = max(0.0, (real["clouds"] - 85.0) / 10.0)
+        # A station that lies says fair weather, whatever is forced.
         now = {**real, **({**FORCES["clear"]} if self.lying else self._forced)}
         self.clouds = min(100.0, max(0.0, now["clouds"]))
         self.rain = now["rain"]

@@ -84,6 +84,7 @@ class Server:
         self.own_acts: list[tuple[str, Ticket]] = []
         self.powered = True
         if self.outlet:
+            # The outlet says by a topic whether it gives power.
             self.hears[f"/pdu/on{self.outlet}"] = (bool, self.feed)
 
     @property

@@ -29,6 +29,7 @@ class CameraServer(Server):
         """Offer what a camera does."""
         super().__init__()
         self.model = model
+        # Name of the picture that was given last: each is given once.
         self._given = ""
         self._last = ""
         self.triggers = {
@@ -40,6 +41,7 @@ class CameraServer(Server):
             "expose": Ask({"seconds": 0.0, "frame": "light", "target": ""}, model.expose),
             "cool": Ask({"celsius": 0.0}, model.cool),
         }
+        # The model's own: what is heard here stands in the header of the next exposure.
         scene = model.scene
         self.hears |= {
             "/telescope/ra": (float, lambda value: setattr(scene, "ra", value)),

@@ -33,6 +33,7 @@ class CctvServer(Server):
         super().__init__()
         self._place = place
         self._slit = slit
+        # What was heard last; parts of the roof in %, angles in degrees.
         self._seen = {
             "position": 0.0,
             "slit": 0.0,
@@ -41,13 +42,16 @@ class CctvServer(Server):
             "alt": 10.0,
             "az": 10.0,
         }
+        # Of the sky: 0 at night, 1 by day.
         self._light = 0.0
         self._lamp = False
+        # Since the last picture (s); the first is due at once.
         self._since = self.EVERY_S
         self.triggers = {"status": lambda: Ticket.done("live")}
         self.hears |= {
             "/telescope/altitude": (float, self._value_receiver("alt")),
             "/telescope/azimuth": (float, self._value_receiver("az")),
+            # The lamp's outlet; see `OUTLETS`.
             "/pdu/on6": (bool, self._see_lamp),
         }
         roof = {"position": "position", "azimuth": "slit"}
@@ -59,6 +63,7 @@ class CctvServer(Server):
 
     def _value_receiver(self, name: str) -> Callable[[float], None]:
         def receive_value(value: float) -> None:
+            # A dome that has lost its encoder says NaN: it is drawn where it was.
             if math.isfinite(value):
                 self._seen[name] = value
 
@@ -76,6 +81,7 @@ class CctvServer(Server):
         self._since += seconds
         jd = julian_day(unix_s)
         height = altaz(*sun(jd), self._place, jd).alt
+        # Night until the Sun is 12° below the horizon, day from 6° above.
         self._light = min(1.0, max(0.0, (height + 12.0) / 18.0))
 
     def frame(self, *, watched: bool) -> ImageFrame | None:

@@ -31,6 +31,7 @@ class DomeServer(Server):
         super().__init__()
         self.model = model
         self.watchdog = ControllerWatchdog()
+        # Wall time of the last step (s); none before the first.
         self._stepped_s: float | None = None
         self.triggers = {
             "status": lambda: Ticket.done(model.word),
@@ -70,6 +71,7 @@ class DomeServer(Server):
     def step(self, seconds: float, unix_s: float) -> None:
         """Let time pass. Heartbeats come in real time, whatever the simulation's speed."""
         before, self._stepped_s = self._stepped_s, unix_s
+        # A clock that was set, or a machine that slept, is no silence.
         real_s = 0.0 if before is None else min(1.0, max(0.0, unix_s - before))
         if self.watchdog.step(real_s):
             self.own_acts.append(("close", self.model.close()))

@@ -26,11 +26,17 @@ class GlobalServer(Server):
         """Take how another server is asked (its name, its service); one that turns is parked."""
         super().__init__()
         self._call = call
+        # Of the sequence under way, for whoever asked for it.
         self._ticket = Ticket.done("")
+        # What is left to do; the step under way is the first.
         self._steps: list[tuple[str, str]] = []
+        # What came back for that step; none before it is asked for.
         self._under_way: Ticket | None = None
+        # What it is doing, as its status says; empty for nothing.
         self._name = ""
+        # For so long the step may still take (s).
         self._left = 0.0
+        # What went wrong so far; the steps behind are done all the same.
         self._failed: list[str] = []
         self.triggers = {
             "status": lambda: Ticket.done(self._name or "idle"),
@@ -42,6 +48,7 @@ class GlobalServer(Server):
             ),
             "stop": self._stop_all,
         }
+        # Only a roof that turns has a place to park at.
         park = [("camera", "abort"), ("telescope", "park"), *[("dome", "park")] * dome_turns]
         self.triggers["park"] = lambda: self._begin_sequence("parking", *park)
 
@@ -54,6 +61,7 @@ class GlobalServer(Server):
     def _stop_all(self) -> Ticket:
         self._ticket.end("the observatory was stopped", good=False)
         self._steps, self._name, self._under_way = [], "", None
+        # Not waited for: a stop has to reach both.
         for device in ("dome", "telescope"):
             self._call(device, "stop")
         return Ticket.done("the observatory is stopped")

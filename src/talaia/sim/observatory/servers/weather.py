@@ -36,8 +36,11 @@ class WeatherServer(Server):
         """Offer what a station does."""
         super().__init__()
         self.model = model
+        # Numbers that a fault puts in the place of what is measured.
         self._said_instead: dict[str, Value] = {}
+        # A fault: stamps go on saying the same time.
         self._stamps_stand = False
+        # When it measured last (s, UTC).
         self._stamp_s = 0.0
         self.triggers = {"info": lambda: Ticket.done(model.info())}
 
@@ -51,6 +54,7 @@ class WeatherServer(Server):
             "stamped": Stamped(self.model.temperature, self._stamp_s),
             "raining": self.model.rain > 0.0,
             "description": self.model.words()[1],
+            # Last, so that they win.
             **self._said_instead,
         }
 
