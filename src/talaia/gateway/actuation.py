@@ -94,12 +94,14 @@ class Actuation:
             clock=clock,
             output=output,
             readings=readings,
+            # Its file is read here: a damaged one ends the start, before anything can be driven.
             next_epoch=LeaseEpochs(data / "epochs.json").next,
             stops=StopWriter(
                 stops=PersistentStops(data / "stops.json"), on_disk=on_disk, output=output
             ),
             interlocks=interlocks,
         )
+        # One timer for driving and STOP; it sleeps until the next moment at which something is due.
         self.timer = ControlTimer(asyncio.get_running_loop(), clock, self.driving)
         guard = InterlockGuard(interlocks, clock)
         self.commands = CommandService(
@@ -107,6 +109,7 @@ class Actuation:
             clock=clock,
             target=target,
             guard=guard,
+            # Who must not act before its line is on disk waits for it; see `JournalWriter`.
             writer=JournalWriter(
                 CommandJournal(data / "commands.jsonl"), on_disk, DiskTrouble(output)
             ),
@@ -120,6 +123,7 @@ class Actuation:
             boot=boot,
             is_reached=guard.is_reached,
         )
+        # From here on an interlock that fires begins its sequence.
         sequence_due.connect(self.sequences.begin)
 
     @property

@@ -66,6 +66,7 @@ class Gateway:
             SettingsError: the description names a connection that cannot be used here.
 
         """
+        # Of the process and not of this run: gateways follow each other in one process.
         self._manager = manager = manager or ServiceManager()
         # Built and started in this order, closed in reverse.
         self._parts: tuple[GatewayPart, ...] = (
@@ -124,6 +125,7 @@ class Gateway:
             ),
             NoticesPart(base=base, description=description, adapters=adapters, uplink=uplink),
         )
+        # Asked after `run` for the description to begin again with.
         self._restart = description.restart
         self._actuation, self._supervision = actuation, supervision
         self.recording, self.legacy = recording, legacy
@@ -140,6 +142,7 @@ class Gateway:
         """
         # Before anything here moves: two must never move a roof.
         await self._supervision.take_over()
+        # All are started before any task runs: no task meets a part that is not ready.
         for part in self._parts:
             part.start()
         tasks = [
@@ -147,11 +150,15 @@ class Gateway:
             for part in self._parts
             for name, run in part.tasks().items()
         ]
+        # Only now: a service manager may begin what needs this gateway.
         self._manager.report_ready()
         asked = asyncio.create_task(ended.wait(), name="end asked for")
+        # Waits until nothing moves, so a restart never cuts off a motion.
         due = asyncio.create_task(self._restart.due(self._actuation.is_busy), name="restart due")
         try:
+            # Any end of a task ends the gateway: one that guards and is gone must not go unnoticed.
             await asyncio.wait([asked, due, *tasks], return_when=asyncio.FIRST_COMPLETED)
+        # Also when `run` itself is cancelled.
         finally:
             asked.cancel()
             due.cancel()
@@ -169,12 +176,14 @@ class Gateway:
                 else:
                     self._supervision.leave_watchdog()
             await self.close()
+        # The first is the cause as a rule; all of them are in the log.
         if failures:
             raise failures[0]
 
     async def close(self) -> None:
         """Release everything; what waits is on disk then."""
         for part in reversed(self._parts):
+            # One after the other: a part may use those before it until it is closed.
             await part.close()
 
 

@@ -50,6 +50,7 @@ def forbidden(before: Site, after: Site, accepts: AcceptedChanges) -> list[Findi
     if accepts is AcceptedChanges.NO:
         remedy = "start the gateway with --accept-changes readings, or " + _FILE
         return [Finding("$", "this gateway takes no changes from the hub", remedy)]
+    # At every level: even with all accepted, these come from the file alone.
     findings = [*_always(before, after)]
     if accepts is AcceptedChanges.READINGS:
         findings += _beyond_readings(before, after)
@@ -63,10 +64,13 @@ def _always(before: Site, after: Site) -> Iterator[Finding]:
         where = "$.connections" if after.connections != before.connections else "$.ros2"
         yield Finding(where, "how the robot is reached is not changed from the hub", _FILE)
     if after.object_models != before.object_models:
+        # A detector is a program of this machine, too.
         problem = "which detectors run beside the robot is not changed from the hub"
         yield Finding("$.object_models", problem, _FILE)
     had = _runs(before)
+    # By path, so that a word is compared with what stood in the same place.
     for where, words in _runs(after).items():
+        # Words that are gone are no finding: what is not run any more harms nobody.
         if had.get(where) != words:
             yield Finding(where, "what is run beside the robot is not changed from the hub", _FILE)
 
@@ -77,6 +81,7 @@ def _runs(site: Site) -> dict[str, str]:
     runs: dict[str, str] = {}
     for name, device in site.devices.items():
         link = links.get(site.connection_of(name))
+        # By its connection: only these two kinds run something for a signal or a command.
         if not isinstance(link, ProcessConnection | ExtensionConnection):
             continue
         at = f"$.devices.{name}"
@@ -87,6 +92,7 @@ def _runs(site: Site) -> dict[str, str]:
                 ).run
             else:
                 # They may name a file or a program: only the extension knows.
+                # Sorted, so that another order of the same keys is no change.
                 keys = msgspec.json.encode(
                     source_as(signal.source, ExtensionSource).keys, order="sorted"
                 )
@@ -103,8 +109,10 @@ def _beyond_readings(before: Site, after: Site) -> Iterator[Finding]:
             yield Finding(f"$.{key}", "only what is read may be changed from the hub", _ALL)
     for name in before.devices.keys() | after.devices.keys():
         yield from _device(f"$.devices.{name}", before.devices.get(name), after.devices.get(name))
+    # Of both: a signal must not be freed and changed in one step.
     guarded = before.guarded() | after.guarded()
     for address in sorted(guarded):
+        # Compared as safety sees it; another name, or other decimals, are let through.
         if _meant(before, address) != _meant(after, address):
             device, _, signal = address.partition("/")
             yield Finding(
@@ -120,6 +128,7 @@ def _device(where: str, before: Device | None, after: Device | None) -> Iterator
         now = getattr(after, key, None) or None
         if was != now:
             yield Finding(f"{where}.{key}", "only what is read may be changed from the hub", _ALL)
+    # Of a device that comes or goes its other keys tell.
     if before is not None and after is not None and before.connection != after.connection:
         yield Finding(f"{where}.connection", "only what is read may be changed from the hub", _ALL)
     # Whether it is shown to guests is for those who answer for the robot.
@@ -131,6 +140,7 @@ def _device(where: str, before: Device | None, after: Device | None) -> Iterator
 def _opened(before: Device | None, after: Device | None) -> bool:
     if after is None:
         return False
+    # A new device counts as hidden, so that it cannot come as a public one.
     was = {"": before.visibility if before is not None else "view"}
     now = {"": after.visibility}
     for key in ("signals", "streams"):
@@ -138,6 +148,7 @@ def _opened(before: Device | None, after: Device | None) -> bool:
             was[f"{key} {name}"] = part.visibility
         for name, part in getattr(after, key).items():
             now[f"{key} {name}"] = part.visibility
+    # New signals and streams may be public: nobody hid them.
     return any(value == "public" and was.get(key) == "view" for key, value in now.items())
 
 
@@ -150,5 +161,6 @@ def _meant(site: Site, address: str) -> tuple[object, ...] | None:
         return None
     # Its range stays: what is outside of it is unknown, and unknown is unsafe.
     plain = {"name": "", "decimals": -1, "keep": 0.0}
+    # What only changes how it looks is set to one value in both.
     looks = msgspec.structs.replace(signal, **plain, primary=True, was="")
     return looks, detection_setup_of(site, device, source_as(signal.source, DetectionSource).stream)

@@ -23,6 +23,7 @@ __all__ = ["parsed", "settings_of"]
 
 
 class _Parser(argparse.ArgumentParser):
+    # One line and no usage: under a service manager it stands in a log.
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"talaia gateway: {message}\n")
 
@@ -94,6 +95,7 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def _port(text: str) -> int:
+    # ASCII digits only: `int` takes those of other scripts as well.
     if not text.isascii() or not text.isdigit() or not 0 <= int(text) <= 65_535:
         raise argparse.ArgumentTypeError(f"{text} is not a port from 0 to 65535")
     return int(text)
@@ -101,6 +103,7 @@ def _port(text: str) -> int:
 
 def _positive(text: str) -> float:
     number = float(text)
+    # Not `> 0` alone: NaN and infinity are turned away by this, too.
     if not 0 < number < 1e9:
         raise argparse.ArgumentTypeError(f"{text} is not a number over 0")
     return number
@@ -123,11 +126,13 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
         raise SettingsError(
             f"--key-file {arguments.key_file} does not say where the hub is; give --hub"
         )
+    # Where state belongs that must survive a restart (XDG Base Directory).
     state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return GatewaySettings(
         hub=_hub(arguments, kept),
         key=kept.key,
         data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
+        # Paths in a description begin where it stands, wherever the gateway is started.
         folder=arguments.site.parent,
         domain=arguments.ros_domain,
         spool_bytes=round(arguments.spool_mb * 1024 * 1024),
@@ -154,6 +159,7 @@ def _door(arguments: argparse.Namespace) -> LegacySettings | None:
 
 def _hub(arguments: argparse.Namespace, kept: KeyFile) -> HubAddress:
     """Take the address and the trust of the words, else those of the key file."""
+    # A fingerprint that is given stands for all trust: the file's authority is not asked as well.
     ca = arguments.ca or (Path(kept.ca) if kept.ca and not arguments.fingerprint else None)
     return HubAddress.checked(
         arguments.hub or kept.hub,

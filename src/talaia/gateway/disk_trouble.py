@@ -19,7 +19,7 @@ class DiskTrouble:
     def __init__(self, output: ControlOutput | None = None) -> None:
         """Start with a disk that works; without a ``output`` only the log hears of trouble."""
         self._output = output
-        self._failing: set[str] = set()
+        self._failing: set[str] = set()  # Names of what failed at its last write.
 
     def failing(self, what: str) -> bool:
         """Tell whether the last write of it failed."""
@@ -27,6 +27,7 @@ class DiskTrouble:
 
     def failed(self, what: str, error: OSError) -> None:
         """Tell of a write that failed; ``what`` names what was written, as *journal*."""
+        # Told once: a full disk fails with every write.
         if what in self._failing:
             return
         self._failing.add(what)
@@ -37,6 +38,7 @@ class DiskTrouble:
 
     def worked(self, what: str) -> None:
         """Tell of a write that came through."""
+        # Most writes: nothing was wrong, so there is nothing to say.
         if what not in self._failing:
             return
         self._failing.discard(what)

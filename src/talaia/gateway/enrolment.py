@@ -66,6 +66,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _enrol_into(options: argparse.Namespace) -> KeyFile:
+    # First: a code is used up by asking, and a key that cannot be kept would be lost.
     place = KeyPlace(options.key_file)
     try:
         found = enrol(
@@ -76,6 +77,7 @@ def _enrol_into(options: argparse.Namespace) -> KeyFile:
             allow_plain=options.allow_plain,
         )
         place.keep(found)
+    # Also after a failure, so that no half-made file stays.
     finally:
         place.close()
     return found
@@ -116,6 +118,7 @@ def enrol(
         EnrolRefused: the hub does not take the code.
 
     """
+    # Before anybody is asked: a slip of the finger shows in its last two characters.
     code = read_code(text)
     hub = HubAddress.checked(
         url if "://" in url else f"https://{url}", ca=ca, allow_plain=allow_plain
@@ -123,6 +126,7 @@ def enrol(
     # The pin is a short hash: the full one is taken from the key itself and used from then on.
     if code.pin and not hub.plain:
         hub = HubAddress(hub.url, _key_hash(hub, code))
+    # With the pin it accepts only a certificate of the key that was just looked at.
     context = asyncio.run(HubTrust(hub).context())
     answer = _ask(hub, context, {"code": str(code), "name": name})
     if answer.status != http.HTTPStatus.OK:
@@ -136,6 +140,7 @@ def enrol(
             gateway=answer.body["gateway"],
             hub=hub.url,
             fingerprint=hub.fingerprint if pinned else "",
+            # Absolute: the gateway may be started in another folder.
             ca=str(ca.absolute()) if ca is not None and not pinned else "",
         )
     except KeyError as error:
@@ -149,6 +154,7 @@ def _key_hash(hub: HubAddress, code: EnrolmentCode) -> str:
         found = hashlib.sha256(public_key_of(shown)).hexdigest()
     except ValueError as error:
         raise HubUnreachable(f"{hub.url} shows a certificate that cannot be read") from error
+    # Before the request: an impostor is never told the code.
     if not code.fits(found):
         raise HubUnreachable(
             f"{hub.url} shows another key than the code names, so it was not told the code; "
@@ -161,12 +167,13 @@ def _key_hash(hub: HubAddress, code: EnrolmentCode) -> str:
 def _vouched_for(hub: HubAddress) -> bool:
     """Tell whether the system's authorities vouch for the hub, too."""
     parts = urlsplit(hub.url)
+    # The system's trust and no pin: does the hub's certificate hold up by itself?
     connection = http.client.HTTPSConnection(
         parts.hostname or "", parts.port, timeout=_WAIT_S, context=ssl.create_default_context()
     )
     try:
         connection.connect()
-    # Bounded: whatever answers there may not be a hub.
+    # Its certificate does not hold up by itself, or it is gone: the pin stays.
     except OSError:
         return False
     finally:
@@ -187,7 +194,9 @@ def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) 
             "POST", "/api/enrol", json.dumps(said), {"Content-Type": "application/json"}
         )
         response = connection.getresponse()
+        # Bounded: whatever answers there may not be a hub.
         text = response.read(_LONGEST)
+    # Before `OSError`, of which it is a kind.
     except ssl.SSLCertVerificationError as error:
         raise HubUnreachable(
             f"{hub.url} cannot be trusted: {error.verify_message}; copy the whole code, "
@@ -204,12 +213,14 @@ def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) 
 
 
 def _body(text: bytes) -> dict[str, str]:
+    # Not JSON: some other server, or a proxy's page.
     try:
         found = json.loads(text)
     except ValueError:
         return {}
     if not isinstance(found, dict):
         return {}
+    # Other values are left out: all that is asked for is text.
     return {key: value for key, value in found.items() if isinstance(value, str)}
 
 

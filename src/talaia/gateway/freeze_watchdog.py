@@ -37,7 +37,9 @@ class FreezeDetector:
 
     def at(self, wall_ns: int, monotonic_ns: int) -> tuple[int, int] | None:
         """Give the time of a stall that has just ended (µs UTC, from and to), or none."""
+        # By the monotonic clock: one that is set makes no stall.
         stood_ns = monotonic_ns - self._monotonic_ns
+        # The wall clock of now, counted back: it is what samples are stamped with.
         began_ns = wall_ns - stood_ns
         self._monotonic_ns = monotonic_ns
         return (began_ns // 1000, wall_ns // 1000) if stood_ns >= _LEAST_NS else None

@@ -40,6 +40,7 @@ class KeyFile:
     site: str = ""
     gateway: str = ""
     hub: str = ""
+    # By an authority, or by the fingerprint; never by both.
     fingerprint: str = ""
     ca: str = ""
 
@@ -56,6 +57,7 @@ def read_key_file(path: Path) -> KeyFile:
             text = file.read(_LONGEST).strip()
     except (OSError, UnicodeDecodeError) as error:
         raise SettingsError(f"--key-file {path}: {error}") from error
+    # No key begins with a brace, so this tells the two forms apart.
     found = _of_json(path, text) if text.startswith("{") else KeyFile(key=text)
     # Printable ASCII only: it goes into an HTTP header.
     if not found.key or any(ord(letter) <= 32 or ord(letter) > 126 for letter in found.key):
@@ -88,7 +90,10 @@ class KeyPlace:
 
         """
         self._path = path
+        # In the same folder, so that it can be moved into place; with our number, so that two who
+        # enrol at once do not share it.
         self._fresh = path.with_name(f".{path.name}.{os.getpid()}")
+        # An existing file is looked at, so that a mistyped path does not cost somebody's document.
         if path.exists():
             try:
                 read_key_file(path)
@@ -97,6 +102,7 @@ class KeyPlace:
                     f"--key-file {path} is there and holds no gateway's key; choose another"
                 ) from error
         try:
+            # Made now and not when there is a key: a folder that cannot be written is told before.
             self._file = os.open(self._fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         except OSError as error:
             raise SettingsError(
@@ -112,8 +118,11 @@ class KeyPlace:
         """
         said = {name: value for name, value in asdict(content).items() if value}
         try:
+            # Whatever the umask left of the mode.
             os.fchmod(self._file, 0o600)
             os.write(self._file, json.dumps(said, indent=2).encode() + b"\n")
+            # On disk before it takes the other's place: a key that is lost cannot be asked for
+            # again.
             os.fsync(self._file)
             self._fresh.replace(self._path)
         except OSError as error:
@@ -126,4 +135,5 @@ class KeyPlace:
         """Leave nothing half made behind."""
         os.close(self._file)
         with contextlib.suppress(OSError):
+            # Moved into place already, as a rule.
             self._fresh.unlink()

@@ -41,8 +41,11 @@ def write_whole(path: Path, data: bytes) -> None:
     with beside.open("wb") as file:
         file.write(data)
         file.flush()
+        # Forced before the move: else a power cut could leave the new name with nothing in it.
         os.fsync(file.fileno())
+    # Atomic within one folder (POSIX `rename`).
     beside.replace(path)
+    # The move itself is an entry of the folder, and is lost in a power cut without this.
     folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(folder)
@@ -57,15 +60,19 @@ def write_in_place(path: Path, data: bytes) -> None:
         OSError: it could not be written; the old content stands.
 
     """
+    # To whole blocks: the file has room for what it may hold later, also on a full disk.
     padded = data + b" " * (-len(data) % _ROOM)
     try:
         write_whole(path, padded)
     except OSError as error:
+        # Half of it may be there, and takes room that is needed.
         path.with_name(path.name + ".new").unlink(missing_ok=True)
+        # In place only if it fits where the file lies: writing beyond would need room again.
         if error.errno not in NO_ROOM or not path.exists() or path.stat().st_size < len(padded):
             raise
         file = os.open(path, os.O_WRONLY | os.O_CLOEXEC)
         try:
+            # Filled up to the old length: what stood behind must not follow the new content.
             os.pwrite(file, padded + b" " * (path.stat().st_size - len(padded)), 0)
             os.fsync(file)
         finally:
@@ -82,9 +89,12 @@ def read_whole(path: Path, kind: type[T], otherwise: Callable[[], T]) -> T:
     """
     try:
         return msgspec.json.decode(path.read_bytes(), type=kind)
+    # The first start.
     except FileNotFoundError:
         return otherwise()
     except msgspec.DecodeError as error:
+        # Not taken for empty: whoever held a lease or pressed STOP must not be forgotten by a bad
+        # block.
         raise SpoolError(
             f"{path} cannot be read: {error}; it guards who may drive, so it is not guessed: "
             "restore it, or remove it when no page of this robot is open"
@@ -99,11 +109,13 @@ def locked(data: Path) -> int:
 
     """
     try:
+        # Its owner's only: keys, and what a robot said, lie in it.
         data.mkdir(parents=True, exist_ok=True, mode=0o700)
         lock = _open_lock(data)
     except OSError as error:
         raise SpoolError(f"the data folder {data} cannot be used: {error}") from error
     try:
+        # `flock`: the kernel lets go of it when the process ends, however it ends.
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         os.close(lock)
@@ -119,7 +131,9 @@ def _open_lock(data: Path) -> int:
         return os.open(data / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     except OSError as error:
         log.warning("%s: the lock is not written: %s", data, error)
+    # A disk that is full or mounted read-only: an existing file can be locked all the same.
     try:
         return os.open(data / "lock", os.O_RDONLY | os.O_CLOEXEC)
     except OSError:
+        # A folder can be locked like a file.
         return os.open(data, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)

@@ -35,6 +35,7 @@ __all__ = ["main", "serve"]
 
 def main(argv: Sequence[str]) -> int:
     """Run a gateway until SIGINT or SIGTERM; 0 after a clean end, 2 if it cannot start."""
+    # Before the arguments are parsed: these two have arguments of their own.
     if argv and argv[0] == "enrol":
         return enrolment.main(argv[1:])
     if argv and argv[0] == "test-notice":
@@ -48,6 +49,7 @@ def main(argv: Sequence[str]) -> int:
         level=logging.DEBUG if arguments.verbose else logging.INFO,
         format="%(asctime)s %(levelname)s %(name)s: %(message)s",
     )
+    # It logs each frame, which at DEBUG would be everything a robot says.
     logging.getLogger("websockets").setLevel(logging.WARNING)
     try:
         # A thread that decodes may hold the interpreter this long before a driving frame gets it;
@@ -67,6 +69,7 @@ def main(argv: Sequence[str]) -> int:
 async def _serve(site: Site, settings: GatewaySettings, copy: DescriptionFile) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
+    # Both end it well: the watchdog is told goodbye, and leaves the roof alone.
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
     report_usage_on_signal(loop)
@@ -81,7 +84,9 @@ async def serve(
     With a ``copy`` the description follows its file; see `DescriptionFile`.
     """
     if copy is not None:
+        # With nothing found yet: what earlier runs found is joined below.
         copy.counts(site, copy.text)
+    # One for all gateways of this process.
     manager = own_service_manager()
     following: Site | None = with_kept(settings.data, site)
     while following is not None and not ended.is_set():
@@ -90,5 +95,6 @@ async def serve(
         )
         await gateway.run(ended)
         following = gateway.redescribed
+    # Only at the very end: a gateway that begins anew is no stop of the service.
     manager.report_stopping()
     manager.close()

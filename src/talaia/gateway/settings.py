@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["GatewaySettings", "HubAddress", "LegacySettings"]
 
+# Names of this machine; what is sent to them never leaves it.
 _LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 
@@ -47,19 +48,23 @@ class HubAddress:
         """
         shown = f"hub address {url!r}"
         parts = urlsplit(url)
+        # People copy the address of the page.
         if parts.scheme in ("http", "https"):
             parts = parts._replace(scheme="ws" if parts.scheme == "http" else "wss")
         if parts.scheme not in ("ws", "wss") or not parts.hostname:
             raise SettingsError(f"{shown}: expected wss://host:port")
         if parts.scheme == "ws" and not allow_plain:
             raise SettingsError(f"{shown}: plain text; use wss://, or --allow-plain on loopback")
+        # Also with `--allow-plain`: a key must never cross a network in clear text.
         if parts.scheme == "ws" and parts.hostname not in _LOOPBACK:
             raise SettingsError(f"{shown}: plain text is for loopback only; use wss://")
+        # As browsers and openssl show it, with colons and capitals.
         pin = fingerprint.replace(":", "").lower()
         if pin and (len(pin) != 64 or set(pin) - set("0123456789abcdef")):
             raise SettingsError(
                 f"fingerprint {fingerprint!r}: expected 64 hexadecimal digits (SHA-256)"
             )
+        # Only the place: the paths are the protocol's own.
         return cls(parts._replace(path="", query="", fragment="").geturl(), pin, ca)
 
     @property

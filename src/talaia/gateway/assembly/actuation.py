@@ -43,8 +43,10 @@ class ActuationPart(GatewayPart):
             target=adapters.adapter,
             readings=detection.readings,
             data=base.settings.data,
+            # One thread for all of it, so that what is written first is on disk first.
             on_disk=base.run_on_disk,
         )
+        # Who drove it loses the lease: nobody is to move it unawares when it comes back.
         adapters.adapter.subscribe_losses(
             lost=self.actuation.driving.robot_lost, back=self.actuation.driving.robot_back
         )
@@ -74,7 +76,9 @@ class ActuationPart(GatewayPart):
 
     async def close(self) -> None:
         """Finish what was begun; what still runs at the robot will read as unknown."""
+        # Again, for `close` may be called without `run`.
         self.actuation.timer.close()
+        # Sequences first: they give commands, which would come in while the others close.
         await self.actuation.sequences.close()
         await self.actuation.requests.close()
         await self.actuation.commands.close()

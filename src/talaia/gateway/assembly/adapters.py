@@ -55,6 +55,7 @@ class AdaptersPart(GatewayPart):
 
         """
         self._base, self._description = base, description
+        # Filled by process adapters, read by the door for founding clients.
         self.answers: dict[str, str] = {}
         # Only for the start: `ConnectionExchange` gives both the names of another description.
         of = connection_names(description.site)
@@ -73,13 +74,17 @@ class AdaptersPart(GatewayPart):
             site=description.site.name,
         )
         scopes = scopes_of(description.site, description.numbering)
+        # Each with its status: `ConnectionExchange` exchanges both together.
         self.by_connection = {scope.name: self.make_adapter(scope) for scope in scopes}
         self.adapter = MultiAdapter(
             of=of,
+            # A copy: this one is replaced whole when another description counts.
             adapters=dict(self.by_connection),
             reach=self.reachability,
             events=base.events,
         )
+        # Made of the joined adapter, so that what is decided goes to whichever serves the device
+        # now.
         self.output = OutputRouter(
             adapter=self.adapter,
             lanes=base.lanes,
@@ -95,6 +100,7 @@ class AdaptersPart(GatewayPart):
 
         """
         status = ConnectionStatus(scope.name, self._base.loop, self.reachability)
+        # Bound to the connection's name: what is found is kept by it.
         status.on_found = partial(self._description.restart.found, scope.name)
         return adapter_of(scope, self._context, status), status
 

@@ -35,12 +35,15 @@ class DescriptionPart(GatewayPart):
 
     def __init__(self, *, base: FoundationPart, site: Site, file: DescriptionFile | None) -> None:
         """Make ready what takes long."""
+        # The signals that cameras imply are in everything that is made of it.
         site = with_counts(site)
         self.file = file
+        # Without a text that can be written anew the hub may send no changes.
         text = file.text if file is not None and file.editable else ""
         self.current = CurrentDescription(prepared(site, text))
         self.numbering = ChannelNumbering(site)
         self.restart = GatewayRestart(base.settings.data, self.current)
+        # Told at each start, for as long as it is so.
         if notice := unguarded_notice(site):
             log.warning("%s", notice)
             base.events.report_event("nothing_closes", notice)

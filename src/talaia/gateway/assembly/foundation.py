@@ -53,14 +53,18 @@ class FoundationPart(GatewayPart):
         self.clock = clock
         self.loop = asyncio.get_running_loop()
         self.boot = _new_boot()
+        # The lock is held until `close`; nothing in the folder is touched before.
         self._lock = locked(settings.data)
         # One thread for the small files: their writes keep their order.
         self._disk_thread = ThreadPoolExecutor(1, "talaia-disk")
+        # Of its own, so that a picture of many megabytes never delays a STOP's write.
         self.file_thread = ThreadPoolExecutor(1, "talaia-files")
         self.frame_waiting = asyncio.Event()
+        # The lanes wake the link; both live on the loop.
         self.lanes = SendLanes(self.frame_waiting.set)
         self.file_waiting = asyncio.Event()
         self.events = EventReporter(loop=self.loop, clock=clock, lanes=self.lanes)
+        # Made here, for parts that come early emit it and one that comes late receives.
         self.streams_changed = ThreadSafeSignal(self.loop)
 
     def wall_us(self) -> int:
@@ -81,6 +85,7 @@ class FoundationPart(GatewayPart):
 
     async def close(self) -> None:
         """Wait for the disk, and let another gateway have the data folder."""
+        # Before the lock goes: another gateway must not meet our last writes.
         self._disk_thread.shutdown(wait=True)
         self.file_thread.shutdown(wait=True)
         os.close(self._lock)
@@ -88,4 +93,5 @@ class FoundationPart(GatewayPart):
 
 def _new_boot() -> str:
     """Name this run of the gateway; later runs sort behind while the clock is right."""
+    # Milliseconds in hexadecimal, of one width; the rest tells apart what begins in the same one.
     return f"{time.time_ns() // 1_000_000:012x}-{secrets.token_hex(4)}"

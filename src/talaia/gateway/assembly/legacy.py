@@ -39,6 +39,7 @@ class LegacyPart(GatewayPart):
         """
         self.server: LegacyServer | None = None
         settings = base.settings
+        # `newest_values` is made under the same condition; asked again for the types' sake.
         if settings.door is not None and samples.newest_values is not None:
             self.server = LegacyServer(
                 settings=settings.door,

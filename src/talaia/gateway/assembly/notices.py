@@ -36,9 +36,11 @@ class NoticesPart(GatewayPart):
                 settings=base.settings.notices,
                 site=description.site.name,
                 clock=base.clock,
+                # Asked at each look, and not told: a link may come and go in between.
                 linked=uplink.dispatcher.linked.is_set,
                 events=base.events,
             )
+            # Of every enclosure, whatever the hub of this link takes.
             adapters.output.subscribe_enclosures(self._notices.hear_enclosure)
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:

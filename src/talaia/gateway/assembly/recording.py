@@ -47,15 +47,18 @@ class RecordingPart(GatewayPart):
 
         """
         self._base = base
+        # None where the description records nothing.
         self.recorders: TriggeredRecorder | None = None
-        self.lanes: tuple[FileLane, ...] = ()
+        self.lanes: tuple[FileLane, ...] = ()  # Films before messages: they are sent in this order.
         site, settings = description.site, base.settings
         plan = site.recording
         if plan is None:
             return
+        # Decimal units: the description's are MB and kB.
         most_bytes, rate = round(plan.disk_mb * 1e6), plan.upload * 1000
         messages = RecordingStore(settings.data / "recordings", most_bytes, settings.spare_bytes)
         films = RecordingStore(settings.data / "films", most_bytes, settings.spare_bytes, FILM)
+        # Made before its recorders, which report their state through it.
         self.recorders = recorders = TriggeredRecorder(plan, base.send_threadsafe)
         recorders.attach(
             recorder=self._make_recorder(plan, site, messages, recorders),
@@ -84,17 +87,20 @@ class RecordingPart(GatewayPart):
     async def close(self) -> None:
         """Finish what is being recorded."""
         if self.recorders is not None:
+            # On a thread: it waits for the disk.
             await asyncio.to_thread(self.recorders.close)
 
     def _make_recorder(
         self, plan: Recording, site: Site, store: RecordingStore, recorders: TriggeredRecorder
     ) -> Recorder | None:
+        # Imported here: what it needs is an extra.
         try:
             from talaia.gateway.adapters.ros2.requests import class_of
             from talaia.gateway.recording.definitions import definition_of
             from talaia.gateway.recording.mcap_file import recover
             from talaia.gateway.recording.recorder import Recorder
         except ImportError as error:
+            # Nothing is named, so nothing is missing.
             if not site.recorded():
                 return None
             raise SettingsError(
@@ -122,6 +128,7 @@ class RecordingPart(GatewayPart):
         self, plan: Recording, site: Site, store: RecordingStore, recorders: TriggeredRecorder
     ) -> FilmRecorder | None:
         if not ABLE:
+            # Only cameras are missing then: messages are recorded all the same.
             if site.filmed():
                 log.warning("cameras cannot be filmed here: install talaia[camera]")
             return None
@@ -133,6 +140,7 @@ class RecordingPart(GatewayPart):
 
         def on_change() -> None:
             recorders.report_state()
+            # The last seconds of other cameras may be wanted now, so they are read.
             base.streams_changed.emit()
 
         return FilmRecorder(

@@ -53,6 +53,7 @@ class SamplesPart(GatewayPart):
             bound=settings.spool_bytes,
             age_s=settings.spool_age_s,
             spare=settings.spare_bytes,
+            # In seconds, and monotonic: nothing in the spool grows old by a clock that is set.
             now=lambda: clock.monotonic_ns() / SECOND,
             wall_us=base.wall_us,
             machine=machine_run(),
@@ -66,22 +67,27 @@ class SamplesPart(GatewayPart):
             keep=self._keep_batch,
             lose=self.spool.lose,
         )
+        # Before the first sample, so that the gap has the lower number.
         self._record_absence()
         self.newest_values: NewestValues | None = None
         if settings.door is not None:
             numbers = description.numbering.numbers(description.site)
             self.newest_values = NewestValues(numbers, self.batcher, clock.monotonic_ns)
+        # Where founding clients are served they see each sample on its way to the batcher.
         self.sink: SampleSink = self.newest_values or self.batcher
 
     def redescribe(self, prepared: PreparedDescription) -> None:
         """Number, keep and send samples by another list of channels from here on."""
         catalogue, addresses = prepared.catalogue, prepared.addresses
+        # Samples before the spool: what still waits is flushed by the old list, into the old
+        # segment.
         self.batcher.redescribe(catalogue, self._numbering.order(prepared.site))
         self.spool.redescribe(SegmentHead(self._base.boot, catalogue, addresses))
         if self.newest_values is not None:
             self.newest_values.redescribe(self._numbering.numbers(prepared.site))
 
     def _keep_batch(self, record: SampleRecord) -> None:
+        # The link first, which only queues; the spool is on a thread of its own.
         self._base.lanes.live(record.body, record.first, record.end)
         self.spool.append(record)
 
@@ -103,6 +109,7 @@ class SamplesPart(GatewayPart):
             "sync": partial(self.spool.keep_syncing, base.settings.sync, base.wall_us),
             "freezes": partial(watch_stalls, base.clock, batcher.missed),
         }
+        # After another run only: nobody missed anything before the first.
         if self.spool.former is not None:
             tasks["first heard"] = partial(
                 watch_first_heard,
@@ -115,5 +122,6 @@ class SamplesPart(GatewayPart):
 
     async def close(self) -> None:
         """Have on disk what was heard to the end."""
+        # First: what waits in the batcher goes into the spool before that is closed.
         self.batcher.flush()
         await self.spool.close()

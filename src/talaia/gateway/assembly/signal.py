@@ -17,7 +17,7 @@ class ThreadSafeSignal:
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         """Deliver on this event loop."""
         self._loop = loop
-        self._receivers: list[Callable[[], None]] = []
+        self._receivers: list[Callable[[], None]] = []  # Called in the order they came.
 
     def connect(self, receiver: Callable[[], None]) -> None:
         """Call this on the event loop after each `emit` from here on."""
@@ -25,6 +25,7 @@ class ThreadSafeSignal:
 
     def emit(self) -> None:
         """Tell all receivers, soon; from any thread."""
+        # Later and on the loop, never within the caller, who may hold a lock.
         self._loop.call_soon_threadsafe(self._deliver)
 
     def _deliver(self) -> None:

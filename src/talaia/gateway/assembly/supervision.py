@@ -52,10 +52,12 @@ class SupervisionPart(GatewayPart):
         self._base = base
         settings, begun = base.settings, description.current.now
         interlocks, output = actuation.actuation.interlocks, adapters.output
+        # Its own process: it must outlive this one to close the roof for it.
         self.watchdog = WatchdogClient(
             data=settings.data,
             folder=settings.folder,
             domain=settings.domain,
+            # Told as an event: without a watchdog nobody closes the roof when this process dies.
             trouble=lambda why: output.record_event("watchdog_missing", "", why, "", good=False),
             notices=settings.notices,
         )
@@ -68,7 +70,9 @@ class SupervisionPart(GatewayPart):
         )
         self._supervision = Supervision(
             clock=base.clock,
+            # The moment of the last judgement: beats stop when interlocks are judged no more.
             judged_ns=lambda: interlocks.judged_ns,
+            # Both by the same proof: a process that runs and does not judge feeds neither.
             watched=(manager.feed_watchdog, self.watchdog.beat),
             heartbeats=self.heartbeats,
         )
@@ -80,6 +84,7 @@ class SupervisionPart(GatewayPart):
 
     async def take_over(self) -> None:
         """End the watchdog of an earlier run: two must never move a roof."""
+        # Its records are of a time when nobody else could tell the hub.
         self._report(await self.watchdog.take_over())
 
     async def say_goodbye(self) -> None:
@@ -98,6 +103,7 @@ class SupervisionPart(GatewayPart):
         """Have a watchdog, and report what it did while this gateway stood still."""
         while True:
             await self.watchdog.keep(self._base.clock.monotonic_ns() / SECOND)
+            # A watchdog that acted while we stood still has written down what it did.
             self._report(self.watchdog.records())
             await asyncio.sleep(KEEP_S)
 

@@ -61,6 +61,7 @@ class UplinkPart(GatewayPart):
         base.streams_changed.connect(self.dispatcher.update_watched_streams)
         self._hub = HubConnection(
             settings=base.settings,
+            # One for all connections: the certificate is looked at once.
             trust=HubTrust(base.settings.hub),
             clock=base.clock,
             dispatcher=self.dispatcher,
@@ -76,6 +77,7 @@ class UplinkPart(GatewayPart):
         base = self._base
         upload_bytes = base.settings.upload_bytes
         files = [FileLane("pictures", self._video.outbox, upload_bytes), *self._recording.lanes]
+        # Tasks of their own: a file that hangs on a slow line holds up no command.
         return {
             "link": partial(
                 keep_link,

@@ -36,11 +36,14 @@ class VideoPart(GatewayPart):
     ) -> None:
         """Take up the files that an earlier run left."""
         settings, site = base.settings, description.site
+        # Who looks at pixels here keeps a camera awake as a page does.
         self.frames = FrameSource(on_held=base.streams_changed.emit)
         self.pictures = PictureUplink(base.loop, base.clock, self.frames, recording.films)
+        # What an earlier run could not send is taken up again.
         self.outbox = ArchiveOutbox(
             settings.data / "outbox", settings.outbox_bytes, base.announce_file
         )
+        # In a folder of its own, so that half a picture is never taken for a whole one.
         self.frame_taker = FitsFrameWriter(
             folder=settings.data / "taking",
             outbox=self.outbox,

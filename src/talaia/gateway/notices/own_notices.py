@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["OwnNotices", "main"]
 
 log = logging.getLogger(__name__)
-LOOK_S = 0.5
+LOOK_S = 0.5  # Between two looks at what is due.
 
 
 class OwnNotices:
@@ -49,9 +49,11 @@ class OwnNotices:
         self._settings = settings
         self._site = site
         self._clock = clock
-        self._linked = linked
+        self._linked = linked  # Whether the hub has a link now; asked at each look.
         self._events = events
+        # What stands, and when it is told next.
         self._standing = StandingNotices(settings, teller)
+        # Held here, for asyncio alone would let them go; `finish` waits for them.
         self._sending: set[asyncio.Task[None]] = set()
 
     def hear_enclosure(self, state: EnclosureState) -> None:
@@ -63,6 +65,7 @@ class OwnNotices:
 
     def stand(self, what: str, message: str) -> None:
         """Take that something critical stands, or stands in other words."""
+        # Monotonic for what is due; wall time for people.
         now = self._clock.monotonic_ns()
         self._standing.stand(what, message, self._clock.wall_ns() // 1000, now)
 
@@ -93,6 +96,7 @@ class OwnNotices:
             good = not problem
             kind = "notice_sent" if good else "notice_failed"
             said = f"{way}: {problem or notice.message}"
+            # What failed is a warning: people were not told.
             log.log(logging.INFO if good else logging.WARNING, "%s %s", kind, said)
             self._events.report_event(kind, said, good=good)
 

@@ -24,14 +24,17 @@ if TYPE_CHECKING:
 
 __all__ = ["send_notice"]
 
+# Of each wait for a server, and of a command from begin to end (s).
 WITHIN_S = 20.0
 
 
 async def send_notice(settings: NoticeSettings, site: str, notice: GatewayNotice) -> dict[str, str]:
     """Send by every way at once; give by way what went wrong, empty where it arrived."""
+    # By name: two ways to the same server are told apart.
     ways: dict[str, Awaitable[None]] = {}
     for index, mail in enumerate(settings.mail):
         name = f"mail {index + 1} ({mail.server})"
+        # Threads of their own, for these libraries block.
         ways[name] = asyncio.to_thread(_send_mail, mail, site, notice)
     for index, hook in enumerate(settings.webhook):
         ways[f"webhook {index + 1}"] = asyncio.to_thread(_post, hook, site, notice)
@@ -41,6 +44,7 @@ async def send_notice(settings: NoticeSettings, site: str, notice: GatewayNotice
     outcomes = await asyncio.gather(*ways.values(), return_exceptions=True)
     said: dict[str, str] = {}
     for name, outcome in zip(ways, outcomes, strict=True):
+        # A cancellation is passed on; all else is that way's failure alone.
         if isinstance(outcome, BaseException) and not isinstance(outcome, Exception):
             raise outcome
         said[name] = f"{type(outcome).__name__}: {outcome}" if outcome is not None else ""
@@ -48,6 +52,7 @@ async def send_notice(settings: NoticeSettings, site: str, notice: GatewayNotice
 
 
 def _title(site: str, notice: GatewayNotice) -> str:
+    # In one line: a break would not be allowed in a mail's subject.
     return f"{site}: {notice.message}".replace("\n", " ")[:200]
 
 
@@ -74,9 +79,12 @@ def _send_mail(way: MailWay, site: str, notice: GatewayNotice) -> None:
     message = EmailMessage()
     message["From"], message["To"] = way.sender, ", ".join(way.to)
     message["Subject"] = _title(site, notice)
+    # A domain of its own: the default asks the network for this machine's name, which may hang.
     message["Date"], message["Message-ID"] = formatdate(), make_msgid(domain="talaia.invalid")
     message.set_content(_body(site, notice))
+    # Read for each mail, so that it can be changed while the gateway runs.
     password = secret_of(way.password_file, way.password_env)
+    # Checks name and authority; without it a password could go to anybody.
     context = ssl.create_default_context()
     with contextlib.ExitStack() as stack:
         if way.security == "tls":
@@ -87,6 +95,7 @@ def _send_mail(way: MailWay, site: str, notice: GatewayNotice) -> None:
             server = smtplib.SMTP(way.server, way.port, timeout=WITHIN_S)
         stack.enter_context(server)
         if way.security == "starttls":
+            # Raises when the server has no TLS, so a password never goes in the clear.
             server.starttls(context=context)
         if way.user:
             server.login(way.user, password)
@@ -101,6 +110,7 @@ class _NoRedirect(urllib.request.HTTPRedirectHandler):
 
 
 def _post(way: WebhookWay, site: str, notice: GatewayNotice) -> None:
+    # The same key for the same notice, so that a receiver can drop what comes twice.
     headers = {"Content-Type": "application/json", "Idempotency-Key": notice.key}
     if token := secret_of(way.token_file, way.token_env):
         headers["Authorization"] = f"Bearer {token}"
@@ -116,11 +126,14 @@ async def _run_command(way: CommandWay, site: str, notice: GatewayNotice) -> Non
     )
     try:
         async with asyncio.timeout(WITHIN_S):
+            # On its input, not in its arguments, which everybody on the machine can see.
             await process.communicate(_json(site, notice))
     finally:
+        # Also when it is cancelled: no program is left behind.
         if process.returncode is None:
             process.kill()
             await process.wait()
+    # A status that is not 0 is a notice that did not arrive.
     if process.returncode:
         raise CommandFailed(process.returncode)
 

@@ -25,15 +25,18 @@ __all__ = [
 ]
 
 
+# Unknown keys are errors in all of these: a mistyped way would be no way, unnoticed.
 class MailWay(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Mail by SMTP. Without TLS no password is sent."""
 
     server: str
     sender: str
     to: list[str]
+    # For submission with STARTTLS (RFC 6409).
     port: int = 587
     security: Literal["starttls", "tls", "none"] = "starttls"
     user: str = ""
+    # The password stands where one of these says; the file goes first.
     password_file: str = ""
     password_env: str = ""
 
@@ -65,6 +68,7 @@ class NoticeSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     after: float = 60.0
     repeat: float = 300.0
     longest: float = 3600.0
+    # msgspec gives each its own list.
     mail: list[MailWay] = []
     webhook: list[WebhookWay] = []
     command: list[CommandWay] = []
@@ -82,6 +86,7 @@ def read_notice_settings(path: Path) -> NoticeSettings:
     except (OSError, ValueError, msgspec.ValidationError) as error:
         raise SettingsError(f"the notices {path} cannot be read: {error}") from error
     for key in ("after", "repeat", "longest"):
+        # Below a second people would be flooded, above a day forgotten.
         if not 1 <= getattr(found, key) <= 86_400:
             raise SettingsError(f"the notices {path}: {key}: expected 1 to 86400 s")
     if not found.mail and not found.webhook and not found.command:
@@ -91,6 +96,7 @@ def read_notice_settings(path: Path) -> NoticeSettings:
     for mail in found.mail:
         if not mail.to:
             raise SettingsError(f"the notices {path}: mail: to: nobody is named")
+        # Without TLS everybody on the way could read it.
         if mail.user and mail.security == "none":
             raise SettingsError(f"the notices {path}: mail: a password needs starttls or tls")
     for hook in found.webhook:

@@ -37,13 +37,14 @@ class GatewayNotice(NamedTuple):
 
 @dataclass(slots=True)
 class _Standing:
-    message: str
-    time_us: int
+    message: str  # What is said now; may change while it stands.
+    time_us: int  # Since when it stands (µs, UTC), for people.
     # When it began to stand, or the hub went away: whichever was later.
     alone_ns: int
+    # When it is told next (monotonic); None: to be counted from `alone_ns`.
     due_ns: int | None = None
-    wait_ns: int = 0
-    told: int = 0
+    wait_ns: int = 0  # How long it was waited after the last telling; 0: not told yet.
+    told: int = 0  # How often it was told; part of the next notice's key.
 
 
 class StandingNotices:
@@ -53,9 +54,10 @@ class StandingNotices:
         """Begin with nothing; ``teller`` is the sentence that says who tells."""
         self._settings = settings
         self._teller = teller
-        self._standing: dict[str, _Standing] = {}
+        self._standing: dict[str, _Standing] = {}  # By what it is about.
+        # What is over, and was told while it stood; until the next `due`.
         self._over: list[GatewayNotice] = []
-        self._linked = False
+        self._linked = False  # How it was at the last `due`.
 
     def stand(self, what: str, message: str, time_us: int, now_ns: int) -> None:
         """Take that something stands (again with other words: it goes on)."""
@@ -71,6 +73,7 @@ class StandingNotices:
         ``message`` says what has become of it, where *over* is not all.
         """
         known = self._standing.pop(what, None)
+        # Only those who were told of it: the others never heard that anything stood.
         if known is not None and known.told and not self._linked:
             key = f"{what}-{known.time_us}-over"
             said = message or f"over: {known.message}"
@@ -82,6 +85,7 @@ class StandingNotices:
         """Give what is to be told now; nothing while the hub has a link."""
         if linked:
             self._linked = True
+            # The hub tells of it by itself.
             self._over.clear()
             return []
         if self._linked:
@@ -92,12 +96,14 @@ class StandingNotices:
         told, self._over = self._over, []
         for what, notice in self._standing.items():
             if notice.due_ns is None:
+                # Not at once: the link may be back before anybody could act.
                 notice.due_ns = notice.alone_ns + round(self._settings.after * SECOND)
             if now_ns < notice.due_ns:
                 continue
             longest = round(self._settings.longest * SECOND)
             first = round(self._settings.repeat * SECOND)
             notice.wait_ns = (
+                # Twice as long each time, up to the longest: told again, but nobody is worn out.
                 min(longest, 2 * notice.wait_ns) if notice.wait_ns else min(longest, first)
             )
             notice.due_ns = now_ns + notice.wait_ns

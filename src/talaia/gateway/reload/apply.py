@@ -53,8 +53,8 @@ class DescriptionReload:
             begin_again: ends this gateway in favour of a new one, for what cannot be exchanged.
 
         """
-        self._current = current
-        self._numbering = numbering
+        self._current = current  # What counts now.
+        self._numbering = numbering  # Grown before anything uses the new numbers.
         self._connections = connections
         self._actuation = actuation
         self._samples = samples
@@ -79,6 +79,7 @@ class DescriptionReload:
 
     def hindrance(self, after: Site) -> str:
         """Name what is under way that a change must not disturb; empty when nothing is."""
+        # Any sequence: each may command any device.
         for sequence in self._actuation.sequences.running:
             return f"{sequence} is under way"
         command = self._actuation.commands.busy_with(touched(self.now.site, after))
@@ -91,6 +92,7 @@ class DescriptionReload:
         """
         devices = frozenset() if after is None else touched(self.now.site, after)
         self._actuation.driving.leave(devices)
+        # Looked at now: what is due has changed with the devices that are let go.
         self._actuation.timer.touch()
 
     def left(self, after: Site) -> bool:
@@ -106,6 +108,7 @@ class DescriptionReload:
         """
         before, after = self.now.site, next_.site
         renamed = renames(before, after)
+        # What records is made once: another plan needs another gateway.
         if after.recording != before.recording:
             self._begin_again(after)
             return
@@ -117,8 +120,10 @@ class DescriptionReload:
             log.warning("%s; beginning again", error)
             self._begin_again(after)
             return
+        # From here on nothing may fail: what is half exchanged cannot be taken back.
         self._current.replace(next_, renamed)
         self._samples.redescribe(next_)
+        # After the samples: the hub takes the new list before the first batch that is named by it.
         self._say(next_.described(renamed, change_id, who))
         for follower in self._followers:
             follower.redescribe(after)

@@ -46,7 +46,9 @@ class ConnectionExchange:
         """
         self._numbering = numbering
         self._reachability = reachability
+        # Runs all adapters; is given the new ones last.
         self._adapter = adapter
+        # Shared with others, so it is changed in place.
         self._adapters = adapters
         self._make = make
         # What each connection serves of the description that counts, by the connection's name.
@@ -59,20 +61,24 @@ class ConnectionExchange:
             SettingsError: it cannot; nothing has changed.
 
         """
+        # By numbers of its own: those of the new channels are given only when all is known to work.
         for scope in scopes_of(after):
             known = self._scopes.get(scope.name)
             if known is None or known.connection != scope.connection:
+                # Made and let go: an adapter tells when it is made whether it can work here.
                 self._make(scope)
 
     def redescribe(self, after: Site) -> None:
         """Serve another description; connections that stay as they were go on undisturbed."""
         of = connection_names(after)
+        # First: what an adapter says from here on is of the new devices.
         self._reachability.redescribe(of)
         adapters: dict[str, tuple[Adapter, ConnectionStatus]] = {}
         scopes = {scope.name: scope for scope in scopes_of(after, self._numbering)}
         for name, scope in scopes.items():
             known = self._scopes.get(name)
             pair = self._adapters.get(name)
+            # Another kind or place: the robot's side must be reached anew.
             if pair is None or known is None or known.connection != scope.connection:
                 adapters[name] = self._make(scope)
             elif known == scope:
@@ -83,7 +89,9 @@ class ConnectionExchange:
                 adapters[name] = pair
             else:
                 adapters[name] = self._make(scope)
+        # Emptied and filled, for others hold the same dictionary.
         self._adapters.clear()
         self._adapters.update(adapters)
         self._scopes = scopes
+        # Last, for it begins and ends adapters by what was decided above.
         self._adapter.redescribe(of, adapters)

@@ -19,6 +19,7 @@ __all__ = ["CurrentDescription", "PreparedDescription", "catalogue_of", "prepare
 
 def catalogue_of(site: Site) -> str:
     """Name the channel list: the same list has the same name, in every run."""
+    # Order and kind count: a sample carries a place in this list and nothing else.
     listed = "\n".join(f"{channel.address} {channel.text:d}" for channel in site.channels())
     return hashlib.sha256(listed.encode()).hexdigest()[:16]
 
@@ -51,6 +52,7 @@ class PreparedDescription(NamedTuple):
             catalogue=self.catalogue,
             time_us=time_us,
             source=deflated(self.source) if self.source else b"",
+            # Without a text there is nothing that a change could begin with.
             accepts=accepts if self.source else AcceptedChanges.NO,
         )
 
@@ -93,6 +95,7 @@ class CurrentDescription:
 
     def replace(self, after: PreparedDescription, renamed: dict[str, str]) -> None:
         """Go by another one from here on, with channels renamed."""
+        # What was renamed twice is found by its first name, too.
         earlier = {old: renamed.get(new, new) for old, new in self.renamed.items()}
         self.renamed = {**earlier, **renamed}
         self.now = after

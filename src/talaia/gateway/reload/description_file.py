@@ -37,8 +37,10 @@ class DescriptionFile:
 
         """
         self.path = path
-        self._beside: list[Path] = []
+        self._beside: list[Path] = []  # Other files that it takes in; known from `counts` on.
+        # Before the text is read: a change in between is seen at the next look.
         self._seen = self._marks()
+        # Marks of what was given out or counts; a change is one from these.
         self._settled = self._seen
         self.text = text_of(path)
 
@@ -55,6 +57,7 @@ class DescriptionFile:
     def counts(self, site: Site, text: str) -> None:
         """Take a text, and what it describes, as what counts from here on."""
         self.text = text
+        # Files that the new text takes in are watched from here on.
         self._beside = beside_of(site, self.path.parent)
         self._seen = self._settled = self._marks()
 
@@ -68,11 +71,13 @@ class DescriptionFile:
             NotReadable: it was changed, and cannot be read now.
 
         """
+        # Before the text, as at the start.
         marks = self._marks()
         still, self._seen = marks == self._seen, marks
         if not still or marks == self._settled:
             return None
         self._settled = marks
+        # Told as an error: the gateway goes on by what it knows.
         if marks[0] is None:
             raise NotReadable(str(self.path), "is not there any more", "put it back")
         return text_of(self.path)
@@ -86,9 +91,11 @@ class DescriptionFile:
         """
         # A link to a file stays a link.
         path = self.path.resolve()
+        # A new file takes its place, and would have the mode of any new file.
         mode = path.stat().st_mode & 0o777
         write_whole(path, text.encode())
         path.chmod(mode)
+        # What we wrote ourselves is no change to follow.
         self._seen = self._settled = self._marks()
 
     def _marks(self) -> list[_Mark]:
@@ -100,4 +107,5 @@ def _mark(path: Path) -> _Mark:
         found = path.stat()
     except OSError:
         return None
+    # All three: an editor may keep the time, or replace the file by one of the same length.
     return found.st_ino, found.st_size, found.st_mtime_ns

@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 __all__ = ["joined", "keep_found", "kept_of", "with_kept"]
 
 log = logging.getLogger(__name__)
+# The device's name in the place of a finding.
 _AT = re.compile(r"\$\.devices\.([^.\[]+)")
+# In the data folder.
 _FOLDER = "found"
 
 
@@ -46,8 +48,10 @@ def joined(
     new = {
         name: msgspec.structs.replace(device, connection=connection)
         for name, device in devices.items()
+        # One that was found earlier and not changed by a person since may be replaced.
         if name not in site.devices or site.devices[name] == before.get(name)
     }
+    # Checked together: a device may not fit only beside the others.
     both = msgspec.structs.replace(site, devices={**site.devices, **new})
     wrong = set()
     for finding in check(both):
@@ -68,6 +72,7 @@ def keep_found(data: Path, connection: str, devices: Mapping[str, Device]) -> No
     """
     folder = data / _FOLDER
     folder.mkdir(parents=True, exist_ok=True)
+    # Newer findings count, and what is away now is kept.
     all_of_it = {**kept_of(data, connection), **devices}
     written = msgspec.json.encode(plain_of(all_of_it))
     write_whole(folder / f"{connection}.json", msgspec.json.format(written))
