@@ -60,9 +60,9 @@ _MOST_A_COMMIT = 200
 
 
 class _Ask(NamedTuple):
-    # The events of an alarm take effect in the order of the queue, those of people among them.
     """Something to be done to an alarm; ``done`` gets the outcome, where a person waits for it."""
 
+    # The events of an alarm take effect in the order of the queue, those of people among them.
     live: LiveAlarm
     event: Event
     done: asyncio.Future[State] | None = None
