@@ -125,6 +125,8 @@ def _unit_text(
     kill: str = "",
 ) -> str:
     line = " ".join(quoted_argument(word) for word in words)
+    # A description is no command line: quotes round it would be shown. StartLimitIntervalSec=0:
+    # it is started again however often it fails, for nobody may be there to do it.
     return f"""\
 [Unit]
 Description={quoted_argument(what).strip('"')}

@@ -70,6 +70,7 @@ def _type_text(kind: msgspec.inspect.Type) -> str:
     if isinstance(kind, msgspec.inspect.IntType | msgspec.inspect.FloatType):
         low = kind.ge if kind.ge is not None else kind.gt
         high = kind.le if kind.le is not None else kind.lt
+        # A bound on one side alone is left to the extension's own words.
         if low is not None and high is not None:
             return f"{word}, {low:g} to {high:g}"
     return word

@@ -221,6 +221,7 @@ class Drive(Shape, frozen=True, kw_only=True):
     ttl: float = 0.25
     zeros_for: float = 1.0
     lease: float = 3.0
+    # Where nobody says it, a robot without a hub is to stand.
     link_loss: LinkLoss = LinkLoss.STOP
     stop: Stop = msgspec.field(default_factory=Stop)
     picture: str = ""
@@ -278,6 +279,7 @@ class Command(Shape, frozen=True, kw_only=True):
     progress_end: float = 1.0
     fixed: dict[str, float | int | bool | str] = {}
     arguments: dict[str, Argument] = {}
+    # A command that waited for long may no longer be what the person wants.
     ttl: float = 5.0
     timeout: float = 10.0
     confirm: bool = False

@@ -26,6 +26,7 @@ _NUMBERS = (ArgumentType.NUMBER, ArgumentType.INTEGER)
 
 def role_findings(where: str, device: Device) -> Iterator[Finding]:
     """Check the roles that a device's description says; what is proposed fits by itself."""
+    # Who has each role of which a device has one.
     holders: dict[SignalRole | CommandRole, str] = {}
     for signal_id, signal in device.signals.items():
         at = f"{where}.signals.{signal_id}"
@@ -34,6 +35,7 @@ def role_findings(where: str, device: Device) -> Iterator[Finding]:
             yield from _signal_fits(at, signal)
             if not SIGNAL_FITS[signal.role].many:
                 yield from _is_free(at, signal.role, signal_id, holders)
+    # Emptied: ``camera.cooler`` is a role of signals and one of commands, and both are one word.
     holders = {}
     for command_id, command in device.commands.items():
         at = f"{where}.commands.{command_id}"

@@ -27,6 +27,7 @@ def run_ros1(module: str, words: list[str]) -> int:
     if not Path(PYTHON).exists():
         sys.stderr.write(f"talaia sim: there is no {PYTHON}, which ROS 1 needs\n")
         return 1
+    # What Python still holds back would be lost with this program.
     sys.stdout.flush()
     os.execve(PYTHON, [PYTHON, main, module, *words], ros1_environment())  # noqa: S606 - no shell
     return 1

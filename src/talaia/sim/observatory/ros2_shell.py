@@ -85,6 +85,7 @@ def values_of(request: Any, ask: Ask) -> dict[str, Value] | str:  # noqa: ANN401
             case ParameterType.PARAMETER_DOUBLE:
                 values[name] = value.double_value
             case ParameterType.PARAMETER_INTEGER:
+                # Whoever writes 5 means 5.0.
                 values[name] = float(value.integer_value)
             case ParameterType.PARAMETER_STRING:
                 values[name] = value.string_value
@@ -97,6 +98,7 @@ def values_of(request: Any, ask: Ask) -> dict[str, Value] | str:  # noqa: ANN401
             if not isinstance(example, str):
                 return f"the argument {name!r} is missing"
             values[name] = example
+        # By the exact type: True is no number here.
         if type(values[name]) is not type(example):
             wanted = "a text" if isinstance(example, str) else "a number"
             return f"argument {name!r}: expected {wanted}"

@@ -94,6 +94,7 @@ class Base:
 
         A value that is not finite is no velocity; such a command stands for standing still.
         """
+        # NaN would pass the bounds below.
         if not (math.isfinite(speed) and math.isfinite(turn)):
             speed = turn = 0.0
         speed = min(max(speed, -MAX_SPEED), MAX_SPEED)

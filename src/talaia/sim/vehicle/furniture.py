@@ -34,6 +34,7 @@ __all__ = [
     "window",
 ]
 
+# By the names that the things below are made of; house and occupants add their own.
 FINISHES: dict[str, Finish] = {
     "oak": Finish(lambda r: wood(r, (0.74, 0.56, 0.36)), repeat=1.0, shine=0.15),
     "walnut": Finish(lambda r: wood(r, (0.43, 0.29, 0.19)), repeat=1.0, shine=0.2),
@@ -153,12 +154,14 @@ def bookshelf(at: FloorPose) -> None:
 
 def plant(at: FloorPose, size: float = 1.0, *, base: float = 0.0) -> None:
     """A pot with leaves, ``size`` metres high; solid when it stands on the floor."""
+    # On a table it stands in nobody's way.
     if base == 0.0:
         at.post(0, 0, 0.22 * size, 0.36 * size)
     pot = 0.17 * size
     at.rod("clay", (0, 0, base), (0, 0, base + 0.30 * size), pot, blunt=True)
     at.rod("clay", (0, 0, base + 0.27 * size), (0, 0, base + 0.33 * size), pot * 1.12, blunt=True)
     for leaf in range(14):
+        # The golden angle (rad): leaves spread all round.
         turn = leaf * 2.399
         rise = 0.35 + 0.60 * ((leaf * 5) % 14) / 14
         reach = 0.10 + 0.22 * (1.15 - rise)
@@ -297,6 +300,7 @@ def desk(at: FloorPose) -> None:
 
 def office_chair(at: FloorPose) -> None:
     """On a star of castors; the lidar sees its column as a round post."""
+    # One post for all five legs: the vehicle has to keep off the whole star.
     at.post(0, 0, 0.3, 0.35)
     for leg in range(5):
         turn = leg * 2 * math.pi / 5

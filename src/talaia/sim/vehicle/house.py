@@ -267,6 +267,7 @@ def _add_outline(hull: Hull) -> list[tuple[float, float]]:
 def _floor_and_ceiling(stage: SceneBuilder, room: Room) -> None:
     (x0, y0), (x1, y1) = room.low, room.high
     size = (x1 - x0, y1 - y0)
+    # What stands on the floor and is no wall.
     standing = [
         h for h in stage.hulls if h.centre[2] - h.half[2] < 0.1 and h.half[2] < CEILING / 2 - 0.1
     ]

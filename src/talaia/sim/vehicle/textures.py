@@ -215,6 +215,7 @@ def view(rng: np.random.Generator, width: int = 256, height: int = 224) -> Pictu
     sky = np.asarray([0.50, 0.74, 0.96]) * (1 - rows) + np.asarray([0.97, 0.94, 0.87]) * rows
     picture = np.repeat(sky, width, axis=1)
     columns = np.arange(width)
+    # Three ridges, the farthest first, each over the one behind it.
     for base, rough, colour in (
         (0.56, 0.11, (0.60, 0.69, 0.80)),
         (0.68, 0.08, (0.46, 0.57, 0.62)),

@@ -33,6 +33,7 @@ def add_vehicle(stage: SceneBuilder) -> None:
         ("yaw", mujoco.mjtJoint.mjJNT_HINGE, (0, 0, 1)),
     ):
         body.add_joint(name=name, type=kind, axis=axis)
+    # The decks, and the mast with the camera above them.
     for radius, low, high in ((RADIUS, 0.01, 0.21), (0.03, 0.21, 0.40)):
         body.add_geom(
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,

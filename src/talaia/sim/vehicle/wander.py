@@ -66,10 +66,12 @@ class Wander:
         worth = np.minimum(free, SIGHT) - 0.45 * np.abs(self._headings)
         worth = worth + 0.5 * self._leaning * np.sin(self._headings)
         heading = float(self._headings[int(np.argmax(worth))])
+        # Far aside, or hardly a way ahead: it turns on the spot first.
         if abs(heading) > 1.2 or ahead < 0.12:
             side = heading if heading else self._leaning
             self._spinning = math.copysign(SPIN, side)
             return 0.0, self._spinning
+        # Slower the nearer something is ahead, and in turns.
         speed = min(CRUISE, 0.6 * (ahead - 0.06)) * max(0.0, math.cos(1.2 * heading))
         return max(0.0, speed), min(max(1.6 * heading, -SPIN), SPIN)
 

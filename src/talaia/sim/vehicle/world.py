@@ -115,6 +115,7 @@ class World:
 
         """
         data = self._data
+        # Sideways nothing is wanted: the wheels' grip sees to that.
         data.ctrl[:] = (speed, 0.0, turn)
         self._pending += seconds
         # The small term keeps a sum of rounded fractions from losing a step.

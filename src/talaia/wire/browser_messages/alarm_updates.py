@@ -33,11 +33,13 @@ class AlarmUpdate(DeviceMessage, frozen=True, kw_only=True, tag="alarm"):
     alarm: Word
     device: Word = ""
     name: Word
+    # As the description has it; empty for an alarm that is gone.
     kind: Word
     severity: Word
     phase: Word
     why: Sentence = ""
     known: bool = True
+    # Empty while it can be judged.
     unknown_why: Sentence = ""
     raised_us: Micros = 0
     cleared_us: Micros = 0

@@ -57,6 +57,7 @@ class Greeting(SessionMessage, frozen=True, kw_only=True, tag="greeting"):
     """First frame: who the hub takes you for."""
 
     protocol: Count = PROTOCOL
+    # Of the hub, for people; what is understood goes by `protocol`.
     version: Word = ""
     who: Word
     role: Word

@@ -72,6 +72,7 @@ class FileOffer(Message, frozen=True, kw_only=True, tag="file_offer"):
     end_us: Micros
     why: Sentence = ""
     who: Sentence = ""
+    # What is in it, so that lists need not open the file.
     messages: Count = 0
     topics: Annotated[list[Name], Meta(max_length=1000)] = []
     note: Sentence = ""

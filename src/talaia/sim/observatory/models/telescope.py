@@ -50,6 +50,7 @@ class Telescope:
 
     """
 
+    # Below `Limits.horizon`: a park is no target, and asks for no limit.
     PARK = Horizontal(10.0, 10.0)
 
     def __init__(self, place: Observer, unix_s: float, limits: Limits | None = None) -> None:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["DEVICES", "ENCLOSURES", "MONTSEC", "make_server"]
 
+# The Montsec observatory in Catalonia: degrees north, degrees east, metres.
 MONTSEC = Observer(42.0517, 0.7297, 1568.0)
 # Kinds of roof: a dome with a slit, which turns, and a clamshell, which does not.
 ENCLOSURES = ("dome", "clamshell")

@@ -38,6 +38,7 @@ class DomeServer(Server):
             "open": model.open,
             "close": model.close,
             "stop": model.stop,
+            # The first one arms it: without a gateway that beats it never closes by itself.
             "heartbeat": self.watchdog.hear_heartbeat,
         }
         if model.can.can_rotate:

@@ -29,6 +29,7 @@ class PowerServer(Server):
         self.triggers = {"status": lambda: Ticket.done(model.words())}
         for number in range(1, len(OUTLETS) + 1):
             self.switches[f"outlet{number}"] = self._outlet_switch(number)
+        # Requests have numbers as floats; an outlet is a whole one.
         self.asks = {"reboot": Ask({"outlet": 1.0}, lambda outlet: model.reboot(int(outlet)))}
 
     def _outlet_switch(self, number: int) -> Callable[[bool], Ticket]:
