@@ -131,7 +131,7 @@ class PageOverride(SiteMessage, frozen=True, kw_only=True, tag="override"):
     site: Name
     interlock: Name
     reason: Annotated[str, Meta(max_length=500)] = ""
-    # The wire's own bound; the gateway cuts it to `LONGEST_OVERRIDE_S`, half an hour.
+    # The wire's own bound; the gateway refuses more than `LONGEST_OVERRIDE_S`, half an hour.
     seconds: Annotated[float, Meta(ge=0, le=86_400)]
     condition: Word = ""
 
