@@ -75,7 +75,9 @@ def _replaced(value: object, rest: Path, new: object, path: Path) -> object:
     step, *more = rest
     last = len(rest) == 1
     if isinstance(value, dict) and (last or step in value):
+        # A copy with one key changed: all sites of before stay what they are, for undo.
         return {**value, step: _replaced(value.get(step), tuple(more), new, path)}
+    # A source's keys depend on its protocol, and another key may make another protocol of it.
     if isinstance(value, SourceShape) and last:
         if step not in SOURCE_KEYS:
             raise NoSuchPlace(f"the description has nothing at {'.'.join(('$', *path))}")
@@ -104,8 +106,10 @@ def _with_fitting_sources(site: Site, path: Path) -> Site:
         return site
     device = site.devices[path[1]]
     link = site.links().get(site.connection_of(path[1]))
+    # One key of one source: devices, its name, the group, its name, source, the key.
     if len(path) == 6 and path[4] == "source":
         places: list[Path] = [path[:5]]
+    # Another connection: every source of the device may mean something else now.
     elif path[2:] == ("connection",):
         places = [("devices", path[1], "signals", signal, "source") for signal in device.signals]
         places += [("devices", path[1], "streams", stream, "source") for stream in device.streams]
@@ -129,12 +133,14 @@ def remove_value(site: Site, path: Path) -> Site:
         NoSuchPlace: there is nothing.
 
     """
+    # Only to be refused when there is nothing.
     value_at(site, path)
     parent = value_at(site, path[:-1])
     if isinstance(parent, dict):
         return with_value(
             site, path[:-1], {key: child for key, child in parent.items() if key != path[-1]}
         )
+    # A key of a shape is not taken out but set to none, which the model writes as left out.
     return with_value(site, path, None)
 
 
@@ -157,6 +163,7 @@ def find_spot(site: Site, where: str) -> Spot:
             field = (*field, word) if word and isinstance(value, msgspec.Struct) else field
             break
         rest = rest[len(step) :]
+        # A thing is what a mapping holds, or a shape of `_OWN`; all else is a field of it.
         was, value = value, _child_at(value, step, (step,))
         field = (*field, step)
         if isinstance(was, dict) or (isinstance(value, msgspec.Struct) and step in _OWN):
@@ -181,4 +188,5 @@ def _matching_key(value: object, rest: str) -> str | None:
         for key in keys
         if rest.startswith(key) and rest[len(key) : len(key) + 1] in ("", ".", "[")
     ]
+    # The longest: of the keys "a" and "a.b" the second is meant where both fit.
     return max(fits, key=len, default=None)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MAX_STEPS", "Document", "Problem"]
 
+# More than a person takes back; sites share their parts, so a step is small.
 MAX_STEPS = 500
 _HEAD = (
     "Made by talaia configure, which opens it again; comments of yours stay.",
@@ -32,6 +33,7 @@ _HEAD = (
 class Problem(NamedTuple):
     """What does not fit: in words as `talaia check` says them, and where to go for it."""
 
+    # Path of the finding as `talaia check` prints it: ``$.devices.base.unit``.
     where: str
     problem: str
     remedy: str
@@ -44,6 +46,7 @@ class Problem(NamedTuple):
 class _Step(NamedTuple):
     """How the site is after a change, and what the change was."""
 
+    # Empty for the state that the document was opened in.
     what: str
     site: Site
 
@@ -71,6 +74,7 @@ class Document:
         self._saved: Site | None = site if text else None
         # A new document is not worth a question until somebody has changed it.
         self._blank = None if text else site
+        # Read once, at opening; they are in no step and in no saved text.
         self._elsewhere = dict(elsewhere or {})
         # The last checked site and its problems: checks are asked for many times per change.
         self._checked: tuple[Site, tuple[Problem, ...]] | None = None
@@ -98,6 +102,7 @@ class Document:
     @property
     def is_changed(self) -> bool:
         """Whether closing it now would lose something."""
+        # Compared, not counted: a change that is undone by hand leaves nothing to save.
         return self.site not in (self._saved, self._blank)
 
     @property
@@ -117,6 +122,7 @@ class Document:
         """
         if site == self.site:
             return False
+        # What was undone is forgotten: a new change begins another way.
         self._steps[self._now + 1 :] = [_Step(what, site)]
         del self._steps[: max(len(self._steps) - 1 - MAX_STEPS, 0)]
         self._now = len(self._steps) - 1
@@ -157,7 +163,9 @@ class Document:
     def problems(self) -> tuple[Problem, ...]:
         """All that `talaia check` would say."""
         site = self.site
+        # By identity: each step has a site of its own, and to compare two whole sites takes longer.
         if self._checked is None or self._checked[0] is not site:
+            # Rules may name devices of another file; without them each would be a problem.
             whole = msgspec.structs.replace(site, devices={**self._elsewhere, **site.devices})
             found = tuple(
                 Problem(*finding, find_spot(site, finding.where)) for finding in check(whole)

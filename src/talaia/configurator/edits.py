@@ -71,6 +71,7 @@ METRIC = "/metric"
 IMAGES = "/images"
 CONTROL = "/control"
 FIX = "/fix"
+# CloudConnect's nodes publish each reading as a text with its name and value.
 TEXT = "std_msgs/msg/String"
 # About a walking child's speed, until the owner says what the robot can do.
 CAREFUL_SPEED = 0.2
@@ -86,6 +87,7 @@ class NewSensor(NamedTuple):
     """
 
     kind: SensorKind
+    # From 1; part of the address, so that the second thermometer is another sensor.
     number: int
     name: str = ""
     unit: str = ""
@@ -94,6 +96,7 @@ class NewSensor(NamedTuple):
     def word(self) -> str:
         """The last part of its address, and its name on ``/metric``: ``temperature1``."""
         tail = str(self.number)
+        # Cut so that word and number together stay within the 63 letters of a name.
         return (self.kind.word or word_of(self.name))[: 63 - len(tail)] + tail
 
 
@@ -112,6 +115,7 @@ def ai_services(site: Site) -> AiServices:
 
 def with_services(site: Site, services: AiServices) -> Site:
     """Want these; a site that wants none has no key for it."""
+    # Not a key with everything off: a description says only what is wanted.
     wanted = None if services == AiServices() else services
     return msgspec.structs.replace(site, services=wanted)
 
@@ -135,11 +139,13 @@ def _taken_addresses(site: Site) -> dict[str, str]:
         for device_id, device in site.devices.items()
         for word, signal in device.signals.items()
     ]
+    # A sensor may have been renamed here while the robot calls it as before.
     heard = {
         name: address
         for address, _, signal in signals
         if (name := source_as(signal.source, RosSource).name)
     }
+    # A signal of that word wins over one that the robot calls so.
     return heard | {word: address for address, word, _ in signals}
 
 
@@ -157,6 +163,7 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
         raise WordTaken(
             f"{there} is there already; number {free_number(site, new.kind, new.name)} is free"
         )
+    # All of them in one device: ``/metric`` does not say which part a reading is of.
     site, place = with_device(site, "sensors", "Sensors", DeviceKind.OTHER)
     name = new.name.strip() or new.kind.name
     unit = new.unit or new.kind.unit
@@ -164,6 +171,7 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
     signal = Signal(
         name=f"{name} {new.number}",
         unit=unit,
+        # A usual range is in the kind's own unit; with another unit it would be wrong.
         minimum=new.kind.minimum if usual else None,
         maximum=new.kind.maximum if usual else None,
         source=RosSource(topic=METRIC, type=TEXT, name=new.word),
@@ -178,6 +186,7 @@ def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Sit
         ConfiguratorError: the site has connections, and none of them speaks ROS.
 
     """
+    # A description begun by hand may have no connection yet.
     if not site.links():
         site = msgspec.structs.replace(site, ros2=Ros2Settings())
     links = site.links()
@@ -188,9 +197,11 @@ def with_device(site: Site, word: str, name: str, kind: DeviceKind) -> tuple[Sit
             f"{', '.join(links)} only; add a connection in the file"
         )
     wanted = word
+    # A device of that name that is reached otherwise stays; a ROS source could not be read there.
     while word in site.devices and site.connection_of(word) not in by_ros:
         word = free_word(wanted, site.devices)
     if word not in site.devices:
+        # With a single connection a device needs no key for it.
         link = "" if len(links) == 1 else by_ros[0]
         site = with_value(site, ("devices", word), Device(name=name, kind=kind, connection=link))
     return site, word
@@ -268,6 +279,7 @@ def with_gps(site: Site, topic: str = FIX) -> Site:
 
 def _seen_while_driving(site: Site, key: str, address: str) -> Site:
     for word in driven_devices(site):
+        # Only where nothing is chosen: a person's own picture stays.
         if value_at(site, ("devices", word, "drive", key)) == "":
             site = with_value(site, ("devices", word, "drive", key), address)
     return site
@@ -314,6 +326,7 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
 
     """
     if key == "drive":
+        # ROS's customary topic for it; the form is shown next.
         drive = Drive(topic="/cmd_vel", max_speed=CAREFUL_SPEED, max_turn=CAREFUL_TURN)
         return with_value(site, (*path, key), drive), (*path, key)
     if not name.strip():
@@ -322,6 +335,7 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
     mapping = value_at(site, (*path, key))
     assert isinstance(mapping, dict)  # noqa: S101 - `groups_at` names mappings
     word = free_word(word_of(name), mapping)
+    # Of the device's own protocol, so that its form has the right fields at once.
     source = new_source(site, path[1]) if len(path) > 1 else RosSource()
     ros = isinstance(source, RosSource)
     pictures = RosSource(type="sensor_msgs/msg/Image") if ros else source
@@ -329,6 +343,7 @@ def with_thing(site: Site, path: Path, key: str, name: str) -> tuple[Site, Path]
         "devices": Device(name=name),
         "signals": Signal(name=name, source=source),
         "streams": Stream(name=name, source=pictures),
+        # Confirmed until a person says otherwise: nothing is known yet of what it moves.
         "commands": Command(name=name, target="", confirm=True),
         "arguments": Argument(type=ArgumentType.NUMBER, field=word, name=name),
     }
@@ -346,8 +361,10 @@ def without_things(site: Site, paths: Iterable[Path]) -> Site:
     gone = {f"{path[1]}/{path[3]}" for path in paths if len(path) == 4 and path[0] == "devices"}
     for word in driven_devices(site):
         site = with_value(site, ("devices", word, "drive"), _drive_without(site, word, gone))
+    # A dict for a set in order: the steps are the same each time.
     for word in {path[1]: None for path in paths if len(path) > 2 and path[0] == "devices"}:
         device = site.devices.get(word)
+        # One with an INDI name or frames says something by itself, even without things in it.
         bare = device and not (device.signals or device.streams or device.commands or device.indi)
         if bare and device and device.drive is None and device.frames is None:
             site = remove_value(site, ("devices", word))
@@ -365,6 +382,7 @@ def _drive_without(site: Site, word: str, gone: set[str]) -> Drive:
         for address in (drive.picture, drive.position, *drive.stop.confirmed_by)
         if address and address.split("/", 1)[0] not in site.devices
     }
+    # What confirms STOP is a signal; a camera of the same name that goes is not meant.
     kept = tuple(
         address for address in drive.stop.confirmed_by if address not in lost or address in signals
     )

@@ -25,6 +25,7 @@ def open_document(file: Path) -> Document:
 
     """
     whole = read_site(file)
+    # It is saved as a new YAML file: the observatory goes on to use its own.
     if file.suffix == ".json":
         return Document(whole)
     return Document.of_text(file.read_text(), whole.devices)
@@ -46,10 +47,13 @@ def save_document(document: Document, file: Path, *, over: bool = False) -> None
     """
     text = document.text()
     try:
+        # Compared by text, not by time: a file that was only copied or touched is the same.
         there = file.read_text() if file.exists() else document.opened
         if not over and document.opened and there != document.opened:
             raise FileChanged(f"{file.name} was changed by somebody else since it was opened")
+        # Kept: a description may be readable by one user only.
         mode = stat.S_IMODE(file.stat().st_mode) if file.exists() else 0o644
+        # In the same folder, for a rename works only within a file system.
         new = file.with_name(f".{file.name}.new")
         try:
             new.write_text(text)
@@ -57,8 +61,10 @@ def save_document(document: Document, file: Path, *, over: bool = False) -> None
             os.replace(new, file)
         finally:
             with contextlib.suppress(FileNotFoundError):
+                # There is none any more when it was renamed.
                 new.unlink()
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise NotWritten(f"{file} cannot be written: {reason}") from error
+    # Only now: a document that could not be written stays changed.
     document.was_saved(text)

@@ -121,7 +121,9 @@ _LABELS = {
     ("ttl",): "Refused after (s)",
     ("timeout",): "Unknown after (s)",
 }
+# By the last key of a path.
 _OFFERS: dict[str, tuple[str, ...]] = {"unit": tuple(UNITS)}
+# An entry of ``Attributes:`` at four spaces or more; lines that go on are four further in.
 _ENTRY = re.compile(r"^ {4,}(?P<name>\w+): (?P<text>.*(?:\n {8,}.*)*)", re.MULTILINE)
 
 
@@ -134,12 +136,14 @@ def rows_of(shape: type[msgspec.Struct]) -> tuple[Row, ...]:
 def _collect_rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
     info = msgspec.inspect.type_info(shape)
     assert isinstance(info, msgspec.inspect.StructType)  # noqa: S101 - a shape is a struct
+    # The docstrings are the only place where a key is explained: the form shows the same words.
     help_of = _help_texts(shape)
     for field in info.fields:
         path = (*above, field.name)
         if field.name in _FLAT:
             yield from _flat_rows(field.type, path)
             continue
+        # Other shapes are things of their own in the tree, or are left to the file.
         if isinstance(field.type, msgspec.inspect.StructType):
             continue
         part = _optional_shape(field.type) if field.name in _PARTS else None
@@ -148,6 +152,7 @@ def _collect_rows(shape: type[msgspec.Struct], above: Path) -> Iterator[Row]:
             yield Row(path, _LABELS[path], RowKind.PART, about, default=False, shape=part)
             yield from _collect_rows(part, path)
             continue
+        # None for what no single field can hold; it is written in the file.
         row = _row_of(path, field.type)
         if row is not None:
             default = None if field.default is msgspec.NODEFAULT else field.default
@@ -214,6 +219,7 @@ def _help_texts(shape: type) -> dict[str, str]:
 
 # ── which rows fit ──
 
+# By `Row.key`: the connections at which a key says something; a key that is missing fits all.
 _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
     "source.topic": ROS_KINDS,
     "source.type": ROS_KINDS,
@@ -231,6 +237,7 @@ _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
     "source.messages": frozenset({ConnectionKind.PROCESS}),
     "source.keys": frozenset({ConnectionKind.EXTENSION}),
 }
+# By `Row.key`: the types of signals that use it.
 _BY_TYPE: dict[str, frozenset[SignalType]] = {
     **dict.fromkeys(
         ("unit", "minimum", "maximum", "decimals", "scale", "deadband", "frozen_after"),
@@ -254,6 +261,7 @@ def rows_at(site: Site, path: Path) -> tuple[Row, ...]:
     return tuple(
         row
         for row in rows
+        # The format's version is written by `talaia upgrade`, by no person.
         if (path or row.path != ("talaia",))
         and (_is_set(thing, row) or (_by_link(row, link) and _by_kind(row, thing)))
     )
@@ -267,11 +275,13 @@ def _is_there(thing: object, row: Row) -> bool:
 
 
 def _is_set(thing: object, row: Row) -> bool:
+    # A key that is set is always shown, even where it does not fit: else it could not be cleared.
     return value_of(thing, row) not in (row.default, None, "", (), {})
 
 
 def _by_link(row: Row, link: Connection | None) -> bool:
     kinds = _BY_LINK.get(row.key)
+    # Without a known connection nothing is hidden.
     return kinds is None or link is None or kind_of(link) in kinds
 
 
@@ -317,6 +327,7 @@ def shown_text(row: Row, value: object) -> str:
     if row.kind in (RowKind.ANY, RowKind.TRUTH, RowKind.PART):
         return _scalar_text(value)
     if isinstance(value, float):
+        # 15 digits are what a decimal keeps through a float: 0.1 stays 0.1.
         return f"{value:.15g}"
     return str(value)
 
@@ -327,8 +338,10 @@ def _scalar_text(value: object) -> str:
         return "true" if value else "false"
     if isinstance(value, float):
         written = repr(value)
+        # YAML 1.1 takes 1e-07 for a text; with a point it is a number.
         return written if "." in written else written.replace("e", ".0e", 1)
     text = str(value)
+    # A text that YAML would read as a number or a truth is put in quotation marks.
     return text if not isinstance(value, str) or _parse_any(text) == value else f'"{text}"'
 
 
@@ -340,6 +353,7 @@ def parse_text(row: Row, text: str) -> object:
 
     """
     said = text.strip()
+    # Before the kinds: an empty field is none, whatever would be expected in it.
     if row.optional and not said:
         return None
     match row.kind:
@@ -361,11 +375,13 @@ def parse_text(row: Row, text: str) -> object:
 
 def _parse_number(said: str) -> float:
     try:
+        # A decimal comma counts as a point; two of them are no number.
         value = float(said.replace(",", ".") if said.count(",") == 1 else said)
     except ValueError:
         raise BadValue(
             f"expected a number, found {said!r}" if said else "expected a number"
         ) from None
+    # Python reads "inf" and "nan" as numbers; no limit of a robot is one.
     if not math.isfinite(value):
         raise BadValue(f"expected a finite number, found {said!r}")
     return value
@@ -386,6 +402,7 @@ def _parse_pairs(row: Row, text: str) -> dict[str, object]:
         key, colon, value = line.partition(":")
         if not colon or not key.strip():
             raise BadValue(f"expected a line like this: word: value, found {line.strip()!r}")
+        # The second would silently win, as in YAML.
         if key.strip() in made:
             raise BadValue(f"{key.strip()!r} is written twice")
         # Sentences are texts, whatever they look like; fixed fields are what YAML says.
@@ -399,6 +416,7 @@ def _parse_any(said: str) -> float | int | bool | str:
     """Read a scalar as YAML does; what is none is a text."""
     try:
         value = yaml.safe_load(said)
+    # ValueError: a date that there is not, such as 2024-02-30.
     except (yaml.YAMLError, ValueError):
         return said
     return value if isinstance(value, float | int | bool | str) else said

@@ -45,13 +45,18 @@ class Merged(NamedTuple):
 
 def merge_findings(site: Site, found: Found) -> Merged:
     """Add to ``site`` what a probe found and it does not describe yet."""
+    # The same proposal as `talaia init` makes, so that both ways lead to one description.
     proposal = propose(found, site.site, site.name, site.zone)
     links = site.links()
+    # Also a domain that the description does not say yet; one that it says stays.
     if not links or (found.domain and site.ros2 and site.ros2.domain is None):
         site = msgspec.structs.replace(site, ros2=proposal.site.ros2 or site.ros2)
         links = site.links()
+    # Empty where no connection is of that protocol.
     link = next((name for name, link in links.items() if kind_of(link) == found.protocol), "")
+    # Proposed device to the one that takes its things.
     words = {word: _device_to_fill(site, word, link) for word in proposal.site.devices}
+    # What is described already, whatever it is called here.
     have = {key for device in site.devices.values() for key in _identities_of(device)}
     added: list[Path] = []
     known = 0
@@ -59,9 +64,11 @@ def merge_findings(site: Site, found: Found) -> Merged:
         path: Path = ("devices", words[word])
         if words[word] not in site.devices:
             drives = device.drive is not None and _is_undriven(site, device.drive.topic)
+            # Nothing of it is new: an empty device would only be in the way.
             if not drives and all(key in have for key in _identities_of(device)):
                 known += len(_identities_of(device))
                 continue
+            # Its things are added one by one below, where each is compared.
             bare = msgspec.structs.replace(
                 device,
                 signals={},
@@ -75,6 +82,7 @@ def merge_findings(site: Site, found: Found) -> Merged:
         site, new, old = _fill_device(site, path, device, words=words, have=have)
         added += new
         known += old
+    # Last, when all that driving may refer to is there.
     site = _without_open_ends(site, added)
     return Merged(site, tuple(added), known, proposal.left_out)
 
@@ -157,10 +165,12 @@ def _identities_of(device: Device) -> list[tuple[str, ...]]:
 
 def _identity_of(thing: object) -> tuple[str, ...]:
     """Say what is read or called, whatever it is named here."""
+    # Commands have no source; they are known by what they call.
     source: Source | None = getattr(thing, "source", None)
     if source is None:
         command: Command = thing  # type: ignore[assignment]
         return ("command", command.kind, command.target)
     kind = type(thing).__name__
+    # As texts, for a source may hold dicts, which no set can hold.
     read = (str(part) for part in msgspec.structs.astuple(source))
     return (kind, type(source).__name__, *read)

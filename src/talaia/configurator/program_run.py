@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 __all__ = ["MAX_LINES", "ProgramPhase", "ProgramRun", "deploy_command", "up_command"]
 
 MAX_LINES = 2000
+# The greeting of `talaia up`, which prints these lines.
 _READY = re.compile(r" is up \([0-9.]+ s\):\s+(?P<address>https?://\S+)")
 _SETUP = re.compile(r"(?P<setup>https?://\S+/setup#\S+)")
+# Its last line: only then both parts run and the whole greeting is there.
 _LAST_WORD = "Ctrl-C stops everything"
 
 
@@ -47,12 +49,14 @@ class ProgramPhase(StrEnum):
 
 _NEXT = {
     ProgramPhase.IDLE: {ProgramPhase.STARTING},
+    # ENDED from here: a command that does its work and ends, as the deployment's does.
     ProgramPhase.STARTING: {
         ProgramPhase.UP,
         ProgramPhase.STOPPING,
         ProgramPhase.ENDED,
         ProgramPhase.FAILED,
     },
+    # No ENDED: a site that runs and ends by itself has failed, whatever its code.
     ProgramPhase.UP: {ProgramPhase.STOPPING, ProgramPhase.FAILED},
     ProgramPhase.STOPPING: {ProgramPhase.ENDED},
     ProgramPhase.ENDED: {ProgramPhase.STARTING},
@@ -72,8 +76,11 @@ class ProgramRun:
 
     def __init__(self) -> None:
         """Begin idle."""
+        # Changed by `_set_phase` alone.
         self.phase = ProgramPhase.IDLE
+        # Of the last run; cleared by the next start.
         self.lines: deque[str] = deque(maxlen=MAX_LINES)
+        # Found in the output while it starts; ``problem`` says why it failed. All empty at a start.
         self.address = self.setup = self.problem = ""
 
     @property
@@ -92,6 +99,7 @@ class ProgramRun:
         self.lines.clear()
         self.address = self.setup = self.problem = ""
         self.lines.append(
+            # Shown as a person would type it, not with the interpreter's path.
             "talaia " + " ".join(words[words.index("talaia") + 1 :])
             if "talaia" in words
             else " ".join(words)
@@ -106,6 +114,7 @@ class ProgramRun:
             self.address = ready["address"]
         elif setup := _SETUP.search(text):
             self.setup = setup["setup"]
+        # After the address and the link for the first admin, which stand above it.
         elif _LAST_WORD in text and self.address:
             self._set_phase(ProgramPhase.UP)
 
@@ -120,6 +129,7 @@ class ProgramRun:
         ):
             self._set_phase(ProgramPhase.ENDED)
             return
+        # The last line that says something; the first is the command itself.
         said = [line for line in self.lines if line.strip() and line.strip() != "stopping …"]
         self.problem = said[-1].strip() if len(said) > 1 else f"it ended with code {code}"
         self._set_phase(ProgramPhase.FAILED)

@@ -20,15 +20,20 @@ if TYPE_CHECKING:
 
 __all__ = ["DiscoveryPhase", "RobotDiscovery", "probe_command"]
 
+# Neither part may begin with "-": ssh would take it for an option that runs a program. ``\Z``, for
+# ``$`` would let a line end through.
 _HOST = re.compile(
     r"(?:(?P<user>[A-Za-z_][A-Za-z0-9_.-]{0,63})@)?"
     r"(?P<host>[A-Za-z0-9][A-Za-z0-9.-]{0,252}|\[[0-9A-Fa-f:.]{2,45}\])"
     r"(?::(?P<port>[0-9]{1,5}))?\Z"
 )
+# No blank and nothing that a shell would run: ssh's other end passes it to one. ``~`` is the home
+# there.
 _PROGRAM = re.compile(r"[A-Za-z0-9_~./][A-Za-z0-9_./-]{0,199}\Z")
 SECONDS = 5.0
 # Python starts, ROS finds its peers, ssh says hello.
 START_S = 6.0
+# Of the errors that ssh and the probe printed.
 _LAST_LINES = 6
 
 
@@ -47,6 +52,7 @@ def probe_command(
         BadHost: ``host`` or ``program`` is not what ssh may be given.
 
     """
+    # JSON, for the Talaia there may be of another version than this one.
     words = ["probe", "--json", "--seconds", f"{seconds:g}"]
     if not host.strip():
         return [*talaia, *words]
@@ -60,10 +66,12 @@ def probe_command(
         raise BadHost(
             f"{program!r} is not the path of a program; use letters, digits, dots, _ - and /"
         )
+    # ssh takes an IPv6 address without brackets, as the port is an option.
     name = match["host"].strip("[]")
     target = f"{match['user']}@{name}" if match["user"] else name
     # Nobody sits at a prompt: a question is an error that says what to do.
     options = ["-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10", "-p", str(port)]
+    # After ``--`` nothing is an option any more.
     return ["ssh", *options, "--", target, program, *words]
 
 
@@ -81,6 +89,7 @@ class DiscoveryPhase(StrEnum):
 _NEXT = {
     DiscoveryPhase.IDLE: {DiscoveryPhase.RUNNING},
     DiscoveryPhase.RUNNING: {DiscoveryPhase.CANCELLING, DiscoveryPhase.FAILED, DiscoveryPhase.DONE},
+    # A result that comes while it is being cancelled is not used.
     DiscoveryPhase.CANCELLING: {DiscoveryPhase.CANCELLED},
     DiscoveryPhase.CANCELLED: {DiscoveryPhase.RUNNING},
     DiscoveryPhase.FAILED: {DiscoveryPhase.RUNNING},
@@ -93,10 +102,15 @@ class RobotDiscovery:
 
     def __init__(self) -> None:
         """Begin idle."""
+        # Changed by `_set_state` alone.
         self.phase = DiscoveryPhase.IDLE
+        # What the last look found; none until it is done, and cleared by the next one.
         self.found: Found | None = None
+        # Why the last look failed, in words; empty else.
         self.problem = ""
+        # Which computer, for the words of a problem.
         self._where = ""
+        # How long the look should take (s), for the progress.
         self._planned = SECONDS + START_S
 
     def start(self, host: str, seconds: float = SECONDS) -> None:
@@ -108,6 +122,7 @@ class RobotDiscovery:
 
     def progress(self, elapsed: float) -> float:
         """Say how far it should be after ``elapsed`` seconds, 0 to 1; never quite 1."""
+        # Full only when the answer is there: a slow network must not look like a look that is over.
         return min(elapsed / self._planned, 0.97)
 
     def cancel(self) -> None:
@@ -174,11 +189,13 @@ _REMEDIES = (
 
 
 def _explain_failure(code: int, complained: str, where: str) -> str:
+    # Programs differ in their capitals from version to version.
     low = complained.lower()
     last = "\n".join(complained.strip().splitlines()[-_LAST_LINES:])
     for sign, remedy in _REMEDIES:
         if sign in low:
             return f"{remedy.format(where=where)}.\n{last}"
+    # What a shell gives for a command that it does not find (POSIX).
     if code == 127 or "command not found" in low:
         return (
             f"{where} has no talaia that a plain ssh command finds; install it there, or write "
