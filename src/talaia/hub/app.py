@@ -5,10 +5,7 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from fastapi import FastAPI
-
-from talaia.hub.api.guarded_routes import add_guarded, set_guards
-from talaia.hub.api.problems import answer_problems
+from talaia.hub.api.application import web_application
 from talaia.hub.api.server.request_guard import RequestGuard
 from talaia.hub.features.alarms import AlarmsFeature
 from talaia.hub.features.anomalies import AnomaliesFeature
@@ -35,6 +32,7 @@ from talaia.hub.lifecycle import opened
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from fastapi import FastAPI
     from starlette.types import ASGIApp
 
     from talaia.clock import Clock
@@ -134,7 +132,9 @@ class Hub:
         self.features = tuple(
             feature for feature in vars(self).values() if isinstance(feature, Feature)
         )
-        self.app = self._application()
+        # The guard goes first: the limits count by the person that it finds.
+        guards = (self.people.access.guard, self.people.limits.ask)
+        self.app = web_application(self.features, guards, self.running)
         self.asgi: ASGIApp = RequestGuard(self.app, settings)
 
     @asynccontextmanager
@@ -159,25 +159,6 @@ class Hub:
         return any(
             state.session for live in self.core.sites for state, _ in live.current.leases.values()
         )
-
-    def _application(self) -> FastAPI:
-        app = FastAPI(
-            title="Talaia hub",
-            # The browser's own pages speak to it; the description is made by the docs.
-            openapi_url=None,
-            lifespan=self.running,
-            redirect_slashes=False,
-        )
-        answer_problems(app)
-        # The guard goes first: the limits count by the person that it finds.
-        set_guards(app, self.people.access.guard, self.people.limits.ask)
-        for feature in self.features:
-            for socket in feature.sockets:
-                # Sockets admit by themselves; before the route that takes every path.
-                app.router.routes[0:0] = socket.routes
-            for router in feature.routers:
-                add_guarded(app, router)
-        return app
 
 
 def build(settings: Settings, clock: Clock, history: History | None = None) -> Hub:
