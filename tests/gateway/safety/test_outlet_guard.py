@@ -190,7 +190,9 @@ def test_outlets_that_do_not_fit_are_told_with_their_place(
 
 async def test_a_command_with_off_behind_the_outlets_name_cuts_its_power(tmp_path: Path) -> None:
     power = EXAMPLE.devices["power"]
-    off = replace(power.commands["outlet1"], arguments={}, fixed={"data": False}, role="")
+    off = replace(
+        power.commands["outlet1"], arguments={}, fixed={"data": False}, role=CommandRole.AUTO
+    )
     power = replace(power, commands={"plug_off": off}, outlets={"plug": Outlet(feeds=("dome",))})
     site = replace(EXAMPLE, devices={**EXAMPLE.devices, "power": power})
     assert check(site) == []
