@@ -18,6 +18,7 @@ from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.model.checks.site_checks import check
 from talaia.model.interlocks.outlet import Outlet, OutletCommand
+from talaia.model.roles import CommandRole
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
 from talaia.wire.frames import CommandPhase, CommandRequest, CommandState
 

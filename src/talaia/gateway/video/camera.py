@@ -155,9 +155,11 @@ class _Rung:
         self.encoder: h264.Encoder | None = None
         self.slower = 1
 
-    def is_due(self, mono_us: int, slower: int) -> bool:
+    def is_due(self, mono_us: int, share: float) -> bool:
         """Tell whether the pace allows a picture now; if so, count it as taken."""
-        period = self.period_us * max(slower, self.slower)
+        # On a whole line the next picture gets an encoder of its own pace, so nothing is left out.
+        slower = 1 if share >= 1 else max(_slower(share), self.slower)
+        period = self.period_us * slower
         # A tenth early will do: pictures come with jitter.
         if mono_us < self._due_us - period // 10:
             return False
@@ -306,7 +308,7 @@ class PictureStream:
             rung = self._rungs[form] = _Rung(_rate(form, self._stream.max_rate))
         # A list, not `any` of a generator: each question takes its answer away.
         asked = any([sink.key_due(self.address, picture_form) for picture_form in served])  # noqa: C419 - each is asked
-        if share <= 0 or not rung.is_due(stamp.mono_us, _slower(share)):
+        if share <= 0 or not rung.is_due(stamp.mono_us, share):
             # One who has just come waits no longer than need be.
             if asked:
                 rung.key_now(-_KEY_EVERY_US, asked=True)
