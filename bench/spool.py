@@ -22,8 +22,9 @@ import psutil
 import talaia.gateway.adapters.ros2.adapter
 import talaia.gateway.run  # noqa: F401
 from talaia.gateway.samples.batching import records_of
-from talaia.gateway.spool.journal import SEGMENT_BYTES, SegmentHead, Spool
+from talaia.gateway.spool.journal import SegmentHead, Spool
 from talaia.gateway.spool.segment import records
+from talaia.gateway.spool.sizes import USUAL
 from talaia.wire.columns import Columns
 
 CHANNELS = 20
@@ -82,7 +83,7 @@ def day() -> dict[str, float]:
         packed = sum(each.stat().st_size for each in closed)
         kept = next(each.first for _, each in records(current.read_bytes()) if each.samples)
         spool.close()
-    whole = packed / kept * 86_400_000 + SEGMENT_BYTES
+    whole = packed / kept * 86_400_000 + USUAL.segment
     return {"gib_a_day": whole / 2**30, "bytes_a_sample": packed / kept, "cpu_s": used}
 
 

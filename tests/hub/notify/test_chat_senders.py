@@ -33,7 +33,9 @@ LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
 
 
 async def chat(url: str, networks=LOOPBACK):
-    return await Sender(networks).send(Way(1, "way", WayKind.CHAT, {}, ()), {"url": url}, "", SAID)
+    return await Sender(networks).send(
+        Way(1, "way", WayKind.CHAT, {}, ()), {"url": url}, target="", message=SAID
+    )
 
 
 async def test_ntfy_gets_title_text_and_urgency() -> None:

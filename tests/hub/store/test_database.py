@@ -28,7 +28,7 @@ from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit, AuditFilter
-from talaia.hub.store.database import Database, _last_migration
+from talaia.hub.store.database import Database, _last_migration, _upgrade
 from talaia.hub.store.database_url import reach
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import metadata
@@ -124,7 +124,7 @@ KILLED = """
 import asyncio, os, signal, sys
 from sqlalchemy import event
 from talaia.hub.store import migrations
-from talaia.hub.store.database import Database, _last_migration
+from talaia.hub.store.database import Database, _last_migration, _upgrade
 
 left = int(sys.argv[2])
 database = Database(sys.argv[1])
@@ -159,6 +159,18 @@ async def test_of_programs_that_start_at_once_one_makes_the_tables(database_url)
     async with databases[0].read() as connection:
         assert (await connection.execute(text("SELECT COUNT(*) FROM roles"))).scalar() == 3
     for database in databases:
+        await database.close()
+
+
+async def test_who_migrates_next_sees_the_last_step_of_the_one_before(database_url) -> None:
+    first, second = Database(database_url), Database(database_url)
+    async with first._writer.begin() as connection:
+        await connection.run_sync(_upgrade)
+        if "mariadb" in database_url:
+            # The others hold their lock for as long as the transaction.
+            await second.migrate()
+    await second.migrate()
+    for database in (first, second):
         await database.close()
 
 

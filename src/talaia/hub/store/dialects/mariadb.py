@@ -89,6 +89,9 @@ class MariadbDialect:
             raise StoreDown("another program is changing the tables", "try again soon")
         try:
             yield
+            # A change of a table commits what was before it, the last step's number not: whoever
+            # gets the lock next would read the number before, and do that step again.
+            connection.exec_driver_sql("COMMIT")
         finally:
             connection.execute(text("SELECT RELEASE_LOCK(:name)"), name)
 
