@@ -31,6 +31,7 @@ class AiPage(Page):
         card = Card()
         self.visualization = Switch("Visualization")
         self.visualization.setChecked(True)
+        # Shown for the list to be whole; there is nothing to switch.
         self.visualization.setEnabled(False)
         self.anomalies = Switch("&Anomaly detection")
         self.objects = Switch("&Object detection")
@@ -70,6 +71,7 @@ class AiPage(Page):
         wrong = {
             ".".join(problem.spot.field): str(problem)
             for problem in self._editor.document.problems
+            # Problems of the site itself have the empty path.
             if not problem.spot.node
         }
         self.form.show_thing(

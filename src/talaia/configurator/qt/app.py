@@ -23,11 +23,14 @@ _LOOK_MS = 300
 
 def make_application() -> QApplication:
     """Give the one Qt application, with the style that the colours are made for."""
+    # Qt allows one application in a process; a test may have made it.
     there = QApplication.instance()
     made = there if isinstance(there, QApplication) else QApplication(sys.argv[:1])
     made.setApplicationName("talaia")
     made.setApplicationDisplayName("Talaia")
+    # Wayland finds the window's icon by it.
     made.setDesktopFileName("talaia")
+    # The same on every system; a native style takes only part of the style sheet.
     made.setStyle("Fusion")
     return made
 
@@ -35,7 +38,9 @@ def make_application() -> QApplication:
 def run_window(means: Means, file: Path | None) -> int:
     """Show the window until it is closed; gives the exit code."""
     qt = make_application()
+    # Kept in a variable: Qt does not hold a window that Python lets go of.
     window = Window(means)
+    # Where it cannot be opened the window says why, and is shown all the same.
     if file is not None:
         window.open_file(file)
     window.show()

@@ -94,7 +94,9 @@ class DevicesPage(Page):
             "recordings are written in the file, and stay as they are.",
         )
         self._editor = editor
+        # The tree's items by path; made anew when other things are there.
         self._items: dict[Path, QTreeWidgetItem] = {}
+        # What the tree was made for, to know whether names alone have changed.
         self._shown: list[tuple[Path, str]] = []
         split = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=False)
         split.addWidget(self._make_tree_pane())
@@ -156,6 +158,7 @@ class DevicesPage(Page):
         things = list(things_of(self._editor.site))
         if [path for path, _ in things] == [path for path, _ in self._shown]:
             for path, name in things:
+                # Renamed in place: a new tree would close what a person opened.
                 if self._items[path].text(0) != name:
                     self._items[path].setText(0, name)
         else:
@@ -164,8 +167,10 @@ class DevicesPage(Page):
         self._show_details()
 
     def _fill_tree(self, things: list[tuple[Path, str]], chosen: Path) -> None:
+        # What was closed by hand stays so in the new tree.
         closed = {path for path, item in self._items.items() if not item.isExpanded()}
         known = set(self._items)
+        # While it is filled the current item changes, and a form would be built for each.
         self.tree.blockSignals(True)  # noqa: FBT003 - Qt's own
         self.tree.clear()
         self._items = {}
@@ -180,6 +185,7 @@ class DevicesPage(Page):
             # Devices begin closed where there are many things.
             is_open = path not in closed if path in known else len(path) < 2 or len(things) < 40
             item.setExpanded(is_open)
+        # What was selected is gone: the thing that it stood in comes next.
         while chosen and chosen not in self._items:
             chosen = _parent_item(chosen)
         self.tree.setCurrentItem(self._items[chosen])
@@ -193,6 +199,7 @@ class DevicesPage(Page):
     def select(self, path: Path, field: Path = ()) -> bool:
         """Select a thing, or the nearest one above, and put the focus into a field of it."""
         exact = path in self._items
+        # Ends at the empty path: the site itself is always there.
         while path not in self._items:
             path = path[:-1]
         self.tree.setCurrentItem(self._items[path])
@@ -234,6 +241,7 @@ class DevicesPage(Page):
     def _show_groups(self) -> list[Group]:
         site, path = self._editor.site, self.selected()
         here = list(groups_at(site, path))
+        # A device can be added from anywhere.
         return here if path == () else [*here, *groups_at(site, ())]
 
     # ── changing ──

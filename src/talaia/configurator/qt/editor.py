@@ -36,7 +36,9 @@ class Editor(QObject):
     def __init__(self, document: Document, file: Path | None = None) -> None:
         """Begin with a document, and its file if it has one."""
         super().__init__()
+        # Replaced as a whole when another is opened; pages must not keep it.
         self.document = document
+        # Where it is saved; none for one that has no file yet. Set by the window after a save.
         self.file = file
 
     @property
@@ -52,12 +54,14 @@ class Editor(QObject):
     def apply(self, what: str, change: Callable[[Site], Site]) -> bool:
         """Make a change; false where it is refused or nothing is different."""
         try:
+            # Made on a copy: what raises half way has changed nothing.
             made = change(self.site)
         except ConfiguratorError as error:
             self.refused.emit(str(error))
             return False
         if not self.document.change(what, made):
             return False
+        # Takes back what the window still says of a change that was refused before.
         self.refused.emit("")
         self.changed.emit()
         return True

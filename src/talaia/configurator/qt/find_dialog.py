@@ -57,11 +57,15 @@ class FindDialog(QDialog):
         self.setWindowTitle("Find on robot")
         self.setMinimumWidth(560)
         self._editor, self._talaia = editor, tuple(talaia)
+        # What has come of the search; the process below only brings it words.
         self.look = RobotDiscovery()
+        # Apart, not together: the output must be JSON, whatever ssh says beside it.
         self._process = Process(self, together=False)
         self._process.ended.connect(self._on_ended)
         self._process.not_started.connect(self._not_started)
+        # Monotonic: the bar must not jump with the machine's clock.
         self._since = QElapsedTimer()
+        # Moves the bar (ms) while a probe runs.
         self._tick = QTimer(self, interval=100)
         self._tick.timeout.connect(self._show_progress)
         body = QVBoxLayout(self)
@@ -146,6 +150,7 @@ class FindDialog(QDialog):
             return
         self._show_message("Looking …", "")
         self.left_out.hide()
+        # Before the process: it may fail to start at once, and that must find a search that runs.
         self.look.start(host, self.seconds.value())
         self._since.start()
         self._tick.start()
@@ -194,7 +199,9 @@ class FindDialog(QDialog):
         elif self.look.phase is DiscoveryPhase.FAILED:
             self._show_message("", self.look.problem)
         elif self.look.found is not None:
+            # Into the site as it is now: the person may have changed it while the probe ran.
             result = merge_findings(self._editor.site, self.look.found)
+            # One step, so that one undo takes all of it back.
             self._editor.apply("find on robot", lambda _: result.site)
             self._show_message(_summary_text(result), "")
             self.left_out.setPlainText("Left out:\n" + "\n".join(result.left_out))

@@ -32,6 +32,7 @@ _HEADINGS = {
     "stop": "Software stop",
     "detect": "Object detection",
 }
+# Of a list's field; longer ones scroll in it.
 _LINES = 3
 
 
@@ -42,6 +43,7 @@ class _Lines(QPlainTextEdit):
 
     def __init__(self) -> None:
         super().__init__()
+        # Tab leads on, or who has no mouse could not leave the field.
         self.setTabChangesFocus(True)
         height = self.fontMetrics().lineSpacing() * _LINES + 16
         self.setFixedHeight(height)
@@ -64,17 +66,20 @@ class _Field:
         self.widget.setObjectName(row.key)
         self.wrong = make_label("", "bad", wrap=True)
         self.wrong.hide()
+        # As the description has it; what is typed is compared with it.
         self.text = ""
 
     def _make_widget(self) -> QWidget:
         row = self.row
         if row.kind in (RowKind.TRUTH, RowKind.PART):
             switch = Switch("")
+            # Clicked, not toggled: showing a value must not count as a change by a person.
             switch.clicked.connect(lambda on=False: self._apply_text("true" if on else "false"))
             return switch
         if row.kind is RowKind.CHOICE:
             choice = ComboBox()
             choice.addItems(list(row.choices))
+            # Activated: by a person only, not when a value is shown.
             choice.textActivated.connect(self._apply_text)
             return choice
         if row.kind in (RowKind.LIST, RowKind.PAIRS):
@@ -90,6 +95,7 @@ class _Field:
         return line
 
     def _apply_text(self, text: str) -> None:
+        # Leaving a field without a change is no step for undo.
         if text == self.text:
             return
         try:
@@ -109,6 +115,7 @@ class _Field:
         elif isinstance(widget, QComboBox):
             widget.setCurrentText(text)
         elif isinstance(widget, QPlainTextEdit):
+            # Setting the same text again would put the cursor to its start.
             if widget.toPlainText() != text:
                 widget.setPlainText(text)
         elif isinstance(widget, QLineEdit) and widget.text() != text:
@@ -141,7 +148,9 @@ class Form(QWidget):
         self._grid.setVerticalSpacing(SPACE[0])
         self._grid.setHorizontalSpacing(SPACE[2])
         self._grid.setColumnStretch(1, 1)
+        # By `Row.key`; made anew by `_make`.
         self._fields: dict[str, _Field] = {}
+        # What the fields were made for, and of which thing; others make them anew.
         self._rows: tuple[Row, ...] = ()
         self._for: object = None
 
@@ -163,6 +172,7 @@ class Form(QWidget):
         """
         focused = ""
         if tuple(rows) != self._rows or key != self._for:
+            # The same thing with other rows: a switch was used, and the focus may be on it.
             if key == self._for:
                 focused = next((k for k, f in self._fields.items() if f.widget.hasFocus()), "")
             self._make(rows)
@@ -193,6 +203,8 @@ class Form(QWidget):
         return self._fields[key].widget
 
     def _make(self, rows: Sequence[Row]) -> None:
+        # Hidden at once: `deleteLater` waits for the event loop, and the old ones would show
+        # through.
         while item := self._grid.takeAt(0):
             if widget := item.widget():
                 widget.hide()
@@ -200,6 +212,7 @@ class Form(QWidget):
         self._fields = {}
         self._rows = tuple(rows)
         at, above = 0, ""
+        # Own fields first, then each group below its heading.
         flat = [row for row in rows if len(row.path) == 1]
         for row in [*flat, *(row for row in rows if len(row.path) > 1)]:
             group = row.path[0] if len(row.path) > 1 else ""
@@ -217,10 +230,13 @@ class Form(QWidget):
             side = Qt.AlignmentFlag.AlignTop if lines else Qt.AlignmentFlag.AlignVCenter
             self._grid.addWidget(name, at, 0, side)
             self._grid.addWidget(field.widget, at, 1)
+            # A row of its own for what is wrong; hidden it takes no room.
             self._grid.addWidget(field.wrong, at + 1, 1)
             self._fields[row.key] = field
             at += 2
+        # The rest of the height goes below the last field, not between them.
         self._grid.setRowStretch(at, 1)
+        # In the order on the screen, whatever order Qt has them in.
         previous: QWidget | None = None
         for field in self._fields.values():
             if previous is not None:

@@ -75,7 +75,9 @@ class GeneratePage(Page):
         super().__init__("Generate", "Save the description and start everything that it needs.")
         self._editor, self._talaia, self._save = editor, tuple(talaia), save
         self._open_page, self._data = open_page, data
+        # What has come of the site that runs here, and of the deployment that is written.
         self.run, self.made = ProgramRun(), ProgramRun()
+        # Their processes; the two may run at the same time.
         self._site = self._connect_process(self.run)
         self._deploy = self._connect_process(self.made)
         self.body.addWidget(self._make_run_card())
@@ -162,6 +164,7 @@ class GeneratePage(Page):
 
     def start(self) -> None:
         """Save, and start hub and gateway; what runs already is started anew."""
+        # In this order: a dialog for the file is opened only when it can start.
         if self._editor.document.problems or self.run.is_alive or not self._save():
             self.show_state()
             return
@@ -179,6 +182,7 @@ class GeneratePage(Page):
         """End hub and gateway before the window goes."""
         for run, process in ((self.run, self._site), (self.made, self._deploy)):
             if run.is_alive:
+                # Else it was asked to end already, and is only waited for.
                 if run.phase is not ProgramPhase.STOPPING:
                     run.stop()
                     process.stop()
@@ -211,6 +215,7 @@ class GeneratePage(Page):
             self._open_page(self.run.page)
 
     def _begin_run(self, run: ProgramRun, process: Process, words: list[str]) -> None:
+        # Before the process: it may fail to start at once, and that must find a run that starts.
         run.start(words)
         self.log.appendPlainText(f"$ {run.lines[0]}")
         process.start(words)
@@ -223,6 +228,7 @@ class GeneratePage(Page):
             self.log.appendPlainText(line)
         if run.phase is not before:
             self.show_state()
+            # The only change of phase by a line is that the site is up.
             if run is self.run:
                 self.open_button.setFocus()
                 self.open_dashboard()

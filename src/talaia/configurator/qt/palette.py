@@ -93,6 +93,7 @@ def qt_palette(colours: Colours) -> QPalette:
     """Give Qt's roles their colours, for all that the style sheet does not name."""
     role = QPalette.ColorRole
     palette = QPalette()
+    # A role that is not named keeps the system's colour, which may be unreadable on this theme.
     for colour_role, colour in (
         (role.Window, colours.bg),
         (role.WindowText, colours.text),
@@ -115,6 +116,7 @@ def qt_palette(colours: Colours) -> QPalette:
     ):
         palette.setColor(colour_role, QColor(colour))
     for colour_role in (role.Text, role.WindowText, role.ButtonText):
+        # The roles above are set for all states; disabled text would look as if it could be used.
         palette.setColor(QPalette.ColorGroup.Disabled, colour_role, QColor(colours.edge))
     return palette
 

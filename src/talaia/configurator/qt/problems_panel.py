@@ -38,6 +38,7 @@ class ProblemsPanel(QWidget):
         self.list.setAccessibleDescription("Press Enter to go to the field")
         self.list.setVerticalScrollMode(QListWidget.ScrollMode.ScrollPerPixel)
         self.list.itemClicked.connect(self._open_problem)
+        # Enter; a click comes by the signal above.
         self.list.itemActivated.connect(self._open_problem)
         body.addWidget(self.list)
         editor.changed.connect(self.show_problems)
@@ -61,6 +62,7 @@ class ProblemsPanel(QWidget):
             for text in wanted:
                 self.list.addItem(QListWidgetItem(text))
         self.list.setVisible(bool(count))
+        # More are scrolled to: the page above needs the room.
         rows = min(count, 3)
         self.list.setFixedHeight(rows * (self.fontMetrics().lineSpacing() + 8) + 6)
 
@@ -68,6 +70,7 @@ class ProblemsPanel(QWidget):
         """Go to the problem after the selected one."""
         count = self.list.count()
         if count:
+            # No selection is row -1, so that the first comes next; after the last the first again.
             number = (self.list.currentRow() + 1) % count
             self.list.setCurrentRow(number)
             self.go_to(number)
@@ -83,6 +86,7 @@ class ProblemsPanel(QWidget):
     def _paint_sentence(self, part: str) -> None:
         if self.sentence.property("part") != part:
             self.sentence.setProperty("part", part)
+            # Qt reads a property for the style sheet only once, unless it is told to style anew.
             self.sentence.style().unpolish(self.sentence)
             self.sentence.style().polish(self.sentence)
             self.sentence.setTextInteractionFlags(Qt.TextInteractionFlag.NoTextInteraction)

@@ -32,9 +32,12 @@ class Process(QObject):
     def __init__(self, parent: QObject, *, together: bool) -> None:
         """Choose whether lines are told as they come, or all is kept until the end."""
         super().__init__(parent)
+        # Whether errors come among the lines, as a log shows them, or apart, beside JSON.
         self._together = together
+        # The same object for every run; Qt's signals come on the window's thread.
         self._process = QProcess(self)
         environment = QProcessEnvironment.systemEnvironment()
+        # Python holds output to a pipe back otherwise, and the log would come in blocks.
         environment.insert("PYTHONUNBUFFERED", "1")
         self._process.setProcessEnvironment(environment)
         if together:
@@ -42,6 +45,7 @@ class Process(QObject):
             self._process.readyReadStandardOutput.connect(self._read_output)
         self._process.finished.connect(self._on_finished)
         self._process.errorOccurred.connect(self._on_failed)
+        # Runs from `stop` on; ended by the process's end.
         self._end = QTimer(self, singleShot=True, interval=PATIENCE_MS)
         self._end.timeout.connect(self._process.kill)
 
@@ -52,11 +56,13 @@ class Process(QObject):
 
     def start(self, words: Sequence[str]) -> None:
         """Start it; the first word is the program."""
+        # Nothing may wait for an answer that nobody can type.
         self._process.setStandardInputFile(QProcess.nullDevice())
         self._process.start(words[0], list(words[1:]))
 
     def stop(self) -> None:
         """Ask it to end, and end it when it does not."""
+        # SIGTERM, which `talaia up` takes for Ctrl-C.
         self._process.terminate()
         self._end.start()
 
@@ -75,14 +81,17 @@ class Process(QObject):
         self._end.stop()
         if self._together:
             self._read_output()
+            # A last line without an end, as of a program that was killed.
             if rest := bytes(self._process.readAll().data()):
                 self.said.emit(rest.decode(errors="replace").rstrip())
             out, errors = b"", ""
         else:
             out = bytes(self._process.readAllStandardOutput().data())
             errors = bytes(self._process.readAllStandardError().data()).decode(errors="replace")
+        # A crash has no exit code; Qt's number is none.
         self.ended.emit(-1 if status is QProcess.ExitStatus.CrashExit else code, out, errors)
 
     def _on_failed(self, error: QProcess.ProcessError) -> None:
+        # A crash is told by `finished`, too.
         if error is QProcess.ProcessError.FailedToStart:
             self.not_started.emit()

@@ -62,6 +62,7 @@ class _Service(Card):
     ) -> None:
         super().__init__()
         self._editor, self._name = editor, name
+        # How its things are found in a site, how one is added, and the fields on the card.
         self._found, self._added, self._entries = found, added, entries
         self.switch = Switch(name)
         self.switch.setAccessibleDescription(sentence)
@@ -91,6 +92,7 @@ class _Service(Card):
     def _connect_entry(self, entry: _Entry) -> None:
         widget = entry.widget
         if isinstance(widget, QComboBox):
+            # Activated: by a person only, not when a value is shown.
             widget.activated.connect(lambda _: self._apply_text(entry, widget.currentData()))
         else:
             widget.editingFinished.connect(lambda: self._apply_text(entry, widget.text()))
@@ -133,6 +135,7 @@ class _Service(Card):
                 f"remove {self._name.lower()}",
                 lambda site: edits.without_things(site, self._found(site)),
             )
+        # The switch has moved by itself; a change that was refused must move it back.
         if not done:
             self.show_site()
 
@@ -141,6 +144,7 @@ class _Service(Card):
         if not paths:
             return
         value: object = DriveMessage(text) if entry.field == ("message",) else text.strip()
+        # Numbers are read by the form's own rule, so that both fields take the same.
         if entry.field[-1].startswith("max_"):
             kind = next(setting for setting in rows_of(Drive) if setting.path == entry.field)
             try:

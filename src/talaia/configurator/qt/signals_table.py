@@ -23,6 +23,7 @@ __all__ = ["REMOVE", "SignalsTable"]
 
 _HEADS = ("Name", "Unit", "Device", "Comes from", "1st", "")
 _TIPS = ("", "", "", "", "Shown on the first page", "Remove")
+# Columns of the two that a click changes something in.
 FIRST_PAGE, REMOVE = 4, 5
 Index = QModelIndex | QPersistentModelIndex
 
@@ -47,7 +48,9 @@ class SignalsTable(QAbstractTableModel):
     def __init__(self, parent: QObject) -> None:
         """Begin empty."""
         super().__init__(parent)
+        # As shown, in the order of the description.
         self._rows: list[_Shown] = []
+        # Row by path; made with the rows.
         self._places: dict[Path, int] = {}
 
     def show_site(self, site: Site) -> None:
@@ -57,6 +60,7 @@ class SignalsTable(QAbstractTableModel):
             for device_id, device in site.devices.items()
             for word, signal in device.signals.items()
         ]
+        # No reset: it would take the selection and the place of the scroll bar away.
         if [row.path for row in rows] == [row.path for row in self._rows]:
             self._rows = rows
             if rows:
@@ -83,6 +87,7 @@ class SignalsTable(QAbstractTableModel):
 
     def rowCount(self, parent: Index | None = None) -> int:  # noqa: N802 - Qt's name
         """Say how many signals there are."""
+        # A valid parent is a cell, and cells of a table have no rows below them.
         return 0 if parent is not None and parent.isValid() else len(self._rows)
 
     def columnCount(self, parent: Index | None = None) -> int:  # noqa: N802 - Qt's name
@@ -137,6 +142,7 @@ class SignalsTable(QAbstractTableModel):
         """Pass a tick in the first-page column on; the description decides what is shown."""
         if role != Qt.ItemDataRole.CheckStateRole or index.column() != FIRST_PAGE:
             return False
+        # Not set here: the change goes through the editor, and comes back as another site.
         self.switched.emit(self._rows[index.row()].path, Qt.CheckState(value) is not _OFF)
         return True
 

@@ -99,6 +99,7 @@ class ComboBox(QComboBox):
         """Begin without a choice."""
         super().__init__(parent)
         self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        # Else the longest choice decides how wide the whole page is.
         self.setMinimumContentsLength(8)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802 - Qt's name
@@ -183,6 +184,7 @@ class Page(QScrollArea):
 def make_label(text: str, part: str = "", *, wrap: bool = False) -> QLabel:
     """Make a label of one of the style sheet's parts; it shows text, never markup."""
     made = QLabel(text)
+    # Names and answers come from files and robots: markup in them must not be drawn.
     made.setTextFormat(Qt.TextFormat.PlainText)
     made.setWordWrap(wrap)
     if part:
@@ -235,5 +237,6 @@ def mark_wrong(widget: QWidget, *, wrong: bool) -> None:
     """Draw a field's border as wrong, or as usual."""
     if bool(widget.property("wrong")) != wrong:
         widget.setProperty("wrong", wrong)
+        # Qt reads a property for the style sheet only once, unless it is told to style anew.
         widget.style().unpolish(widget)
         widget.style().polish(widget)

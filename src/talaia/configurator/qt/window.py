@@ -76,6 +76,7 @@ class Window(QMainWindow):
         """Begin with a new description."""
         super().__init__()
         self._means = means
+        # First: each page below shows its document at once, and listens to its changes.
         self.editor = Editor(self._new_document())
         self.ai, self.sensors = AiPage(self.editor), SensorsPage(self.editor)
         self.robot, self.devices = RobotPage(self.editor), DevicesPage(self.editor)
@@ -86,6 +87,7 @@ class Window(QMainWindow):
             open_page=means.open_page,
             data=means.data,
         )
+        # One for the window's life, so that it keeps the robot's name between searches.
         self.finder = FindDialog(self.editor, means.talaia, self)
         self.problems = ProblemsPanel(self.editor)
         self._build_layout()
@@ -93,6 +95,7 @@ class Window(QMainWindow):
         self.editor.changed.connect(self._show_state)
         self.editor.refused.connect(self._show_message)
         self.editor.wanted.connect(self.go_to)
+        # The machine's theme may change while the window is open, at sunset for example.
         QApplication.styleHints().colorSchemeChanged.connect(lambda _: self.paint())
         self.paint()
         self._show_state()
@@ -114,6 +117,7 @@ class Window(QMainWindow):
         self.pages = QStackedWidget()
         for page in (self.ai, self.sensors, self.robot, self.devices, self.generate):
             self.pages.addWidget(page)
+        # The list leads and the pages follow, so that both never show different steps.
         self.steps.currentRowChanged.connect(self._turn_page)
         self.back = make_button("&Back", lambda: self.show_page(self.pages.currentIndex() - 1))
         self.next = make_button(
@@ -152,6 +156,7 @@ class Window(QMainWindow):
 
     def _make_actions(self) -> None:
         bar = QToolBar("File", movable=False)
+        # Its menu could hide the tool bar, and nothing here would show it again.
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.addToolBar(bar)
@@ -167,6 +172,7 @@ class Window(QMainWindow):
             shortcut = made.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
             made.setToolTip(f"{text.rstrip(' …')} ({shortcut})" if shortcut else text)
             tool = bar.widgetForAction(made)
+            # Tool buttons are left out of the Tab key's way otherwise.
             tool.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             tool.setAccessibleName(text.rstrip(" …"))
             return made
@@ -245,6 +251,7 @@ class Window(QMainWindow):
             self._show_message(f"{file.name} cannot be opened: {error}")
             return False
         self._show_message("")
+        # A command file of an observatory is only read: what comes of it is saved elsewhere.
         self.editor.replace(document, file if document.opened else None)
         return True
 
@@ -253,6 +260,7 @@ class Window(QMainWindow):
         self._commit_editing()
         if self.editor.file is None:
             return self.save_as()
+        # Nothing to write: the file's time stays as it is.
         if self.editor.document.opened and not self.editor.document.is_changed:
             return True
         return self._write_file(self.editor.file)
@@ -271,6 +279,7 @@ class Window(QMainWindow):
         try:
             save_document(self.editor.document, file, over=over)
         except FileChanged as error:
+            # Asked only now: until the file is compared nobody knows that it was changed.
             sure = self._ask_person(f"{error}. Overwrite it?", QMessageBox.StandardButton.Save)
             return sure is QMessageBox.StandardButton.Save and self._write_file(file, over=True)
         except (NotWritten, DescriptionError) as error:
@@ -288,6 +297,7 @@ class Window(QMainWindow):
         """Take in what is being typed: a field tells its value when the focus leaves it."""
         focused = QApplication.focusWidget()
         if focused is not None and self.isAncestorOf(focused):
+            # A field commits when the focus leaves it; then it gets it back.
             focused.clearFocus()
             focused.setFocus()
 
@@ -314,6 +324,7 @@ class Window(QMainWindow):
         if not self._may_close():
             event.ignore()
             return
+        # After the question about changes: who stays for those keeps the dashboard, too.
         if self.generate.run.is_alive:
             buttons = QMessageBox.StandardButton
             question = "The dashboard runs as long as this window. Stop it and close?"
@@ -344,6 +355,7 @@ class Window(QMainWindow):
     def _show_state(self) -> None:
         document = self.editor.document
         name = self.editor.file.name if self.editor.file else "new description"
+        # Qt shows ``[*]`` as a star while the window is modified.
         self.setWindowTitle(f"{self.editor.site.name} — {name}[*] — Talaia")
         self.setWindowModified(document.is_changed)
         for action, word, what in (
