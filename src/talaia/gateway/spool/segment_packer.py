@@ -19,7 +19,10 @@ log = logging.getLogger(__name__)
 
 
 def pack_segment(segment: Segment) -> None:
-    """Write a closed segment anew, smaller; a crash leaves the old or the new."""
+    """Write a closed segment anew, smaller; a crash leaves the old or the new.
+
+    Either is forced to disk: nobody else forces a segment that is closed.
+    """
     beside = segment.path.with_suffix(".new")
     try:
         # Into memory whole: a segment is bounded by its size, and only one is packed at a time.
@@ -37,8 +40,22 @@ def pack_segment(segment: Segment) -> None:
     except (OSError, IndexError) as error:
         log.debug("%s stays as it is: %s", segment.path, error)
         unlinked(beside)
+        _force_to_disk(segment)
         return
     # After the file is in its place, on the same thread as all readers.
     segment.size = len(whole)
     # Offsets that readers hold were of the old file.
     segment.turn += 1
+
+
+def _force_to_disk(segment: Segment) -> None:
+    try:
+        # Opened anew, as its writer has closed it: what is forced is the file, whoever wrote it.
+        file = os.open(segment.path, os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            os.fdatasync(file)
+        finally:
+            os.close(file)
+    # As in `SegmentWriter.sync`: the disk is not asked again.
+    except OSError as error:
+        log.warning("%s cannot be forced to disk: %s", segment.path, error)

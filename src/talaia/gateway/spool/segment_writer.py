@@ -44,7 +44,7 @@ class SegmentWriter:
 
     def begin(self) -> None:
         """Close the file of the segment before; the next one is not there yet."""
-        # Not forced to disk here: a closed segment that the hub has not is packed, which forces it.
+        # Not forced to disk here: `pack_segment` forces a closed segment that the hub has not.
         if self._file >= 0:
             os.close(self._file)
         self._file = -1
