@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from talaia.hub.live.gateways import ingest
+from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import (
     EventUpdate,
     Greeting,
@@ -26,6 +27,12 @@ from talaia.wire.message import PROTOCOL, speaks
 
 RECORDED = Path(__file__).parents[3] / "wire" / "recorded" / "first.json"
 NOW = 1_700_000_000_000_000
+# A device that comes before all others, and so moves the number of each of their channels.
+APRON = """  apron:
+    name: Apron
+    signals:
+      light: {name: Light, source: {topic: /light, type: std_msgs/msg/Float64, field: data}}
+"""
 
 
 def columns(values: Values):
@@ -265,6 +272,30 @@ async def test_changed_description_renews_subscriptions(hub, gateway) -> None:
     second = await hub.gateway()
     await second.hello(second.description.replace("charge:", "level:"))
     assert (await page.hear(Subscribed)).refused == ["power/charge"]
+
+
+@pytest.mark.parametrize("every_ms", [0, 20])
+async def test_pages_that_share_a_channel_keep_it_when_a_description_moves_its_number(
+    hub, gateway, every_ms
+) -> None:
+    pages = [await hub.page("operator"), await hub.page("admin")]
+    for page in pages:
+        await subscribed(page, "base/speed", every_ms=every_ms)
+    await gateway.close()
+    second = await hub.gateway()
+    changed = second.description.replace("devices:\n", f"devices:\n{APRON}", 1)
+    await second.hello(changed)
+    second.channels = {
+        channel.address: at for at, channel in enumerate(load_site(changed).channels())
+    }
+    assert second.channels["base/speed"] > gateway.channels["base/speed"]
+    for page in pages:
+        await page.hear(Subscribed)
+    # Every channel has a value of its own, so that another one's is told from it.
+    await second.samples(*[(address, NOW, float(at)) for address, at in second.channels.items()])
+    for page in pages:
+        values = columns(await page.hear(Values))
+        assert values.value.tolist() == [float(second.channels["base/speed"])]
 
 
 async def test_address_that_is_asked_twice_is_sent_once(hub, gateway) -> None:

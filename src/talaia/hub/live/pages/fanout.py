@@ -113,12 +113,16 @@ class Fanout:
 
     def redescribe(self, live: LiveSite) -> None:
         """Start every subscription of a site anew, after its channels changed."""
-        # A list first: `subscribe` changes the groups that it comes from.
+        # A list first: ending and starting change the groups that it comes from.
         members = [
             (member[0], asked)
             for group in list(self._groups.get(live.name, {}).values())
             for member, asked in group.members.items()
         ]
+        # All end before one starts: a group that still has a member is joined as it is, with the
+        # channel numbers of the description before.
+        for browser, asked in members:
+            self.unsubscribe(browser, asked.sub)
         for browser, asked in members:
             self.subscribe(browser, asked)
 
