@@ -100,19 +100,22 @@ async def test_commands_end_as_the_extension_says_or_are_unknown(written, tmp_pa
         "        if k == 1: raise CommandRefused('not now')\n"
         "        if k == 2: raise ExecutionFailed('stuck')\n"
         "        if k == 3: raise KeyError('oh')\n"
-        "        if k == 4: os._exit(1)\n"
+        "        if k == 4: import msgspec; msgspec.convert('x', int)\n"
+        "        if k == 5: os._exit(1)\n"
         "        return f'{request.device} {request.command} {request.keys.target} {k:g}'"
     )
     async with adapting(SITE, tmp_path) as bench:
         await bench.until(lambda: bench.ups)
-        ends = [await bench.do("box", "go", angle=each) for each in (0.5, 1, 2, 3, 4)]
+        ends = [await bench.do("box", "go", angle=each) for each in (0.5, 1, 2, 3, 4, 5)]
     assert [each.phase for each in ends] == [
         CommandPhase.SUCCEEDED, CommandPhase.REFUSED, CommandPhase.FAILED,
-        CommandPhase.UNKNOWN, CommandPhase.UNKNOWN,
+        CommandPhase.UNKNOWN, CommandPhase.UNKNOWN, CommandPhase.UNKNOWN,
     ]  # fmt: skip
     assert [each.message for each in ends[:3]] == ["box go place 0.5", "not now", "stuck"]
     assert "KeyError" in ends[3].message
-    assert "look at the device" in ends[4].message
+    # The extension's own mistake, when the command may have been begun.
+    assert "ValidationError" in ends[4].message
+    assert "look at the device" in ends[5].message
 
 
 @pytest.mark.parametrize(

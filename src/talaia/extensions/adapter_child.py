@@ -159,16 +159,22 @@ class _Session:
     def _forget_task(self, number: int, _task: asyncio.Task[None]) -> None:
         self._acts.pop(number, None)
 
+    def _keys_of(self, act: ActMessage) -> ExtensionKeys:
+        try:
+            # Without commands there are no keys that fit.
+            return msgspec.convert(act.keys, self._declared.command or ExtensionKeys)
+        # Told apart here, where nothing is begun yet: in `execute` it is the extension's own.
+        except msgspec.ValidationError as error:
+            raise CommandRefused(str(error)) from error
+
     async def _run_command(self, act: ActMessage) -> None:
         # What stands if it is cancelled: then only `finally` is passed.
         done = DoneMessage(act.number, "unknown", "it was cancelled; check the device")
         try:
-            # Without commands there are no keys that fit.
-            keys = msgspec.convert(act.keys, self._declared.command or ExtensionKeys)
+            keys = self._keys_of(act)
             said = await self._adapter.execute(ExtensionCommand(act.device, act.command, keys))
             done = DoneMessage(act.number, "succeeded", str(said or "")[:_MAX_SAID])
-        # Arguments that do not fit are found before anything is begun.
-        except (CommandRefused, msgspec.ValidationError) as error:
+        except CommandRefused as error:
             done = DoneMessage(act.number, "refused", str(error)[:_MAX_SAID])
         except ExecutionFailed as error:
             done = DoneMessage(act.number, "failed", str(error)[:_MAX_SAID])
