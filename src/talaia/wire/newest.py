@@ -76,7 +76,9 @@ def newest_of(message: NewestBatch) -> NewestSamples:
     if count and (
         sequence.min() < 0
         or sequence.max() >= _FARTHEST
-        or np.abs(time_us).max() >= _FARTHEST
+        # Not by `np.abs`: it leaves the least i64 negative.
+        or time_us.min() <= -_FARTHEST
+        or time_us.max() >= _FARTHEST
         # 10^15 ms are more than 30 000 years.
         or not (np.isfinite(age_ms) & (age_ms >= 0) & (age_ms < 1e15)).all()
         # `runs_of` cuts where numbers do not follow each other: they have to rise.
