@@ -129,6 +129,11 @@ async def test_keys_that_do_not_fit_are_told_and_nothing_is_sent(server: IrcServ
             Outcome.FAILED,
             "127.0.0.2 is no public address",
         ),
+        (
+            "import socket; socket.socket().connect_ex(('127.0.0.2', 9))",
+            Outcome.FAILED,
+            "127.0.0.2 is no public address",
+        ),
     ],
 )
 async def test_a_notifier_that_fails_is_told_and_harms_nobody(

@@ -90,6 +90,13 @@ async def test_other_schemes_are_refused(url) -> None:
     assert (await send(WayKind.CHAT, {"url": url})).outcome is Outcome.FAILED
 
 
+@pytest.mark.parametrize("host", ["127.0.0.1:80800", "127.0.0.1:http", "127.0.0.1:-1", "[::1"])
+async def test_webhook_whose_address_cannot_be_read_is_not_tried_again(host) -> None:
+    went = await send(WayKind.WEBHOOK, {"url": f"http://{host}/"})
+    assert went.outcome is Outcome.FAILED
+    assert "the address is not valid" in went.problem
+
+
 async def test_ntfy_gets_the_message_by_apprise(peer) -> None:
     went = await send(WayKind.CHAT, {"url": f"ntfy://127.0.0.1:{peer.port}/topic"})
     assert went.outcome is Outcome.SENT, went

@@ -95,18 +95,27 @@ def _guard(networks: list[ipaddress.IPv4Network | ipaddress.IPv6Network], left: 
         return allowed
 
     socket.getaddrinfo = guarded
-    connect = socket.socket.connect
+    connect, connect_ex = socket.socket.connect, socket.socket.connect_ex
 
-    def reached(self: socket.socket, address: Any) -> None:  # noqa: ANN401 - as it is there
+    def check_address(family: int, address: Any) -> None:  # noqa: ANN401 - as it is there
         # An extension may name an address without a look-up.
-        if self.family in (socket.AF_INET, socket.AF_INET6):
+        if family in (socket.AF_INET, socket.AF_INET6):
             host = str(address[0])
             if _is_address(host) and not may_reach(host, networks):
                 left.refused = AddressRefused(host, host)
                 raise left.refused
+
+    def reached(self: socket.socket, address: Any) -> None:  # noqa: ANN401 - as it is there
+        check_address(self.family, address)
         connect(self, address)
 
+    def reached_ex(self: socket.socket, address: Any) -> int:  # noqa: ANN401 - as it is there
+        # Raises although this one gives numbers: a number would not say why.
+        check_address(self.family, address)
+        return connect_ex(self, address)
+
     socket.socket.connect = reached  # type: ignore[method-assign, assignment]
+    socket.socket.connect_ex = reached_ex  # type: ignore[method-assign, assignment]
 
 
 def _is_address(text: str) -> bool:
@@ -216,7 +225,13 @@ def _line(said: bytes | str) -> str:
 
 
 def _webhook(job: Job, left: _Left) -> Outcome:
-    parts = urlsplit(job["url"])
+    try:
+        parts = urlsplit(job["url"])
+        # Read here: a port is checked only when it is asked for.
+        port = parts.port
+    except ValueError as error:
+        # No other try would read it.
+        return _went("failed", f"the address is not valid: {error}")
     if parts.scheme not in {"http", "https"} or not parts.hostname:
         return _went("failed", "the address does not begin with https:// or http://")
     body = json.dumps(
@@ -232,7 +247,7 @@ def _webhook(job: Job, left: _Left) -> Outcome:
         headers["Authorization"] = f"Bearer {job['token']}"
     # The standard library's: it follows no redirect and reads no proxy from the environment.
     kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
-    connection = kind(parts.hostname, parts.port, timeout=_PATIENCE_S)
+    connection = kind(parts.hostname, port, timeout=_PATIENCE_S)
     try:
         path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
         connection.request("POST", path, body, headers)
