@@ -18,7 +18,7 @@ from tests.system.conftest import missing
 from talaia.cli.main import main
 from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.project import DeployOptions, File, make_deployment
-from talaia.deploy.systemd import gateway_unit, quoted_argument
+from talaia.deploy.systemd import gateway_unit, hub_unit, quoted_argument
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLE = Path(__file__).parents[2] / "examples/agv/site.yaml"
@@ -154,6 +154,15 @@ def test_the_gateways_unit_hands_its_words_to_the_ros_shell_as_they_are() -> Non
     unit = gateway_unit("agv", "/opt/t", "/opt/ros/x y/setup.bash")
     line = next(each for each in unit.splitlines() if each.startswith("ExecStart="))
     assert '"/opt/ros/x y/setup.bash" /opt/t gateway' in line
+
+
+def test_the_hubs_unit_doubles_a_dollar_sign_only_in_its_command_line() -> None:
+    # systemd.exec(5), Environment=: "$" has no special meaning there; "%" has.
+    lines = hub_unit("/opt/$t", 8443, (), "/etc/$talaia/100% url").splitlines()
+    assert 'Environment="TALAIA_DATABASE_URL_FILE=/etc/$talaia/100%% url"' in lines
+    assert any(line.startswith('ExecStart="/opt/$$t" hub') for line in lines)
+    plain = hub_unit("/opt/t", 8443, (), "/etc/talaia/database_url").splitlines()
+    assert "Environment=TALAIA_DATABASE_URL_FILE=/etc/talaia/database_url" in plain
 
 
 def test_a_key_that_is_good_is_kept_and_one_that_is_void_is_made_anew(tmp_path: Path) -> None:

@@ -34,13 +34,22 @@ UMask=0077"""
 
 
 def quoted_argument(text: str) -> str:
-    """Write one argument of a command line, or a description, so that systemd reads it back.
+    """Write one argument of a command line, so that systemd reads it back.
 
-    Specifiers (%) and variables ($) are doubled; what is not plain stands in double quotes with C
-    escapes. A line end cannot end the line.
+    Variables ($) are doubled; else as `_quoted_value`.
     """
-    # Doubled also within quotes: systemd expands both there as well.
-    safe = text.replace("%", "%%").replace("$", "$$")
+    # Doubled also within quotes: systemd expands variables there as well.
+    return _quoted_value(text.replace("$", "$$"))
+
+
+def _quoted_value(text: str) -> str:
+    """Write one word of any other setting: there "$" has no special meaning.
+
+    Specifiers (%) are doubled; what is not plain stands in double quotes with C escapes. A line
+    end cannot end the line.
+    """
+    # Doubled also within quotes: systemd expands specifiers there as well.
+    safe = text.replace("%", "%%")
     if _PLAIN.match(safe):
         return safe
     escaped = safe.replace("\\", "\\\\").replace('"', '\\"')
@@ -103,13 +112,14 @@ def hub_unit(program: str, port: int, hosts: Iterable[str], database_url_file: s
     words += ["--port", str(port)]
     for host in hosts:
         words += ["--allow-host", host]
-    more = f"Environment=TALAIA_DATABASE_URL_FILE={quoted_argument(database_url_file)}\n"
+    # Quoted whole: systemd.syntax(7) lets quotes stand only around a whole item.
+    variable = _quoted_value(f"TALAIA_DATABASE_URL_FILE={database_url_file}")
     return _unit_text(
         "Talaia hub",
         words,
         state="talaia-hub",
         private_tmp="yes",
-        more=more if database_url_file else "",
+        more=f"Environment={variable}\n" if database_url_file else "",
         watchdog_s=HUB_WATCHDOG_S,
     )
 
@@ -129,7 +139,7 @@ def _unit_text(
     # it is started again however often it fails, for nobody may be there to do it.
     return f"""\
 [Unit]
-Description={quoted_argument(what).strip('"')}
+Description={_quoted_value(what).strip('"')}
 Wants=network-online.target
 After=network-online.target time-sync.target
 StartLimitIntervalSec=0
@@ -140,7 +150,7 @@ NotifyAccess=main
 WatchdogSec={watchdog_s}
 {kill}User=talaia
 Group=talaia
-StateDirectory={quoted_argument(state)}
+StateDirectory={_quoted_value(state)}
 StateDirectoryMode=0700
 {more}ExecStart={line}
 Restart=always
