@@ -99,6 +99,28 @@ def test_what_the_hub_has_lost_is_given_again_or_is_a_gap(steps: list[bool], bel
         spool.close()
 
 
+@pytest.mark.parametrize(("count", "below"), [(200, 0), (200, 300), (100, 0)])
+def test_gap_of_what_the_hub_never_had_keeps_its_reason_and_is_told_once(
+    tmp_path: Path, count: int, below: int
+) -> None:
+    spool = Spool(folder=tmp_path, head=HEAD, bound=10_000, sizes=SpoolSizes(segment=2000))
+    fill(spool, count)
+    (full,) = spool.gaps()
+    spool.ack("boot-a", 400)
+    spool.sync()
+    # More is dropped for want of room, and was never acknowledged.
+    fill(spool, 50, first=count)
+    before = spool.gaps()
+    assert full.reason == journal.FULL
+    spool.unlearn(below)
+    told = [at for gap in spool.gaps() for at in range(gap.first, gap.last + 1)]
+    assert len(told) == len(set(told))
+    assert {(gap.first, gap.last, gap.reason) for gap in before} <= {
+        (gap.first, gap.last, gap.reason) for gap in spool.gaps()
+    }
+    spool.close()
+
+
 def test_what_is_remembered_of_stored_samples_is_bounded_and_covers_them_all() -> None:
     gone = DroppedSamples()
     for number in range(20_000):

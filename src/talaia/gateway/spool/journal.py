@@ -265,7 +265,8 @@ class Spool:
         self._acked[boot] = below
         for first, end, from_us, to_us in self._gone.since(below):
             span = {"first": first, "last": end - 1, "from_us": from_us, "to_us": to_us}
-            self._gaps.add(SampleGap(boot=boot, reason=UNLEARNED, **span))
+            # What was dropped before the hub had it is a gap already, for its own reason.
+            self._gaps.add_unknown(SampleGap(boot=boot, reason=UNLEARNED, **span))
 
     def _trim(self) -> None:
         # A list of its own: `_remove` changes the one that is walked through.
