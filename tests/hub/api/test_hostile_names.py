@@ -87,9 +87,11 @@ async def test_description_with_a_name_that_does_not_fit_is_refused(unknowing_hu
     assert (await (await hub.client("admin")).get("/api/sites")).json() == []
 
 
-async def test_hostile_names_reach_the_audit_file_as_text(hub) -> None:
+# In two hubs: one lets nobody enrol more often from one address.
+@pytest.mark.parametrize("payloads", [PAYLOADS[:6], PAYLOADS[6:]], ids=["first", "last"])
+async def test_hostile_names_reach_the_audit_file_as_text(hub, payloads) -> None:
     nobody, admin = await hub.client(), await hub.client("admin")
-    for payload in PAYLOADS:
+    for payload in payloads:
         await nobody.post("/api/login", json={"name": payload, "password": "wrong password"})
         made = await admin.post("/api/gateways/codes", json={"site": "agv", "name": payload})
         enrolled = await nobody.post("/api/enrol", json={"code": made.json()["code"]})
@@ -100,7 +102,7 @@ async def test_hostile_names_reach_the_audit_file_as_text(hub) -> None:
     rows = list(csv.DictReader(io.StringIO(answer.text, newline="")))
     failed = [row["who"] for row in rows if row["kind"] == "login failed"]
     assert sorted(who.lstrip("'") for who in failed) == sorted(
-        payload.lstrip("'") for payload in PAYLOADS
+        payload.lstrip("'") for payload in payloads
     )
     assert not any(who.startswith(tuple("=+-@\t\r")) for who in failed)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.model.checks.identifiers import Finding
+from talaia.model.errors import UnknownWord
 from talaia.model.roles import (
     COMMAND_FITS,
     SIGNAL_FITS,
@@ -13,6 +14,7 @@ from talaia.model.roles import (
     SignalRole,
 )
 from talaia.model.site import ArgumentType, SignalType
+from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -57,13 +59,22 @@ def _is_free(
         yield Finding(f"{where}.role", problem, "a device has one of each role: leave one out")
 
 
+def _is_other_unit(found: str, wanted: tuple[str, ...]) -> bool:
+    """Tell whether a unit is none of those wanted; one that is not known has its own finding."""
+    try:
+        unit = unit_of("", found)
+    except UnknownWord:
+        return False
+    return bool(wanted) and unit.symbol not in wanted
+
+
 def _signal_fits(where: str, signal: Signal) -> Iterator[Finding]:
     role, fit = signal.role, SIGNAL_FITS[signal.role]
     if signal.type not in fit.types:
         expected = " or ".join(fit.types)
         problem = f"{role} stands on a signal of type {expected}, found {signal.type}"
         yield Finding(f"{where}.role", problem, f"write: type: {fit.types[0]}")
-    elif signal.type is SignalType.NUMBER and fit.units and signal.unit not in fit.units:
+    elif signal.type is SignalType.NUMBER and _is_other_unit(signal.unit, fit.units):
         expected = " or ".join(fit.units)
         problem = f"{role} is in {expected}, found {signal.unit or 'no unit'}"
         yield Finding(f"{where}.role", problem, f"write: unit: {fit.units[0]}")
