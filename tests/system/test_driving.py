@@ -243,7 +243,8 @@ async def test_when_the_gateway_is_killed_the_robots_own_time_out_stops_it(
             lease = await driver.sees(browser.LeaseUpdate, since=since)
             assert (lease.holder, lease.yours) == ("", False)
             assert moving(stack.heard("/cmd_vel", at + UNDER_WAY_NS)) == []
-            assert len(acted(at)) == 1
+            # A gateway that gets no link soon enough says zero; nothing else is ever obeyed.
+            assert {(each["v"], each["w"]) for each in acted(at)} == {(0.0, 0.0)}
     finally:
         vehicle.end()
 
