@@ -141,6 +141,19 @@ def test_a_parked_telescope_refuses_to_slew() -> None:
     assert "unpark" in scope().goto(2.5, 60).message
 
 
+def test_a_telescope_that_parks_refuses_to_unpark_and_goes_on() -> None:
+    telescope = scope()
+    telescope.unpark()
+    telescope.goto_altaz(60, 180)
+    unix = run(telescope, NIGHT, 30)
+    parking = telescope.park()
+    answer = telescope.unpark()
+    assert (answer.ended, answer.good) == (True, False)
+    assert "is parking" in answer.message
+    run(telescope, unix, 60)
+    assert (parking.good, telescope.state) == (True, "parked")
+
+
 def test_a_slew_ends_tracking_its_target_within_the_axes_rate() -> None:
     telescope = scope()
     telescope.unpark()

@@ -155,7 +155,9 @@ class Telescope:
         return self._ticket
 
     def unpark(self) -> Ticket:
-        """Let it move again."""
+        """Let it move again; a park under way is stopped or waited for first."""
+        if self.state == "parking":
+            return Ticket.refused("the telescope is parking; stop it or wait until it is parked")
         if self.state == "parked":
             self.state = "idle"
         return Ticket.done("the telescope is not parked")
