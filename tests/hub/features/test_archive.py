@@ -17,6 +17,7 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.hub.archive.fits_reader import NotKept, facts_of, looks_of, preview_of
 from talaia.hub.archive.night import night_of
+from talaia.hub.archive.store import Archive, Cone, Wanted
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
     FILES_FROM_HUB,
@@ -228,6 +229,26 @@ async def test_pictures_are_found_by_target_filter_date_and_place(hub, files) ->
     assert await found(night=nights[0]["night"]) == {"Pole"}
     answer = await client.get("/api/sites/agv/frames", params={"limit": 2})
     assert (len(answer.json()["frames"]), answer.json()["more"]) == (2, True)
+
+
+async def test_picture_of_a_place_is_found_behind_many_newer_ones_at_its_declination(
+    hub, files, tmp_path
+) -> None:
+    before = "2026-11-20T02:30:00"
+    for data in (
+        # All of one moment, so that batches end between equal times.
+        *(fits_bytes("Elsewhere", ra=100.0, seed=seed) for seed in range(5)),
+        *(fits_bytes("M 31", began=before, seed=seed) for seed in range(5, 8)),
+    ):
+        assert (await upload(files, data)).done
+    # So few are read at once that the wanted ones are not among the first.
+    archive = Archive(hub.hub.core.database, tmp_path, most_rows=2)
+    wanted = Wanted(cone=Cone(10.68, 41.27, 0.1))
+    for limit, more in ((2, True), (3, False)):
+        found, are_more = await archive.find("agv", ["camera"], wanted, limit)
+        assert [frame.target for frame in found] == ["M 31"] * limit
+        assert len({frame.id for frame in found}) == limit
+        assert are_more is more
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,7 @@
-"""The archive's files and rows: put in whole, found again by night, target, filter and place."""
+"""The archive's files and rows: put in whole, found again by night, target, filter and place.
+
+Long, because a file and its row are put in and found by the same names.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,9 @@ import logging
 import math
 import os
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sqlalchemy import func, insert, select
+from sqlalchemy import func, insert, or_, select
 
 from talaia.hub.archive.fits_reader import Facts, Looks, facts_of, looks_of, preview_of
 from talaia.hub.archive.night import night_of
@@ -19,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
 
-    from sqlalchemy import RowMapping
+    from sqlalchemy import RowMapping, Select
 
     from talaia.hub.store.database import Database
     from talaia.wire.frames import ArchiveOffer
@@ -27,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["Archive", "ArchivedFrame", "Cone", "Night", "Wanted"]
 
 log = logging.getLogger(__name__)
-_MOST_ROWS = 5_000  # that a search by place looks through, the newest
+_MOST_ROWS = 5_000  # that a search by place reads at once
 _MOST_CACHED = 64  # previews and looks at once
 
 
@@ -90,10 +93,11 @@ class Wanted(NamedTuple):
 class Archive:
     """See the module. ``folder`` is below the hub's data folder."""
 
-    def __init__(self, database: Database, folder: Path) -> None:
-        """Keep files in ``folder``, by site and night."""
+    def __init__(self, database: Database, folder: Path, most_rows: int = _MOST_ROWS) -> None:
+        """Keep files in ``folder``, by site and night; read ``most_rows`` at once."""
         self._database = database
         self._folder = folder
+        self._most_rows = most_rows
         # Pictures are large: one at a time is looked at.
         self._looking = asyncio.Semaphore(1)
         self._cached: dict[tuple[int, str], bytes | Looks] = {}  # by picture and form; oldest first
@@ -183,13 +187,34 @@ class Archive:
                 table.c.dec_deg >= cone.dec_deg - cone.radius_deg,
                 table.c.dec_deg <= cone.dec_deg + cone.radius_deg,
             )
-        most = limit + 1 if cone is None else _MOST_ROWS  # one more tells whether there are more
-        query = query.order_by(table.c.time_us.desc(), table.c.id.desc()).limit(most)
-        async with self._database.read() as connection:
-            found = [_frame(row) for row in (await connection.execute(query)).mappings()]
-        if cone is not None:
-            found = [frame for frame in found if _within(frame, cone)]
+        query = query.order_by(table.c.time_us.desc(), table.c.id.desc())
+        most = limit + 1  # one more tells whether there are more
+        if cone is None:
+            found = await self._read_frames(query.limit(most))
+        else:
+            found = await self._find_within(query, cone, most)
         return found[:limit], len(found) > limit
+
+    async def _find_within(self, query: Select[Any], cone: Cone, most: int) -> list[ArchivedFrame]:
+        """Find the newest ``most`` in a cone, of a query that gives the newest first."""
+        found: list[ArchivedFrame] = []
+        rest = query
+        while True:
+            # SQL narrows by declination only, so any number of rows may come before one that fits.
+            batch = await self._read_frames(rest.limit(self._most_rows))
+            found += [frame for frame in batch if _within(frame, cone)]
+            if len(found) >= most or len(batch) < self._most_rows:
+                return found
+            last = batch[-1]
+            # From the last one on, not by an offset: what is archived meanwhile moves nothing.
+            rest = query.where(
+                table.c.time_us <= last.time_us,
+                or_(table.c.time_us < last.time_us, table.c.id < last.id),
+            )
+
+    async def _read_frames(self, query: Select[Any]) -> list[ArchivedFrame]:
+        async with self._database.read() as connection:
+            return [_frame(row) for row in (await connection.execute(query)).mappings()]
 
     async def get(self, site: str, frame: int) -> ArchivedFrame | None:
         """Find one picture."""
