@@ -1,16 +1,17 @@
 """What can go wrong beside the robot.
 
 GatewayError
-├── FieldError        a message does not hold what the description says
-├── TypeMissing       a message or service type that this machine does not know
-├── AdapterLost       the robot's side cannot be reached
-├── RosterFull        too many channels have been described since the start
-├── SpoolError        the data folder cannot be used
-├── SettingsError     the gateway was started with settings that do not fit
-├── CameraRefused     a camera leads where no camera may be (adapters.video_relay)
-├── EnrolRefused      the hub does not take the one-time code
-└── LinkLost          the hub cannot be reached
+├── FieldError          a message does not hold what the description says
+├── TypeMissing         a message or service type that this machine does not know
+├── AdapterLost         the robot's side cannot be reached
+├── ChannelNumbersFull  too many channels have been described since the start
+├── SpoolError          the data folder cannot be used
+├── SettingsError       the gateway was started with settings that do not fit
+├── CameraRefused       a camera leads where no camera may be (adapters.video_relay)
+├── EnrolRefused        the hub does not take the one-time code
+└── LinkLost            the hub cannot be reached
     ├── HubUnreachable    it could not be asked, when enrolling
+    ├── RetryLater        the hub has no place for us now
     └── KeyRefused        the hub does not know our key
 """
 

@@ -32,7 +32,7 @@ class ConnectionStatus:
     def __init__(
         self, name: str, loop: asyncio.AbstractEventLoop, reach: DeviceReachability
     ) -> None:
-        """Speak for the connection of this name; `heard` is set by who listens."""
+        """Speak for the connection of this name; `on_up` and `on_found` are set by who listens."""
         self.name = name  # Of the connection.
         self._loop = loop  # Adapters call from threads of their own; all is told on it.
         self._reach = reach

@@ -132,7 +132,8 @@ def read_message(text: str | bytes, site: Site) -> list[LegacyAction]:
     """Read a message: none for the status, else the actions, all of which fit.
 
     Raises:
-        AskWrong: it is malformed, or names what there is not. Then nothing of it is to be done.
+        LegacyRequestError: it is malformed, or names what there is not. Then nothing of it is to
+            be done.
 
     """
     try:

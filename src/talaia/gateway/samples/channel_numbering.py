@@ -44,7 +44,7 @@ class ChannelNumbering:
             renamed: channels by their former addresses, see `model.renames.renames`.
 
         Raises:
-            RosterFull: there are no numbers left; nothing has changed then.
+            ChannelNumbersFull: there are no numbers left; nothing has changed then.
 
         """
         moved = {_signal(old): _signal(new) for old, new in renamed.items()}

@@ -28,7 +28,7 @@ class _Newest:
 
 
 class FrameSource:
-    """A `talaia.gateway.ports.Pictures`."""
+    """A `talaia.gateway.ports.CameraFrames`."""
 
     def __init__(self, on_held: Callable[[], None] = lambda: None) -> None:
         """Hold nothing; ``on_held`` is told, from any thread, that other streams are held."""

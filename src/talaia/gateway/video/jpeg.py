@@ -17,8 +17,8 @@ __all__ = ["CompressedImageFields", "encoded", "jpeg_of", "jpeg_size", "pixels_i
 
 # Layouts that the codec takes as they are.
 _WHOLE = ("RGB", "BGR", "RGBA", "BGRA", "GRAY")
-# JPEG's marks of begin and end.
-_BEGIN, _END = b"\xff\xd8", b"\xff\xd9"
+# JPEG's mark of its end.
+_END = b"\xff\xd9"
 
 
 class CompressedImageFields(Protocol):
