@@ -75,6 +75,8 @@ class Settings:
     unsure_s: float = 2.0
     setup_s: float = 86400.0
     max_body: int = 1024 * 1024  # of a request (bytes)
+    # Of one that brings a description: its text, escaped for JSON, and what it is to say instead.
+    max_description_body: int = 16 * 1024 * 1024
     commit_s: float = 0.2
     beat_s: float = 1.0
     check_s: float = 0.5

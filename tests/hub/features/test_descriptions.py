@@ -23,7 +23,7 @@ from talaia.wire.frames import (
     SampleBatch,
     Welcome,
 )
-from talaia.wire.sealing import deflated, digest_of, inflated, seal_of
+from talaia.wire.sealing import MAX_TEXT, deflated, digest_of, inflated, seal_of
 
 FIRST = """# The workshop's robot.
 talaia: 1
@@ -223,6 +223,21 @@ async def test_form_edit_keeps_comments_and_order(hub) -> None:
     assert edited["text"].startswith("# The workshop's robot.")
     assert "speed:  # by the wheels" in edited["text"]
     assert "maximum: 2.0" in edited["text"]
+
+
+async def test_description_as_large_as_one_may_be_is_read_and_a_larger_one_is_not(hub) -> None:
+    gateway, admin = await hub.gateway(), await hub.client("admin")
+    await greet(gateway)
+    # A line break takes two bytes in JSON: the body is larger than the text.
+    large = FIRST + "#\n" * ((MAX_TEXT - len(FIRST.encode())) // 2)
+    # What it was made from is not what counts: read whole, and refused for that alone.
+    answer = await admin.post(AT, json={"text": large, "base": "0" * 64})
+    assert answer.status_code == 409, answer.text
+    answer = await admin.post(AT, json={"text": large + "###", "base": "0" * 64})
+    assert answer.status_code == 422
+    # Of all other routes the limit stays as it was.
+    answer = await admin.post("/api/gateways/codes", json={"site": "agv", "name": large})
+    assert answer.status_code == 413
 
 
 async def test_problem_of_the_gateways_own_file_is_shown(hub) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -23,6 +24,8 @@ _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 _GATEWAY = "/gateway/"
 _ENROL = "/api/enrol"
 _API = "/api/"
+# The routes whose body holds a whole description.
+_DESCRIPTION = re.compile(r"/api/sites/[^/]+/descriptions(/check|/edit)?")
 # The host becomes a part of the Content-Security-Policy, and of the command to enrol by.
 _STRANGE = frozenset("\"' ;,\\/@?#<>")
 _SECURE = frozenset({"https", "wss"})
@@ -58,6 +61,7 @@ class RequestGuard:
         self._proxies = Proxies(settings.proxies)
         self._hosts = settings.host_names
         self._max_body = settings.max_body
+        self._max_description_body = settings.max_description_body
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse, or pass on with our headers on the answer."""
@@ -98,14 +102,20 @@ class RequestGuard:
         server = scope.get("server")
         return server is not None and _same_address(name, server[0])
 
+    def _limit_of(self, scope: Scope) -> int:
+        # Who may not send a description is refused by its route before the body is read.
+        large = scope["method"] == "POST" and _DESCRIPTION.fullmatch(scope["path"])
+        return self._max_description_body if large else self._max_body
+
     def _of_request(self, scope: Scope, headers: Headers, host: str, *, tls: bool) -> _No | None:
         length = headers.get("content-length")
         # A body of unknown length cannot be refused before it is read.
         if "transfer-encoding" in headers:
             return _No(411, "length", "say how long the body is")
         # By what is said; uvicorn reads no more than that.
-        if length is not None and (not length.isdecimal() or int(length) > self._max_body):
-            return _No(413, "too_large", f"a body holds at most {self._max_body} bytes")
+        most = self._limit_of(scope)
+        if length is not None and (not length.isdecimal() or int(length) > most):
+            return _No(413, "too_large", f"a body holds at most {most} bytes")
         # Browsers send it, and no script of a page can change it.
         path, site = scope["path"], headers.get("sec-fetch-site")
         if scope["method"] in _SAFE:
