@@ -20,13 +20,11 @@ with contextlib.suppress(ImportError):
     import ros_wheels_bootstrapper  # noqa: F401
 import rclpy
 from rclpy.context import Context
-from rclpy.node import Node
-from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.arrival_times import Arrivals
 from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
+from talaia.gateway.adapters.ros2.graph_node import join_graph
 from talaia.gateway.adapters.ros2.listening import Ros2Listening
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
 from talaia.gateway.adapters.ros2.parameters import Ros2Parameters
@@ -189,7 +187,7 @@ class Ros2Adapter:
     def _join(self, context: Any, fail: Callable[[BaseException], None]) -> None:  # noqa: ANN401
         self._number = ParticipantNumber(_fast_dds_domain(self._domain))
         with self._number.held():
-            self._node = _join_as(self._node_name, context, self._domain)
+            self._node = join_graph(self._node_name, context, self._domain)
         self._number.mark_used()
         guard = self._node.create_guard_condition(lambda: None)
         thread = WaitThread(
@@ -348,26 +346,6 @@ def _moved(before: ConnectionScope, after: ConnectionScope, address: str) -> boo
         return True
     was, now = before.devices[device].signals.get(signal), after.devices[device].signals[signal]
     return was is None or (was.source, was.type, was.scale) != (now.source, now.type, now.scale)
-
-
-def _join_as(name: str, context: Any, domain: int | None) -> Any:  # noqa: ANN401 - rclpy ships no types
-    rclpy.init(
-        args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"],
-        context=context,
-        domain_id=domain,
-        # The gateway ends its parts in an order of its own.
-        signal_handler_options=SignalHandlerOptions.NO,
-    )
-    # Nothing spins this node, so it offers no services that nobody would answer.
-    quiet = Parameter("start_type_description_service", value=False)
-    return Node(
-        name,
-        context=context,
-        use_global_arguments=False,
-        enable_rosout=False,
-        start_parameter_services=False,
-        parameter_overrides=[quiet],
-    )
 
 
 def _fast_dds_domain(described: int | None) -> int | None:

@@ -15,15 +15,13 @@ import rclpy
 from rclpy.action import get_action_names_and_types
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from rclpy.signals import SignalHandlerOptions
 
 from talaia.gateway.adapters.cloudconnect import parse_metric
 from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
 from talaia.gateway.adapters.ros2.definitions import comment_of
+from talaia.gateway.adapters.ros2.graph_node import join_graph
 from talaia.gateway.adapters.ros2.message_types import kind_named, kind_of
 from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
 from talaia.gateway.adapters.ros2.requests import class_of
@@ -83,21 +81,7 @@ def probe_graph(domain: int | None, seconds: float) -> Found:
     """
     context = Context()
     try:
-        rclpy.init(
-            args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"],
-            context=context,
-            domain_id=domain,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        quiet = Parameter("start_type_description_service", value=False)
-        node = Node(
-            "talaia_probe",
-            context=context,
-            use_global_arguments=False,
-            enable_rosout=False,
-            start_parameter_services=False,
-            parameter_overrides=[quiet],
-        )
+        node = join_graph("talaia_probe", context, domain)
     except Exception as error:
         rclpy.try_shutdown(context=context)
         raise AdapterLost(f"ROS 2 cannot be joined: {error}") from error

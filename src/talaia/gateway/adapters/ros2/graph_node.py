@@ -1,0 +1,40 @@
+"""How ROS 2 is joined: a node that hears and speaks, and offers nothing of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rclpy
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+
+__all__ = ["join_graph"]
+
+
+def join_graph(name: str, context: Any, domain: int | None) -> Any:  # noqa: ANN401 - rclpy ships no types
+    """Begin a context and give its node.
+
+    Args:
+        name: the node's.
+        context: rclpy's, not begun; its end is the caller's.
+        domain: its number; none takes the environment's.
+
+    """
+    rclpy.init(
+        args=["--ros-args", "--disable-rosout-logs", "--disable-external-lib-logs"],
+        context=context,
+        domain_id=domain,
+        # Whoever joins ends its parts in an order of its own.
+        signal_handler_options=SignalHandlerOptions.NO,
+    )
+    # Nothing spins this node, so it offers no services that nobody would answer.
+    quiet = Parameter("start_type_description_service", value=False)
+    return Node(
+        name,
+        context=context,
+        use_global_arguments=False,
+        enable_rosout=False,
+        start_parameter_services=False,
+        parameter_overrides=[quiet],
+    )
