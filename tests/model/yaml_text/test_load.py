@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from talaia.model.checks.site_checks import check, raise_first
-from talaia.model.connection import RosSource
+from talaia.model.connection import RosSource, VideoSource
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Device, Ros2Settings, Signal, SignalType, Site
 from talaia.model.units.time_zones import known_zones
@@ -416,3 +416,12 @@ def test_the_zones_are_listed_once_for_all_descriptions() -> None:
     for zone in ("Europe/Madrid", "Asia/Tokyo", "Mars/Olympus"):
         check(msgspec.structs.replace(load_site(AGV), zone=zone))
     assert known_zones.cache_info().misses == 1
+
+
+def test_frames_of_a_ros_camera_that_name_no_topic_are_refused_whatever_their_protocol() -> None:
+    site = read_site(next(path for path in EXAMPLES if path.parent.name == "observatory"))
+    for source in (RosSource(), VideoSource()):
+        camera = msgspec.structs.replace(site.devices["camera"], frames=source)
+        devices = {**site.devices, "camera": camera}
+        found = check(msgspec.structs.replace(site, devices=devices))
+        assert "$.devices.camera.frames.topic" in [finding.where for finding in found]

@@ -118,10 +118,13 @@ class RosRules(KindRules[ConnectionT, RosSource]):
             yield from super().frames_findings(where, device)
             return
         source = device.frames
-        if not isinstance(source, RosSource):
-            yield from () if source is None else self.foreign_findings(where, source)
+        if source is None:
             return
         yield from self.foreign_findings(where, source)
+        if not isinstance(source, RosSource):
+            # Another protocol's, and perhaps an empty one, which has no foreign key to complain of.
+            yield from topic_fits(f"{where}.topic", "")
+            return
         yield from topic_fits(f"{where}.topic", source.topic)
         if source.type != _FILES:
             problem = f"expected {_FILES}, found {source.type or 'nothing'}"
