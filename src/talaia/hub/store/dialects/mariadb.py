@@ -9,11 +9,15 @@ import contextlib
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from sqlalchemy import case, event, func, or_, select, text
 
 from talaia.hub.errors import StoreDown
-from talaia.hub.store.dialects.statement_words import insert_head, split_names
+from talaia.hub.store.dialects.statement_words import (
+    insert_head,
+    parse_columns,
+    run_for_rows,
+    split_names,
+)
 from talaia.hub.store.tables import write_turn
 
 if TYPE_CHECKING:
@@ -99,9 +103,7 @@ class MariadbDialect:
         self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
     ) -> None:
         """Let the driver make one statement of all rows."""
-        values = [tuple(row.values()) for row in rows]
-        words = _insert_words(table, tuple(rows[0]), in_place)
-        connection.exec_driver_sql(words, values if len(values) > 1 else values[0])
+        run_for_rows(connection, _insert_words(table, tuple(rows[0]), in_place), rows)
 
     def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
         """Ask for one long text of each column: PyMySQL is Python, ten times slower by rows.
@@ -117,11 +119,7 @@ class MariadbDialect:
             return iter(zip(*connection.execute(query).all(), strict=True))
         if found[0] is None:
             return iter(())
-        # Times are whole numbers that a float would round.
-        return (
-            np.fromstring(column or "", np.float64 if at % 2 else np.int64, sep=",")
-            for at, column in enumerate(found)
-        )
+        return parse_columns(found)
 
     def advance_sequences(self, connection: Connection, table: Table) -> None:
         """Do nothing: the next number is one past the greatest that is there."""

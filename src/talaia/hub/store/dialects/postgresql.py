@@ -7,10 +7,9 @@ import socket
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from sqlalchemy import String, Text, cast, event, func, select, text
 
-from talaia.hub.store.dialects.statement_words import insert_head, on_conflict
+from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, parse_columns
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -103,11 +102,7 @@ class PostgresqlDialect:
         found = connection.execute(select(*texts)).one()
         if found[0] is None:
             return iter(())
-        # Times are whole numbers that a float would round.
-        return (
-            np.fromstring(column or "", np.float64 if at % 2 else np.int64, sep=",")
-            for at, column in enumerate(found)
-        )
+        return parse_columns(found)
 
     def advance_sequences(self, connection: Connection, table: Table) -> None:
         """Set the sequence of a table that has one: rows with numbers leave it where it was."""

@@ -13,7 +13,7 @@ from sqlalchemy import event
 from sqlalchemy.exc import OperationalError
 
 from talaia.hub.store.dialects.dialect import WRITES
-from talaia.hub.store.dialects.statement_words import insert_head, on_conflict
+from talaia.hub.store.dialects.statement_words import insert_head, on_conflict, run_for_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -103,7 +103,6 @@ class SqliteDialect:
     @contextlib.contextmanager
     def hold_migrations(self, connection: Connection) -> Iterator[None]:
         """Do nothing: the transaction has the turn to write, and changes of tables are in it."""
-        # The writer's transaction has the turn already, and changes of tables are part of it.
         del connection
         yield
 
@@ -111,9 +110,7 @@ class SqliteDialect:
         self, connection: Connection, table: Table, rows: Sequence[Row], *, in_place: bool
     ) -> None:
         """Run one prepared statement for all rows."""
-        values = [tuple(row.values()) for row in rows]
-        words = _insert_words(table, tuple(rows[0]), in_place)
-        connection.exec_driver_sql(words, values if len(values) > 1 else values[0])
+        run_for_rows(connection, _insert_words(table, tuple(rows[0]), in_place), rows)
 
     def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
         """Take rows as the driver makes them: to make SQLAlchemy's of them takes as long again."""

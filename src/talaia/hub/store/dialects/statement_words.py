@@ -1,14 +1,36 @@
-"""Parts of ``INSERT`` statements that engines share. Every name in them is one of our tables'."""
+"""What engines share of writing and reading rows. Names in statements are our tables' own."""
 
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
-    from sqlalchemy import Table
+    from collections.abc import Iterable, Iterator, Sequence
 
-__all__ = ["insert_head", "on_conflict", "split_names"]
+    from numpy.typing import NDArray
+    from sqlalchemy import Connection, Table
+
+    from talaia.hub.store.dialects.dialect import Row
+
+__all__ = ["insert_head", "on_conflict", "parse_columns", "run_for_rows", "split_names"]
+
+
+def run_for_rows(connection: Connection, words: str, rows: Sequence[Row]) -> None:
+    """Run one statement with the values of all rows as its parameters, in the driver's own way."""
+    values = [tuple(row.values()) for row in rows]
+    connection.exec_driver_sql(words, values if len(values) > 1 else values[0])
+
+
+def parse_columns(texts: Iterable[str | None]) -> Iterator[NDArray[Any]]:
+    """Read columns that came as one text each: times and values by turns."""
+    # Times are whole numbers that a float would round.
+    return (
+        np.fromstring(column or "", np.float64 if at % 2 else np.int64, sep=",")
+        for at, column in enumerate(texts)
+    )
 
 
 @cache
