@@ -7,11 +7,43 @@ clock of the part that keeps it, or by a `Stopwatch`.
 
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
+from collections.abc import Callable
 
 PATIENCE_S = 180.0
 PATIENCE_MS = PATIENCE_S * 1000
+# How often is looked whether something still holds (s).
+LOOK_S = 0.02
+
+
+async def lasts_for(seconds: float) -> None:
+    """Let what a test *does* last: a standstill, a fault, a pause of a person (s).
+
+    Never for what has to come: that is waited for.
+    """
+    await asyncio.sleep(seconds)
+
+
+def blocks_for(seconds: float) -> None:
+    """Let what a test *does* last, where no event loop runs; see `lasts_for`."""
+    threading.Event().wait(seconds)
+
+
+async def stays(seconds: float, holds: Callable[[], bool], what: str) -> None:
+    """Watch for ``seconds`` that something stays as it is: the only proof that nothing comes.
+
+    Raises:
+        AssertionError: it did not hold, as soon as this was seen; says ``what``.
+
+    """
+    ends = time.monotonic() + seconds
+    while True:
+        assert holds(), what
+        if (left := ends - time.monotonic()) <= 0:
+            return
+        await asyncio.sleep(min(left, LOOK_S))
 
 
 class Stopwatch:

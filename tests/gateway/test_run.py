@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 from fake_hub import KEY, fake_hub
 from gateway_bench import SITE, Peer, addresses_of
-from patience import PATIENCE_S, Stopwatch
+from patience import PATIENCE_S, Stopwatch, lasts_for
 
 from talaia.wire.frames import (
     CommandRequest,
@@ -152,7 +152,7 @@ async def test_frozen_process_does_not_act_on_what_came_meanwhile(tmp_path: Path
         process.send_signal(signal.SIGSTOP)
         # An answer is given to every ask that is acted on, be it a refusal.
         await hub.send(CommandRequest(id="old", device="d", command="c", ttl_ms=9000, who="Ada"))
-        await asyncio.sleep(3.5)
+        await lasts_for(3.5)
         process.send_signal(signal.SIGCONT)
         await hub.until(lambda: len(hub.hellos) == 2, "a clean link")
         await hub.send(CommandRequest(id="new", device="d", command="c", ttl_ms=9000, who="Ada"))

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import simplejpeg
-from patience import PATIENCE_S
+from patience import PATIENCE_S, lasts_for
 from playwright.async_api import expect
 
 from talaia.model.detection import Detect
@@ -103,7 +103,7 @@ async def filming(hub, gateway):
     await gateway.hear(frames.StreamSubscription, lambda watch: watch.boxes == [FRONT])
 
     async def look(seq: int) -> None:
-        await asyncio.sleep(LATE_S)
+        await lasts_for(LATE_S)
         await camera.say(boxes(seq))
 
     async def film() -> None:

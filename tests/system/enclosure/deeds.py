@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 
+from patience import lasts_for
+
 from .description import LASTING_S, MAX_AGE_S, MOVE_S
 from .trial import CLOSE_S, HEARD_S, STATION_S, Run
 
@@ -136,7 +138,7 @@ async def closed_already(trial: Run) -> None:
         trial.breach(f"closing what is closed: {phase}")
     await trial.refused("dome", "open", "in the rain")
     await trial.refused("telescope", "unpark", "in the rain")
-    await asyncio.sleep(1.0)
+    await lasts_for(1.0)
     moved = [each["said"] for each in world.lines(closed) if each["phase"] == "truth"]
     if moved:
         trial.breach(f"a closed roof moved: {moved}")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 import shutil
 import signal
 import time
 from collections.abc import Awaitable, Callable
 
 import msgspec
+from patience import lasts_for
 
 from talaia.model.interlocks.enclosure import ClosingOrder
 from talaia.model.site import Site
@@ -40,13 +40,13 @@ async def frozen(trial: Run) -> None:
         await trial.closes(since, dead_s(trial.protocol), rated=False)
     finally:
         trial.world.signal(signal.SIGCONT)
-        await asyncio.sleep(2.0)
+        await lasts_for(2.0)
 
 
 async def _stall(trial: Run) -> float:
     """Let the gateway stand still for 1 to 3 s; gives how long it did."""
     began = trial.world.signal(signal.SIGSTOP)
-    await asyncio.sleep(trial.chance.uniform(1.0, 3.0))
+    await lasts_for(trial.chance.uniform(1.0, 3.0))
     return (trial.world.signal(signal.SIGCONT) - began) / 1e9
 
 
@@ -58,7 +58,7 @@ async def late(trial: Run) -> None:
     if stood > SHORT_S:
         trial.counted["the machine stood longer"] = 1
         return
-    await asyncio.sleep(3.0)
+    await lasts_for(3.0)
     if trial.world.truth() != "open":
         asked = [each["said"] for each in trial.world.lines(since) if each["asked"] == "close"]
         trial.breach(f"a safe roof was closed after a standstill of {stood:.1f} s: {asked}")
@@ -69,9 +69,9 @@ async def late_and_rain(trial: Run) -> None:
     await trial.begin()
     trial.world.signal(signal.SIGSTOP)
     try:
-        await asyncio.sleep(trial.chance.uniform(0.2, 1.5))
+        await lasts_for(trial.chance.uniform(0.2, 1.5))
         since = await trial.world.fault_at("weather rain")
-        await asyncio.sleep(trial.chance.uniform(0.5, 1.5))
+        await lasts_for(trial.chance.uniform(0.5, 1.5))
     finally:
         trial.world.signal(signal.SIGCONT)
     await trial.closes(since, SHORT_S + HEARD_S + CLOSE_S)
@@ -111,7 +111,7 @@ async def starts_in_fair_weather(trial: Run) -> None:
         trial.counted["it let go before Bea asked"] = 1
         return
     await world.until(lambda: not world.locked(), "released")
-    await asyncio.sleep(2.0)
+    await lasts_for(2.0)
     moved = [each["said"] for each in world.lines(since) if each["phase"] == "truth"]
     if world.truth() != "closed" or moved:
         trial.breach(f"it opened by itself: {moved}")

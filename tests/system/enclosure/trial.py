@@ -10,6 +10,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from patience import lasts_for
 from websockets.exceptions import ConnectionClosed
 
 from .description import HEARTBEAT_S, LASTING_S, MOUNT_S, MOVE_S, WATCHDOG_S
@@ -84,8 +85,8 @@ class Run:
         ends = since + round(limit_s * 1e9)
         while world.truth() != "closed" and time.monotonic_ns() < ends + 1_000_000_000:
             await asyncio.sleep(0.05)
-        # It has to stay closed for a while.
-        await asyncio.sleep(0.8)
+        # It has to stay closed for a while; `judge` says below whether it did.
+        await lasts_for(0.8)
         lines = world.lines()
         until = time.monotonic_ns()
         took, wrong = judge(lines, Unsafe(since, until, limit_s, turn_s=turn_s, rated=rated))
@@ -109,7 +110,7 @@ class Run:
             self.breach(f"told after {took:.1f} s of {limit_s:g} s")
 
     async def pause(self, least: float = 0.0, most: float = 0.8) -> None:
-        await asyncio.sleep(self.chance.uniform(least, most))
+        await lasts_for(self.chance.uniform(least, most))
 
     async def begin(self) -> None:
         """Have the roof open, with the telescope parked or pointing, and the disk as it is."""

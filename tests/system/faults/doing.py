@@ -9,6 +9,7 @@ import time
 from collections.abc import AsyncIterator
 
 import websockets
+from patience import lasts_for
 
 from talaia.wire import browser
 from talaia.wire.columns import unpack
@@ -21,7 +22,7 @@ from .world import SITE, World, now
 
 
 async def pause(chance: random.Random, least: float = 0.1, most: float = 0.5) -> None:
-    await asyncio.sleep(chance.uniform(least, most))
+    await lasts_for(chance.uniform(least, most))
 
 
 @contextlib.asynccontextmanager
@@ -79,7 +80,7 @@ class Ages:
     async def during(self, seconds: float) -> list[float]:
         """Give the ages of what comes in so many seconds."""
         self._got.clear()
-        await asyncio.sleep(seconds)
+        await lasts_for(seconds)
         got = list(self._got)
         said = {each.value: each.at for each in self._world.said()}
         return [(at - said[value]) / MS for at, value in got if value in said]

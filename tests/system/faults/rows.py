@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import httpx
 import websockets
+from patience import lasts_for
 
 from talaia.wire import browser, frames
 
@@ -74,7 +75,7 @@ async def f2(world: World, chance: random.Random, findings: Findings) -> None:
         # Its own end comes between what it heard and the hub.
         world.proxy.change(Weather(dark=frozenset(Way)))
         await run.turn_door()
-        await asyncio.sleep(DOWN_S)
+        await lasts_for(DOWN_S)
         killed = world.gateway.kill()
         world.proxy.cut()
         world.proxy.change(Weather())
@@ -82,7 +83,7 @@ async def f2(world: World, chance: random.Random, findings: Findings) -> None:
         async with back(findings):
             await world.ready()
             await until(lambda: world.said()[-1].known > knew, 30, "the robot knows the gateway")
-        await asyncio.sleep(0.5)
+        await lasts_for(0.5)
         # The finger is still on the key, and nobody has the lease.
         run.nothing_moves_after(killed)
 
@@ -149,7 +150,7 @@ async def _crash_description(world: World, point: str, findings: Findings) -> No
     if name not in answer.text:
         findings.breach("F4", f"the description that came is not shown: {answer.text[:300]}")
     async with under_load(world, findings):
-        await asyncio.sleep(0.5)
+        await lasts_for(0.5)
 
 
 async def _crash_migration(world: World, findings: Findings) -> None:
@@ -210,11 +211,11 @@ async def _crash_gateway(
         if early:
             # It died over what an earlier run had left, before the robot knew of it.
             findings.counted["before the robot knew it"] += 1
-            await asyncio.sleep(1.0)
+            await lasts_for(1.0)
             await run.begin_anew()
             # Nobody may have heard it.
             await run.turn_door()
-        await asyncio.sleep(0.3)
+        await lasts_for(0.3)
     world.gateway.end()
     world.gateway_data = kept
 
@@ -243,7 +244,7 @@ async def f5(world: World, chance: random.Random, findings: Findings) -> None:
         try:
             if which == "hub":
                 await run.turn_door()
-            await asyncio.sleep(seconds)
+            await lasts_for(seconds)
             await run.let_go()
         finally:
             process.send_signal(signal.SIGCONT)
@@ -276,7 +277,7 @@ async def _freeze_database(
         await pause(chance)
         at = now()
         with server.frozen():
-            await asyncio.sleep(min(seconds, UNSURE_S) / 2)
+            await lasts_for(min(seconds, UNSURE_S) / 2)
             # Who may do what was known a moment ago: nothing that moves the robot waits.
             moving = now()
             await until(lambda: any(x.moves for x in world.told(moving)), 2, "driving meanwhile")
@@ -286,7 +287,7 @@ async def _freeze_database(
                 await run.stopped(moving)
             else:
                 # Nobody knows any more whether the driver still may; the finger is on the key.
-                await asyncio.sleep(seconds - UNSURE_S / 2)
+                await lasts_for(seconds - UNSURE_S / 2)
                 run.nothing_moves_after(at + round((UNSURE_S + CHECKED_S) * 1e9))
                 await run.let_go()
         async with back(findings):
@@ -347,7 +348,7 @@ async def f3(world: World, chance: random.Random, findings: Findings) -> None:
         await run.press(driver)
         await pause(chance)
         server.kill()
-        await asyncio.sleep(0.5)
+        await lasts_for(0.5)
         # Nothing that moves the robot waits for a database.
         at = now()
         await until(lambda: any(x.moves for x in world.told(at)), 2, "driving without a database")
@@ -408,7 +409,7 @@ async def f11(world: World, chance: random.Random, findings: Findings) -> None:
         world.start_gateway()
         async with under_load(world, findings) as run, page(world, "driver") as driver:
             await run.press(driver)
-            await asyncio.sleep(max(0.0, 3.0 - (now() - started) / 1e9))
+            await lasts_for(max(0.0, 3.0 - (now() - started) / 1e9))
             await run.mark(driver)
             at = now()
             await until(lambda: any(each.moves for each in world.told(at)), 2, "driving goes on")
@@ -444,7 +445,7 @@ async def _dark(world: World, chance: random.Random, findings: Findings, seconds
         await run.mark(driver)
         await run.turn_door()
         await run.stopped(at)
-        await asyncio.sleep(max(0.0, seconds - (now() - at) / 1e9))
+        await lasts_for(max(0.0, seconds - (now() - at) / 1e9))
         await run.let_go()
         world.proxy.change(Weather())
         async with back(findings):
@@ -495,7 +496,7 @@ async def f14(world: World, chance: random.Random, findings: Findings) -> None:
             Weather(delay_ms=ms / 2, jitter_ms=ms / 4, split=0.2, rate=chance.choice((0, 2e5)))
         )
         await run.mark(driver)
-        await asyncio.sleep(1.0)
+        await lasts_for(1.0)
         at = now()
         await run.let_go()
         await run.stopped(at)
@@ -694,7 +695,7 @@ async def _take_over(three: list[Page], chance: random.Random, findings: Finding
     await until(
         lambda: len(having()) == 1 and having()[0] is not holder, 8, "one holder, and a new one"
     )
-    await asyncio.sleep(0.1)
+    await lasts_for(0.1)
     findings.counted["take-overs"] += 1
     if len(having()) != 1:
         findings.breach("F23", f"{len(having())} hold the lease after a take-over")

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import httpx
 import numpy as np
+from patience import lasts_for
 from websockets.asyncio.client import ClientConnection, connect
 
 from talaia.clock import SystemClock
@@ -279,7 +280,7 @@ async def f18(world: World, chance: random.Random, findings: Findings) -> None:
             # The fault is that all come at once, and not that there are so many sites.
             before = run.memory_from_now()["hub"]
             await run.press(driver)
-            await asyncio.sleep(0.5)
+            await lasts_for(0.5)
             began = now()
             many.tell("cut")
             await many.says("all back", within=BACK_S, times=2)

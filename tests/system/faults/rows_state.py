@@ -18,6 +18,7 @@ from pathlib import Path
 import httpx
 import msgspec
 import numpy as np
+from patience import lasts_for
 from websockets.asyncio.client import connect
 
 from talaia.gateway.reload.current_description import catalogue_of
@@ -292,7 +293,7 @@ async def _frozen_robot(
         since = len(driver.got)
         await driver.say(browser.PageStop(site=SITE, device="base", id=stop))
         news = await driver.sees(browser.StopUpdate, lambda x: x.id == stop, since=since)
-        await asyncio.sleep(max(0.0, STALE_S - (now() - at) / 1e9))
+        await lasts_for(max(0.0, STALE_S - (now() - at) / 1e9))
         told = [x for x in driver.got[since:] if isinstance(x, browser.StopUpdate)]
         if not news.latched or any(each.confirmed for each in told):
             findings.breach("I6", "STOP looks confirmed by a robot that hangs")

@@ -14,6 +14,7 @@ from typing import Any
 
 import httpx
 import psutil
+from patience import lasts_for
 
 from talaia.wire import browser
 
@@ -205,7 +206,7 @@ class Run:
 
     async def begin_anew(self) -> None:
         """Judge what is said from a moment from now on."""
-        await asyncio.sleep(2 * ledgers.MATCHING_NS / 1e9)
+        await lasts_for(2 * ledgers.MATCHING_NS / 1e9)
         self._first = len(self.world.said())
 
     # ── driving ──

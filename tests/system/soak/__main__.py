@@ -22,6 +22,8 @@ import time
 from pathlib import Path
 from typing import TextIO
 
+from patience import lasts_for
+
 from ..faults.world import World
 from .load import Load
 from .measure import Measure
@@ -100,7 +102,7 @@ class Run:
     async def _sample(self, *, seldom: bool) -> None:
         if seldom:
             self._measure.ask_tasks()
-            await asyncio.sleep(ANSWER_S)
+            await lasts_for(ANSWER_S)
         now = time.monotonic()
         sample = Sample(
             s=round(now - self._began, 1),

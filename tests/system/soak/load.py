@@ -11,6 +11,7 @@ from collections.abc import Awaitable, Callable
 
 import httpx
 import websockets
+from patience import lasts_for
 
 from talaia.wire import browser
 
@@ -86,7 +87,7 @@ class Load:
                 await asyncio.sleep(2)
 
     async def _pause(self, least: float, most: float) -> None:
-        await asyncio.sleep(self._chance.uniform(least, most))
+        await lasts_for(self._chance.uniform(least, most))
 
     async def _cookie(self, name: str) -> str:
         until, cookie = self._cookies.get(name, (0.0, ""))

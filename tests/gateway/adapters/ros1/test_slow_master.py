@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socketserver
 import threading
-import time
 import xmlrpc.client
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 import pytest
 from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
+from patience import blocks_for
 from ports import free_port
 
 from talaia.wire.frames import Event
@@ -46,7 +46,7 @@ class SlowMaster:
 
     def _dispatch(self, method: str, params: tuple) -> object:
         if method == "registerSubscriber" and params[1] in {f"/{name}" for name in TOPICS}:
-            time.sleep(SLOW_S)
+            blocks_for(SLOW_S)
             self.registered.append(params[1])
         with xmlrpc.client.ServerProxy(self._uri) as real:
             return getattr(real, method)(*params)

@@ -11,7 +11,7 @@ import pytest
 import simplejpeg
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import SITE, Peer, addresses_of, command, drive, filled, running, take_lease
-from patience import PATIENCE_S
+from patience import PATIENCE_S, lasts_for, stays
 
 from talaia.wire.frames import (
     CommandCancel,
@@ -123,8 +123,8 @@ async def test_drive_frame_becomes_cmd_vel_then_zeros_then_silence(
     assert state.cap == 1.0
     await hub.next(DriveState, lambda each: each.linear == 0)
     await hub.next(Event, lambda each: each.kind == "drive_ended")
-    # Silence is shown by an answer that comes after it would have spoken.
-    await asyncio.sleep(1.6)
+    # The zeros, and then silence for as long as they would have gone on.
+    await lasts_for(1.6)
     zeros = [row["at"] for row in peer.rows if row.get("cmd") == [0.0, 0.0]]
     # Twenty a second; on a machine that others use too a few of them come late.
     assert len(zeros) >= 15
@@ -288,8 +288,7 @@ async def test_pictures_come_only_while_somebody_looks(hub: FakeHub, peer: Peer)
 
     for _ in range(5):
         await peer.do("image", encoding="rgb8")
-    await asyncio.sleep(0.3)
-    assert hub.pictures == []
+    await stays(0.3, lambda: hub.pictures == [], "no picture goes to a hub that asked for none")
     await hub.send(StreamSubscription(streams=["base/front"]))
     await show("rgb8")
     picture = hub.pictures[-1]
