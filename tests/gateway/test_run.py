@@ -78,7 +78,8 @@ async def test_signal_ends_it_cleanly(tmp_path: Path, number: signal.Signals) ->
             process.send_signal(number)
             code, said = await finished(process)
     assert (code, "Traceback" in said) == (0, False)
-    assert watch.seconds < 2
+    # Far below what a service manager waits before it kills; how long exactly is for `bench`.
+    assert watch.seconds < 10
 
 
 async def test_second_gateway_on_one_data_folder_is_refused(tmp_path: Path) -> None:
@@ -108,7 +109,8 @@ async def test_end_while_driving_leaves_a_zero_behind(peer: Peer, tmp_path: Path
             process.terminate()
             code, said = await finished(process)
     assert (code, "Traceback" in said) == (0, False)
-    assert watch.seconds < 2
+    # Far below what a service manager waits before it kills; how long exactly is for `bench`.
+    assert watch.seconds < 10
     await peer.until(lambda: peer.heard("cmd")[-1] == [0.0, 0.0])
 
 
