@@ -12,6 +12,7 @@ from typing import NamedTuple
 from talaia.model.closed_lists import SignalType
 
 __all__ = [
+    "ANY_MEANINGS",
     "COMMAND_FITS",
     "SIGNAL_FITS",
     "CommandFit",
@@ -115,6 +116,7 @@ class StateMeaning(StrEnum):
     SAFE = "safe"
     WARNING = "warning"
     UNSAFE = "unsafe"
+    NORMAL = "normal"
 
 
 class SignalFit(NamedTuple):
@@ -124,7 +126,7 @@ class SignalFit(NamedTuple):
         types: one of these.
         units: of a number, one of these; none for any.
         states: of a state: so many; 0 for any number.
-        meanings: what its states may mean; none where their words are only shown.
+        meanings: what its states may mean; none: what those of any signal may, `ANY_MEANINGS`.
         many: several signals of a device may have it.
 
     """
@@ -192,6 +194,14 @@ _OF_WEATHER = (
     StateMeaning.SAFE,
     StateMeaning.WARNING,
     StateMeaning.UNSAFE,
+    StateMeaning.UNKNOWN,
+)
+
+# Of a state without a role, or with one that asks for nothing else.
+ANY_MEANINGS = (
+    StateMeaning.NORMAL,
+    StateMeaning.WARNING,
+    StateMeaning.ERROR,
     StateMeaning.UNKNOWN,
 )
 

@@ -91,8 +91,9 @@ class Signal(Shape, frozen=True, kw_only=True):
         role: what it is, by which pages and tiles find it: ``dome.shutter``, ``weather.wind``;
             ``auto`` takes what Talaia proposes, ``none`` has no role.
         states: for a state: what each whole number means, in order.
-        meanings: what each of the states means to pages, in order, for a role that knows meanings
-            (``dome.shutter``: ``closed``, ``open``, …); left out, English words are understood.
+        meanings: what each of the states means to pages, in order: what its role knows
+            (``dome.shutter``: ``closed``, ``open``, …), or else ``normal``, ``warning``, ``error``
+            or ``unknown``; left out, English words are understood.
         frame: for a position: metres or degrees.
         yaw_from: for a local position: ``quaternion`` path of the orientation, or empty.
         primary: shown on the first page.

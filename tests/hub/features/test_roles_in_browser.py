@@ -35,6 +35,13 @@ devices:
         unit: °
         max_age: 600
         source: {topic: /cupula/gir, type: std_msgs/msg/Float64, field: data}
+      mode:
+        name: Mode
+        type: state
+        states: [bé, avaria]
+        meanings: [normal, error]
+        max_age: 600
+        source: {topic: /cupula/mode, type: std_msgs/msg/UInt8, field: data}
     commands:
       obre: {name: Obre, role: dome.open, target: /cupula/obre, type: std_srvs/srv/Trigger}
       tanca: {name: Tanca, role: dome.close, target: /cupula/tanca, type: std_srvs/srv/Trigger}
@@ -59,10 +66,16 @@ async def test_a_dome_in_catalan_is_drawn_with_its_buttons(
     await expect(dome.get_by_role("button", name="Obre")).to_be_visible()
     gateway.channels = {channel.address: at for at, channel in enumerate(site.channels())}
     now_us = SystemClock().wall_ns() // 1000
-    await gateway.samples(("cupula/comporta", now_us, 1.0), ("cupula/gir", now_us, 90.0))
+    await gateway.samples(
+        ("cupula/comporta", now_us, 1.0),
+        ("cupula/gir", now_us, 90.0),
+        ("cupula/mode", now_us, 1.0),
+    )
     await expect(dome.locator("t-status").first).to_contain_text("Open")
     await expect(dome.locator("strong")).to_contain_text("90")
     await expect(page.get_by_text("oberta").first).to_be_visible()
+    # What the description calls an error looks like one, in any language.
+    await expect(page.locator("t-value[level=bad]")).to_contain_text("avaria")
     await expect(dome.get_by_role("button", name="Tanca")).to_be_visible()
     # What has no role is not lost: it stands among the other commands.
     await expect(dome.get_by_role("button", name="Neteja")).to_have_count(0)

@@ -84,9 +84,13 @@ def test_a_word_that_is_no_role_is_told_with_the_nearest() -> None:
         ),
         (
             "type: state, states: [a], meanings: [open]",
-            "$.devices.dome.signals.first.meanings: states have meanings with a role that knows "
-            "them, found auto; write one of these roles: dome.shutter, camera.state, "
-            "weather.safety",
+            "$.devices.dome.signals.first.meanings[0]: no state of a signal without a role means "
+            "'open'; one of: normal, warning, error, unknown; or write the role: dome.shutter",
+        ),
+        (
+            "unit: V, meanings: [normal]",
+            "$.devices.dome.signals.first.meanings: states have meanings, found type number; "
+            "leave them out",
         ),
     ],
 )

@@ -257,7 +257,22 @@ def test_every_english_word_of_a_shutter_means_something_and_what_none_knows_is_
         *("open", "open", "closed", "opening", "closing", "partial", "error", "unknown"),
         "unknown",
     )
-    assert meanings_of(shutter, SignalRole.DOME_PARKED) == ()
+
+
+def test_a_state_of_any_signal_that_is_called_an_error_means_one() -> None:
+    states = "type: state, states: [idle, Warning, '[ERROR] no answer', unknown, warned]"
+    mode = device_of("other", signals(it=states)).signals["it"]
+    expected = ("normal", "warning", "error", "unknown", "normal")
+    for role in (None, SignalRole.DOME_PARKED):
+        assert meanings_of(mode, role) == expected
+    calm = device_of("other", signals(it="type: state, states: [shut, ajar, unknown]")).signals["it"]
+    assert meanings_of(calm, None) == ()
+
+
+def test_the_states_of_any_signal_mean_what_is_said_in_any_language() -> None:
+    states = "type: state, states: [bé, avaria], meanings: [normal, error]"
+    mode = device_of("other", signals(it=states)).signals["it"]
+    assert meanings_of(mode, None) == ("normal", "error")
 
 
 def test_a_station_that_warns_is_neither_safe_nor_unsafe() -> None:

@@ -2,7 +2,7 @@
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import { AnomalyDetectors } from "../state/anomaly-detectors.js";
-import type { AnomalyList } from "../wire/api-types.js";
+import type { AnomalyList } from "../generated/api.js";
 import { ConnectionStateController } from "./connection-state.js";
 import { LoadController } from "./load.js";
 

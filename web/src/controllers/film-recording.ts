@@ -1,7 +1,8 @@
 /** Which cameras of a site are being filmed: asked once for all buttons of a page. */
 
 import type { ReactiveController, ReactiveControllerHost } from "lit";
-import { FilmsApi, type FilmList } from "../wire/films-api.js";
+import { FilmsApi } from "../wire/films-api.js";
+import type { FilmListShape } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
 
 /** Who may film sees within this time that somebody else has begun (ms). */
@@ -12,7 +13,7 @@ const SELDOM_MS = 30_000;
 /** One site; asks while somebody listens. */
 class SiteRecording {
   readonly listeners = new Set<() => void>();
-  list: FilmList | null = null;
+  list: FilmListShape | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private run = 0;
 
@@ -56,7 +57,7 @@ export class FilmRecordingController implements ReactiveController {
     host.addController(this);
   }
 
-  get list(): FilmList | null {
+  get list(): FilmListShape | null {
     return this.watched?.list ?? null;
   }
 

@@ -1,7 +1,7 @@
 /** Sends test messages for an element, one after the other, and keeps how the last one went. */
 
 import type { ReactiveControllerHost } from "lit";
-import type { WentShape } from "../wire/alarms-api.js";
+import type { WentShape } from "../generated/api.js";
 import type { ActionController } from "./action.js";
 
 export class TestMessageController {

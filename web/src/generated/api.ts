@@ -1369,4 +1369,5 @@ export type StateMeaning =
   | "reading"
   | "safe"
   | "warning"
-  | "unsafe";
+  | "unsafe"
+  | "normal";

@@ -2,7 +2,7 @@
 
 import { seesOnlyPublic } from "../state/rights.js";
 import { ADMIN_PAGES, type PageName } from "../state/router.js";
-import type { Person } from "../wire/api-types.js";
+import type { Me } from "../generated/api.js";
 
 export interface PageEntry {
   readonly tag: string;
@@ -53,7 +53,7 @@ export function isOpen(page: PageName): boolean {
 }
 
 /** Whether the navigation leads a person there; the hub checks each thing once more. */
-export function mayOpen(page: PageName, person: Person): boolean {
+export function mayOpen(page: PageName, person: Me): boolean {
   if (ADMIN_PAGES.includes(page)) return person.admin;
   // Who sees only what is public has nothing to do there.
   if (page === "drive" || page === "alarms" || page === "logbook") return !seesOnlyPublic(person);
@@ -61,6 +61,6 @@ export function mayOpen(page: PageName, person: Person): boolean {
 }
 
 /** The page that a person begins at: who sees only what is public has all of it on one page. */
-export function firstPage(person: Person): string {
+export function firstPage(person: Me): string {
   return seesOnlyPublic(person) ? "/public" : "/home";
 }

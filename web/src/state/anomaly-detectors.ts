@@ -1,7 +1,7 @@
 /** How the anomaly detectors of a site stand: the hub's list, and what was told since. */
 
 import type { AnomalyUpdate } from "../generated/wire.js";
-import type { AnomalyInfo, AnomalyList } from "../wire/api-types.js";
+import type { AnomalyList, AnomalyShape } from "../generated/api.js";
 
 /** One detector of a signal. */
 export interface Detector {
@@ -108,7 +108,7 @@ function scoresOf({ address, detector }: AnomalyUpdate): string {
   return `${address}~${detector}`;
 }
 
-function detectorOf(anomaly: AnomalyInfo): Detector {
+function detectorOf(anomaly: AnomalyShape): Detector {
   const { address, detector, name, bar, score, scores, learns, learning, began_us } = anomaly;
   const on = began_us >= 0;
   return { address, detector, name, bar, score, scores, learns, learning, on, anomaly: anomalyOf(scores, { ...anomaly, on }) };

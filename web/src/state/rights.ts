@@ -1,6 +1,6 @@
 /** What a role or a person may do, as one level for each site and device. Pure. */
 
-import type { Permission, Right } from "../wire/api-types.js";
+import type { PermissionShape } from "../generated/api.js";
 
 /** Stands for every site, or every device of a site. */
 export const ANY = "*";
@@ -30,19 +30,19 @@ export function higherLevel(a: AccessLevel, b: AccessLevel): AccessLevel {
 }
 
 /** The level that was given for this very place, whatever wider places give. */
-export function ownLevel(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
+export function ownLevel(permissions: readonly PermissionShape[], place: AccessPlace): AccessLevel {
   return permissions
     .filter(({ site, device }) => site === place.site && device === place.device)
     .reduce<AccessLevel>((level, { right }) => higherLevel(level, right), "none");
 }
 
 /** The level that holds at a place: its own, or a wider place's where that is higher. */
-export function levelAt(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
+export function levelAt(permissions: readonly PermissionShape[], place: AccessPlace): AccessLevel {
   return higherLevel(ownLevel(permissions, place), inheritedLevel(permissions, place));
 }
 
 /** The level that wider places give; `none` for the whole hub, above which nothing is. */
-export function inheritedLevel(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
+export function inheritedLevel(permissions: readonly PermissionShape[], place: AccessPlace): AccessLevel {
   return permissions
     .filter((permission) => !(permission.site === place.site && permission.device === place.device))
     .filter(({ site, device }) => (site === ANY || site === place.site) && (device === ANY || device === place.device))
@@ -50,23 +50,23 @@ export function inheritedLevel(permissions: readonly Permission[], place: Access
 }
 
 /** The permissions after one place was given another level. One permission for a place says it all. */
-export function withLevel(permissions: readonly Permission[], place: AccessPlace, level: AccessLevel): readonly Permission[] {
+export function withLevel(permissions: readonly PermissionShape[], place: AccessPlace, level: AccessLevel): readonly PermissionShape[] {
   const rest = permissions.filter(({ site, device }) => site !== place.site || device !== place.device);
-  return level === "none" ? rest : [...rest, { right: level satisfies Right, site: place.site, device: place.device }];
+  return level === "none" ? rest : [...rest, { right: level, site: place.site, device: place.device }];
 }
 
 /** Whether two lists give the same, in whatever order. */
-export function samePermissions(a: readonly Permission[], b: readonly Permission[]): boolean {
+export function samePermissions(a: readonly PermissionShape[], b: readonly PermissionShape[]): boolean {
   const places = [...a, ...b];
   return places.every((place) => ownLevel(a, place) === ownLevel(b, place));
 }
 
 /** Whether somebody may use a device; without one, the whole site. The hub checks it once more. */
-export function mayUse(person: { readonly permissions: readonly Permission[] } | null | undefined, site: string, device: string): boolean {
+export function mayUse(person: { readonly permissions: readonly PermissionShape[] } | null | undefined, site: string, device: string): boolean {
   return levelRank(levelAt(person?.permissions ?? [], { site, device: device || ANY })) >= levelRank("use");
 }
 
 /** Whether somebody holds no right at all, and so sees what is public only. */
-export function seesOnlyPublic(person: { readonly admin: boolean; readonly permissions: readonly Permission[] }): boolean {
+export function seesOnlyPublic(person: { readonly admin: boolean; readonly permissions: readonly PermissionShape[] }): boolean {
   return !person.admin && person.permissions.length === 0;
 }

@@ -1,6 +1,6 @@
 /** Who is signed in. */
 
-import type { Person } from "../wire/api-types.js";
+import type { Me } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
 import { Store } from "./store.js";
 
@@ -14,7 +14,7 @@ export type SessionState = "unknown" | "nobody" | "known";
 const NOTE = "talaia.signed-in";
 
 export class Session extends Store {
-  private someone: Person | null = null;
+  private someone: Me | null = null;
   private asked = false;
   private going = false;
 
@@ -39,7 +39,7 @@ export class Session extends Store {
     return this.someone === null ? "nobody" : "known";
   }
 
-  get person(): Person | null {
+  get person(): Me | null {
     return this.someone;
   }
 
@@ -95,7 +95,7 @@ export class Session extends Store {
     return rightsOf(this.someone);
   }
 
-  private setPerson(person: Person | null): void {
+  private setPerson(person: Me | null): void {
     const same = this.asked && isSamePerson(person, this.someone);
     this.asked = true;
     this.someone = person;
@@ -106,10 +106,10 @@ export class Session extends Store {
 }
 
 /** Watchers are told of everything but the idle time, which moves all the time. */
-function isSamePerson(a: Person | null, b: Person | null): boolean {
+function isSamePerson(a: Me | null, b: Me | null): boolean {
   return rightsOf(a) === rightsOf(b) && a?.factor === b?.factor;
 }
 
-function rightsOf(person: Person | null): string {
+function rightsOf(person: Me | null): string {
   return person === null ? "" : JSON.stringify([person.name, person.role, person.admin, person.permissions]);
 }

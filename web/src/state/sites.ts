@@ -1,24 +1,24 @@
 /** The sites this person may see, kept up to date by the hub's news. */
 
 import type { SiteUpdate } from "../generated/wire.js";
-import type { SiteDetail, SiteRow } from "../wire/api-types.js";
+import type { SiteShape, SiteSummary } from "../generated/api.js";
 import type { HubApi } from "../wire/hub-api.js";
 import { Store } from "./store.js";
 
 export type LoadState = "idle" | "loading" | "ready" | "failed";
 
 export class Sites extends Store {
-  private rows: readonly SiteRow[] = [];
+  private rows: readonly SiteSummary[] = [];
   private loading: LoadState = "idle";
   private problem: unknown = null;
-  private readonly details = new Map<string, { catalogue: string; detail: Promise<SiteDetail> }>();
+  private readonly details = new Map<string, { catalogue: string; detail: Promise<SiteShape> }>();
   private readonly catalogues = new Map<string, string>();
 
   constructor(private readonly api: HubApi) {
     super();
   }
 
-  get list(): readonly SiteRow[] {
+  get list(): readonly SiteSummary[] {
     return this.rows;
   }
 
@@ -41,7 +41,7 @@ export class Sites extends Store {
     return this.siteRow(site)?.zone ?? this.zone;
   }
 
-  siteRow(site: string): SiteRow | undefined {
+  siteRow(site: string): SiteSummary | undefined {
     return this.rows.find((row) => row.site === site);
   }
 
@@ -70,7 +70,7 @@ export class Sites extends Store {
    *
    * @throws Refused, Unreachable
    */
-  loadDetail(site: string): Promise<SiteDetail> {
+  loadDetail(site: string): Promise<SiteShape> {
     const catalogue = this.catalogueOf(site);
     const held = this.details.get(site);
     if (held?.catalogue === catalogue) return held.detail;

@@ -5,14 +5,17 @@
 
 import { html, nothing, type TemplateResult } from "lit";
 import type { CommandClient } from "../controllers/drive/command-client.js";
-import type { CommandRole, SignalRole, TileShape } from "../generated/api.js";
-import type { DeviceInfo, SignalInfo, SiteDetail } from "../wire/api-types.js";
+import type { CommandRole, DeviceShape, SignalRole, SignalShape, SiteShape, TileShape } from "../generated/api.js";
+import type { PaintScheduler } from "../elements/chart/paint-scheduler.js";
+import type { AlarmMark } from "../series/alarm-marks.js";
+import type { Anomaly, Detector } from "../state/anomaly-detectors.js";
+import type { ChartFeed } from "./chart/chart-feed.js";
 import { outletsOf } from "./observatory/roles.js";
 
 export interface DeviceTileOptions {
   readonly site: string;
-  readonly device: DeviceInfo;
-  readonly detail: SiteDetail;
+  readonly device: DeviceShape;
+  readonly detail: SiteShape;
   readonly line: CommandClient | null;
   readonly online: boolean;
 }
@@ -33,11 +36,15 @@ export interface CatalogRow {
   readonly most: number;
 }
 
+const NO_MARKS: readonly AlarmMark[] = [];
+const NO_DETECTORS: readonly Detector[] = [];
+const NO_ANOMALIES: readonly Anomaly[] = [];
+
 const NOTHING_DRAWN: CatalogRow = {
   load: null, render: () => nothing, needs: [], commands: [], showsStreams: false, summary: [], most: 3,
 };
 
-export const CATALOG: Readonly<Record<DeviceInfo["kind"], CatalogRow>> = {
+export const CATALOG: Readonly<Record<DeviceShape["kind"], CatalogRow>> = {
   dome: {
     load: () => import("./observatory/dome-part.js"),
     render: ({ site, device, detail, line, online }) =>
@@ -102,7 +109,7 @@ export const CATALOG: Readonly<Record<DeviceInfo["kind"], CatalogRow>> = {
 };
 
 /** The row of a device's tile; null where none is drawn for it. */
-export function deviceTile(device: DeviceInfo): CatalogRow | null {
+export function deviceTile(device: DeviceShape): CatalogRow | null {
   const row = CATALOG[device.kind];
   if (row.load === null) return null;
   const roles = new Set<string>([...device.signals, ...device.commands].map(({ role }) => role));
@@ -110,7 +117,7 @@ export function deviceTile(device: DeviceInfo): CatalogRow | null {
 }
 
 /** The commands that the device's tile shows itself, by id; the rest stands below as forms. */
-export function commandsShownBy(device: DeviceInfo): ReadonlySet<string> {
+export function commandsShownBy(device: DeviceShape): ReadonlySet<string> {
   const shown = deviceTile(device)?.commands ?? [];
   const switches = new Set(outletsOf(device).flatMap(({ on, off }) => [on?.command.id, off?.command.id]));
   return new Set(
@@ -122,7 +129,7 @@ export function commandsShownBy(device: DeviceInfo): ReadonlySet<string> {
 }
 
 /** The signals that tell most of a device at a glance, the first one first. */
-export function summarySignals(device: DeviceInfo): readonly SignalInfo[] {
+export function summarySignals(device: DeviceShape): readonly SignalShape[] {
   const { summary, most } = CATALOG[device.kind];
   if (summary.length === 0) return device.signals.filter(({ primary, type }) => primary && type !== "position").slice(0, most);
   const found = summary.map((roles) =>
@@ -131,10 +138,64 @@ export function summarySignals(device: DeviceInfo): readonly SignalInfo[] {
   return [...new Set(found.filter((signal) => signal !== undefined))].slice(0, most);
 }
 
+/** What of a device stands on the first page: what tells most of it, then what else is primary; texts and maps want more room. */
+export function firstPageSignals(device: DeviceShape, most: number): readonly SignalShape[] {
+  return [...new Set([...summarySignals(device), ...device.signals])]
+    .filter(({ primary, type }) => primary && type !== "position" && type !== "text")
+    .slice(0, most);
+}
+
+/** The same of several devices: the first of each, then the second of each, and so on. */
+export function firstPageOf(devices: readonly DeviceShape[], most: number): readonly SignalShape[] {
+  const columns = devices.map((device) => firstPageSignals(device, most));
+  const rows = Array.from({ length: most }, (_, row) => columns.flatMap((column) => column.slice(row, row + 1)));
+  return rows.flat().slice(0, most);
+}
+
+/** What the tile of a signal is given by every page; more is said by those that have it. */
+export interface SignalTileOptions {
+  readonly signal: SignalShape;
+  readonly feed: ChartFeed | null;
+  readonly painter: PaintScheduler;
+  readonly colour: number;
+  /** Nothing can come, because a link on the way is down. */
+  readonly cut: boolean;
+  readonly zone: string;
+  readonly paused?: boolean;
+  readonly outliers?: number;
+  readonly marks?: readonly AlarmMark[];
+  readonly detectors?: readonly Detector[] | undefined;
+  readonly anomalies?: readonly Anomaly[] | undefined;
+  readonly mayForgive?: boolean;
+  readonly busy?: boolean;
+  readonly forbidden?: boolean;
+}
+
+/** A signal's tile; `t-chart-tile` has a look for each type. */
+export function renderSignalTile({ signal, feed, painter, colour, cut, zone, ...more }: SignalTileOptions): TemplateResult {
+  return html`<t-chart-tile
+    class=${signal.type}
+    .feed=${feed}
+    .signal=${signal}
+    .painter=${painter}
+    .colour=${colour}
+    .cut=${cut}
+    .paused=${more.paused ?? false}
+    .outliers=${more.outliers ?? 0}
+    .marks=${more.marks ?? NO_MARKS}
+    .detectors=${more.detectors ?? NO_DETECTORS}
+    .anomalies=${more.anomalies ?? NO_ANOMALIES}
+    ?may-forgive=${more.mayForgive ?? false}
+    ?busy=${more.busy ?? false}
+    .forbidden=${more.forbidden ?? false}
+    zone=${zone}
+  ></t-chart-tile>`;
+}
+
 /** The signals that an administrator's tile reads of a device, by the tile's own names; null where one is missing. */
-export function signalsFor(tile: TileShape, device: DeviceInfo): ReadonlyMap<string, SignalInfo> | null {
+export function signalsFor(tile: TileShape, device: DeviceShape): ReadonlyMap<string, SignalShape> | null {
   if (tile.device !== "" && tile.device !== device.kind) return null;
-  const found = new Map<string, SignalInfo>();
+  const found = new Map<string, SignalShape>();
   for (const wanted of tile.signals) {
     const fits = device.signals.find(
       ({ id, type, unit, role }) =>

@@ -5,8 +5,7 @@ import { customElement, property, query, state } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
 import { base } from "../elements/base/base-style.js";
-import type { DeviceInfo, SignalInfo } from "../wire/api-types.js";
-import type { TileShape } from "../generated/api.js";
+import type { DeviceShape, SignalShape, TileShape } from "../generated/api.js";
 import { signalsFor } from "./catalog.js";
 import { TILE_API_VERSION, type TileFreshness, type TileReading, type TileView } from "./extension-view.js";
 
@@ -36,7 +35,7 @@ export class ExtensionTile extends LitElement {
   ];
 
   @property() site = "";
-  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) device: DeviceShape | null = null;
   @property({ attribute: false }) tile: TileShape | null = null;
   @property({ type: Boolean }) online = false;
   /** Why the component cannot be shown; empty while it can. */
@@ -101,9 +100,9 @@ export class ExtensionTile extends LitElement {
     this.problem = String(error);
   }
 
-  private signals(): ReadonlyMap<string, SignalInfo> {
+  private signals(): ReadonlyMap<string, SignalShape> {
     if (this.tile === null || this.device === null) return new Map();
-    return signalsFor(this.tile, this.device) ?? new Map<string, SignalInfo>();
+    return signalsFor(this.tile, this.device) ?? new Map<string, SignalShape>();
   }
 
   private view(): TileView {
@@ -112,7 +111,7 @@ export class ExtensionTile extends LitElement {
     return { api: TILE_API_VERSION, site: this.site, device: { id, name, kind }, readings };
   }
 
-  private readingOf(signal: SignalInfo): TileReading {
+  private readingOf(signal: SignalShape): TileReading {
     const { id, name, unit, type } = signal;
     const channel = signal.channels[0] ?? signal.address;
     const reading = this.live.readingOf(channel);
@@ -121,7 +120,7 @@ export class ExtensionTile extends LitElement {
     return { id, name, unit, value, text, freshness: this.freshnessOf(signal, channel, value), ageS: this.live.ageS(channel) };
   }
 
-  private freshnessOf(signal: SignalInfo, channel: string, value: number): TileFreshness {
+  private freshnessOf(signal: SignalShape, channel: string, value: number): TileFreshness {
     const now = this.live.freshnessOf(channel, signal.max_age);
     if (now === "live" && outOfRange(signal, value)) return "outside";
     if (now === "live") return this.online ? "live" : "unknown";

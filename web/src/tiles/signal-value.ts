@@ -1,13 +1,14 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
-import { severityOf } from "../format/severity.js";
+import { messageLevel, stateLevel, type SeverityLevel } from "../format/severity.js";
 import { decimalsFor, formatNumber } from "../format/number.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
 import { base } from "../elements/base/base-style.js";
+import { angleText } from "./observatory/roles.js";
 import "../elements/values/value.js";
 import type { ValueState } from "../elements/values/value.js";
-import type { SignalInfo } from "../wire/api-types.js";
+import type { SignalShape } from "../generated/api.js";
 
 /** A signal's name and its newest value, live. */
 @customElement("t-signal-value")
@@ -32,7 +33,7 @@ export class SignalValue extends LitElement {
   ];
 
   @property() site = "";
-  @property({ attribute: false }) signal: SignalInfo | null = null;
+  @property({ attribute: false }) signal: SignalShape | null = null;
   @property() size: "s" | "m" | "l" | "xl" = "m";
   /** Said instead of the signal's own name, where that alone would not tell which. */
   @property() label = "";
@@ -57,26 +58,32 @@ export class SignalValue extends LitElement {
         size=${this.size}
         state=${this.freshness(signal, channel)}
         .value=${reading?.value ?? Number.NaN}
-        .text=${this.stateText(signal)}
+        .text=${this.readingText(signal)}
         .unit=${signal.unit}
         .decimals=${signal.decimals}
         .age=${this.live.ageS(channel)}
-        .level=${severityOf(this.stateText(signal))}
+        .level=${this.level(signal)}
       ></t-value>
     `;
   }
 
-  private freshness(signal: SignalInfo, channel: string): ValueState {
+  private freshness(signal: SignalShape, channel: string): ValueState {
     const now = this.live.freshnessOf(channel, signal.max_age);
     return now === "live" && outOfRange(signal, this.live.readingOf(channel)?.value ?? Number.NaN) ? "outside" : now;
   }
 
-  private stateText(signal: SignalInfo): string {
+  private level(signal: SignalShape): SeverityLevel {
+    const first = this.live.readingOf(signal.channels[0] ?? signal.address);
+    if (signal.type === "text") return messageLevel(first?.text ?? "");
+    return signal.type === "state" ? stateLevel(signal, first?.value ?? Number.NaN) : "";
+  }
+
+  private readingText(signal: SignalShape): string {
     const first = this.live.readingOf(signal.channels[0] ?? signal.address);
     if (first === undefined) return "";
     switch (signal.type) {
       case "number":
-        return "";
+        return angleText(signal, first.value);
       case "text":
         return first.text ?? "";
       case "state":
@@ -86,7 +93,7 @@ export class SignalValue extends LitElement {
     }
   }
 
-  private positionText(signal: SignalInfo): string {
+  private positionText(signal: SignalShape): string {
     const [a, b] = signal.channels.map((channel) => this.live.readingOf(channel)?.value ?? Number.NaN);
     const decimals = signal.decimals >= 0 ? signal.decimals : signal.frame === "wgs84" ? 5 : decimalsFor("m");
     const unit = signal.frame === "wgs84" ? "°" : " m";

@@ -7,13 +7,14 @@ import { TickerController } from "../controllers/ticker.js";
 import { base } from "../elements/base/base-style.js";
 import { formatDuration } from "../format/duration.js";
 import { sitesContext } from "../state/contexts.js";
-import { keySignals, primaryByDevice } from "../state/key-signals.js";
 import { sitePath } from "../state/router.js";
-import type { SignalInfo, SiteDetail, SiteRow } from "../wire/api-types.js";
+import type { SignalShape, SiteShape, SiteSummary } from "../generated/api.js";
 import "../elements/layout/card.js";
 import "../elements/base/icon.js";
 import "../elements/feedback/status.js";
 import "../elements/values/time.js";
+import { firstPageOf, firstPageSignals } from "./catalog.js";
+import "./observatory/device-summary.js";
 import "./signal-value.js";
 
 const SHOWN = 4;
@@ -97,14 +98,14 @@ export class SiteCard extends LitElement {
       h3 {
         color: var(--t-muted);
       }
-      .device {
+      t-telling {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(11.5rem, 1fr));
         gap: var(--t-space-4) var(--t-space-3);
         --t-size-xxl: 2.375rem;
       }
       @media (max-width: 60rem) {
-        .device {
+        t-telling {
           grid-template-columns: repeat(auto-fill, minmax(8.5rem, 1fr));
           --t-size-xxl: var(--t-size-xl);
         }
@@ -137,12 +138,12 @@ export class SiteCard extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) row: SiteRow | null = null;
+  @property({ attribute: false }) row: SiteSummary | null = null;
   /** It is the only one and has the page to itself: values by device. */
   @property({ type: Boolean, reflect: true }) wide = false;
 
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
 
   constructor() {
     super();
@@ -184,12 +185,12 @@ export class SiteCard extends LitElement {
     </t-card>`;
   }
 
-  private renderValues(row: SiteRow): unknown {
+  private renderValues(row: SiteSummary): unknown {
     if (this.detail.result.state === "failed") {
       return html`<p class="facts note">Its description could not be loaded. It is asked for again when the site changes.</p>`;
     }
     if (this.wide) return this.renderByDevice(row);
-    const signals = keySignals(this.detail.value?.devices ?? [], SHOWN);
+    const signals = firstPageOf(this.detail.value?.devices ?? [], SHOWN);
     if (this.detail.value !== undefined && signals.length === 0) {
       return this.renderNoValues();
     }
@@ -207,25 +208,30 @@ export class SiteCard extends LitElement {
   }
 
   /** Two devices may both have a "State": then it is said whose. */
-  private label(signal: SignalInfo, shown: readonly SignalInfo[]): string {
+  private label(signal: SignalShape, shown: readonly SignalShape[]): string {
     if (shown.filter((candidate) => candidate.name === signal.name).length < 2) return "";
     const owner = this.detail.value?.devices.find((device) => device.signals.includes(signal));
     return owner === undefined ? "" : `${owner.name}: ${signal.name}`;
   }
 
-  private renderByDevice(row: SiteRow): unknown {
-    const groups = primaryByDevice(this.detail.value?.devices ?? [], SHOWN_EACH);
-    if (this.detail.value !== undefined && groups.length === 0) return this.renderNoValues();
-    return groups.map(
-      ({ device, signals }) => html`<section>
+  private renderByDevice(row: SiteSummary): unknown {
+    const detail = this.detail.value;
+    if (detail === undefined) return nothing;
+    const devices = detail.devices.filter((device) => firstPageSignals(device, 1).length > 0);
+    if (devices.length === 0) return this.renderNoValues();
+    return repeat(
+      devices,
+      ({ id }) => id,
+      (device) => html`<section>
         <h3>${device.name}</h3>
-        <div class="device">
-          ${repeat(
-            signals,
-            (signal) => signal.address,
-            (signal) => html`<t-signal-value size="xl" .site=${row.site} .signal=${signal}></t-signal-value>`,
-          )}
-        </div>
+        <t-telling
+          size="xl"
+          .site=${row.site}
+          .device=${device}
+          .detail=${detail}
+          .online=${row.online}
+          .signals=${firstPageSignals(device, SHOWN_EACH)}
+        ></t-telling>
       </section>`,
     );
   }
@@ -241,7 +247,7 @@ export class SiteCard extends LitElement {
   }
 }
 
-function staleness(row: SiteRow): string {
+function staleness(row: SiteSummary): string {
   return row.online && row.stale > 0 ? `, ${String(row.stale)} of them stale` : "";
 }
 

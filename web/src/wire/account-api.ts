@@ -1,7 +1,6 @@
 /** What a person may ask of the hub about their own account. */
 
-import type { FactorOffer, NewToken, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
-import type { Permission } from "./api-types.js";
+import type { FactorOffer, NewToken, PermissionShape, SessionList, SessionShape, TokenList, TokenShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 export class AccountApi {
@@ -44,7 +43,7 @@ export class AccountApi {
   }
 
   /** The token is not shown again. */
-  makeToken(name: string, endsUs: number, permissions: readonly Permission[]): Promise<NewToken> {
+  makeToken(name: string, endsUs: number, permissions: readonly PermissionShape[]): Promise<NewToken> {
     return this.hub.request("POST", "/api/me/tokens", { name, ends_us: endsUs, permissions });
   }
 

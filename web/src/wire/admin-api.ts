@@ -1,7 +1,6 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditChain, AuditList, CodeShape, GatewayList, OutlookShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, StorageShape } from "../generated/api.js";
-import type { Permission } from "./api-types.js";
+import type { AuditChain, AuditList, CodeShape, GatewayList, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, StorageShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
@@ -37,11 +36,11 @@ export class AdminApi {
     return (await this.hub.request<RoleList>("GET", "/api/roles")).roles;
   }
 
-  async addRole(name: string, permissions: readonly Permission[]): Promise<void> {
+  async addRole(name: string, permissions: readonly PermissionShape[]): Promise<void> {
     await this.hub.request("POST", "/api/roles", { name, permissions });
   }
 
-  async changeRole(role: string, name: string, permissions: readonly Permission[]): Promise<void> {
+  async changeRole(role: string, name: string, permissions: readonly PermissionShape[]): Promise<void> {
     await this.hub.request("PUT", itemUrl("roles", role), { name, permissions });
   }
 

@@ -19,27 +19,6 @@ import type {
 } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
-export type {
-  AlarmDefinition,
-  AlarmList,
-  AlarmPast,
-  AlarmPastList,
-  AlarmShape,
-  EventList,
-  EventShape,
-  PreviewShape,
-  PushList,
-  RuleAsk,
-  NoticeRuleShape,
-  ExtensionKeyShape,
-  ExtensionList,
-  ExtensionShape,
-  WayAsk,
-  WayChoice,
-  WayShape,
-  WentShape,
-} from "../generated/api.js";
-
 export class AlarmsApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
 

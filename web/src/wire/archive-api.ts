@@ -3,8 +3,6 @@
 import type { FrameDetail, FrameList, NightList } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
-export type { CardShape as Card, FrameDetail, FrameList, FrameShape as FrameRow, HistogramShape as Histogram, NightList } from "../generated/api.js";
-
 export const STRETCHES = ["asinh", "linear", "log"] as const;
 export type Stretch = (typeof STRETCHES)[number];
 

@@ -10,18 +10,6 @@ import type {
 } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
-export type {
-  ChangeAnswer,
-  CheckAnswer,
-  DescriptionList,
-  DescriptionText,
-  DifferenceAnswer,
-  DifferenceShape as DifferencePart,
-  EditAnswer,
-  FindingShape as Finding,
-  VersionShape as Version,
-} from "../generated/api.js";
-
 /** A JSON schema, or a part of one. */
 export type Schema = Readonly<Record<string, unknown>>;
 

@@ -3,8 +3,6 @@
 import type { FilmListShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
-export type { FilmListShape as FilmList, FilmShape as FilmRow, UnfilmedShape as UnfilmedRow } from "../generated/api.js";
-
 /** Later than any film: the answer lists none, and says how filming stands. */
 const NEVER_US = 2 ** 53;
 

@@ -1,9 +1,6 @@
 /** The hub's HTTP interface as functions. */
 
-import type { DeviceList, StoredList } from "../generated/api.js";
-import type {
-  AnomalyList, DeviceRow, EventList, History, OutlierList, Person, SiteDetail, SiteRow, SkyList, StatisticsList, StoredInfo,
-} from "./api-types.js";
+import type { AnomalyList, DeviceList, DeviceSummary, EventList, HistoryAnswer, Me, OutlierList, SiteShape, SiteSummary, SkyList, StatisticsList, StoredList, StoredShape } from "../generated/api.js";
 
 /** The hub answered, and the answer was no. */
 export class Refused extends Error {
@@ -54,9 +51,9 @@ export class HubApi {
    *
    * @param background false: the person asks, and the session lives longer for it
    */
-  async currentPerson(background = true): Promise<Person | null> {
+  async currentPerson(background = true): Promise<Me | null> {
     try {
-      return await this.request<Person>("GET", "/api/me", undefined, { background });
+      return await this.request<Me>("GET", "/api/me", undefined, { background });
     } catch (error) {
       if (error instanceof Refused && error.status === 401) return null;
       throw error;
@@ -64,7 +61,7 @@ export class HubApi {
   }
 
   /** @param code the second factor's six digits, or a recovery code; empty when none was asked for */
-  login(name: string, password: string, code = ""): Promise<Person> {
+  login(name: string, password: string, code = ""): Promise<Me> {
     return this.request("POST", "/api/login", code === "" ? { name, password } : { name, password, code });
   }
 
@@ -76,20 +73,20 @@ export class HubApi {
     await this.request("POST", "/api/setup", { token, name, password });
   }
 
-  sites(): Promise<readonly SiteRow[]> {
+  sites(): Promise<readonly SiteSummary[]> {
     return this.request("GET", "/api/sites");
   }
 
-  site(site: string): Promise<SiteDetail> {
+  site(site: string): Promise<SiteShape> {
     return this.request("GET", `/api/sites/${encodeURIComponent(site)}`);
   }
 
   /** Every device that is open to the person, of every site. */
-  async devices(): Promise<readonly DeviceRow[]> {
+  async devices(): Promise<readonly DeviceSummary[]> {
     return (await this.request<DeviceList>("GET", "/api/devices")).devices;
   }
 
-  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> {
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<HistoryAnswer> {
     const search = windowQuery(query, query.channels);
     search.set("width", String(Math.round(query.width)));
     const path = `/api/sites/${encodeURIComponent(site)}/history?${search.toString()}`;
@@ -116,7 +113,7 @@ export class HubApi {
   }
 
   /** Channels that have history and that the site's description no longer has. */
-  async formerChannels(site: string): Promise<readonly StoredInfo[]> {
+  async formerChannels(site: string): Promise<readonly StoredShape[]> {
     const path = `/api/sites/${encodeURIComponent(site)}/stored?former=true`;
     return (await this.request<StoredList>("GET", path)).channels;
   }

@@ -3,12 +3,6 @@
 import type { RecordingListShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
-export type {
-  RecorderShape as RecorderRow,
-  RecordingListShape as RecordingList,
-  RecordingShape as RecordingRow,
-} from "../generated/api.js";
-
 export class RecordingsApi {
   constructor(private readonly hub: Pick<HubApi, "request">) {}
 

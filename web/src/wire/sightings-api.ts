@@ -3,8 +3,6 @@
 import type { SightingLabels, SightingList } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
-export type { LabelShape as SeenLabel, SeenShape as Sighting } from "../generated/api.js";
-
 const sightingsUrl = (site: string, more = ""): string => `/api/sites/${encodeURIComponent(site)}/sightings${more}`;
 
 export class SightingsApi {

@@ -1,10 +1,17 @@
 import { expect, test } from "vitest";
-import { severityOf } from "../../src/format/severity.js";
+import type { StateMeaning } from "../../src/generated/api.js";
+import { messageLevel, stateLevel } from "../../src/format/severity.js";
+
+test("a state is as grave as its meaning, whatever it is called", () => {
+  const meanings: readonly StateMeaning[] = ["normal", "warning", "error", "unsafe", "unknown", "closed"];
+  expect(meanings.map((_, value) => stateLevel({ meanings }, value))).toEqual(["", "warn", "bad", "bad", "", ""]);
+  expect([Number.NaN, -1, 6].map((value) => stateLevel({ meanings }, value))).toEqual(["", "", ""]);
+  expect(stateLevel({ meanings: [] }, 0)).toBe("");
+});
 
 test.each([
-  ["warning", "warn"], ["WARN: battery low", "warn"], ["[WARNING] dome is parked", "warn"], ["Caution", "warn"],
-  ["error", "bad"], ["[ERROR] no answer", "bad"], ["unsafe", "bad"], ["alert", "bad"],
-  ["safe", ""], ["idle", ""], ["no warning", ""], ["errors: 0", ""], ["warned", ""], ["", ""],
-])("“%s” has the level “%s”", (text, level) => {
-  expect(severityOf(text)).toBe(level);
+  ["[WARNING] dome is parked", "warn"], ["[WARN] low", "warn"], ["[ERROR] no answer", "bad"], ["[FATAL] gone", "bad"],
+  ["[INFO] parked", ""], ["[error] not a log's word", ""], ["ERROR no answer", ""], ["no [ERROR]", ""], ["", ""],
+])("the message “%s” has the level “%s”", (text, level) => {
+  expect(messageLevel(text)).toBe(level);
 });

@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
 import { firstPage, isOpen, mayOpen, PAGES } from "../../src/pages/routes.js";
 import { ADMIN_PAGES } from "../../src/state/router.js";
-import type { Person } from "../../src/wire/api-types.js";
+import type { Me } from "../../src/generated/api.js";
 
-const person = (change: Partial<Person> = {}): Person => ({
+const person = (change: Partial<Me> = {}): Me => ({
   name: "ada", role: "operator", admin: false, factor: false, idle_ends_us: 0, ends_us: 0,
   permissions: [{ right: "view", site: "agv", device: "base" }], ...change,
 });

@@ -2,9 +2,9 @@ import { expect, test } from "vitest";
 import type { AnomalyUpdate } from "../../src/generated/wire.js";
 import { anomalyMarks } from "../../src/elements/chart/anomaly-marks.js";
 import { AnomalyDetectors } from "../../src/state/anomaly-detectors.js";
-import type { AnomalyInfo } from "../../src/wire/api-types.js";
+import type { AnomalyShape } from "../../src/generated/api.js";
 
-function info(change: Partial<AnomalyInfo> = {}): AnomalyInfo {
+function info(change: Partial<AnomalyShape> = {}): AnomalyShape {
   return {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.3, scores: "power/voltage~together",
     began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0, ...change,
@@ -18,7 +18,7 @@ function news(change: Partial<AnomalyUpdate> = {}): AnomalyUpdate {
   };
 }
 
-function book(...detectors: readonly AnomalyInfo[]): AnomalyDetectors {
+function book(...detectors: readonly AnomalyShape[]): AnomalyDetectors {
   const made = new AnomalyDetectors();
   made.setList({ detectors, may_forgive: true, skipped: 0 });
   return made;

@@ -10,9 +10,9 @@ import {
   seesOnlyPublic,
   withLevel,
 } from "../../src/state/rights.js";
-import type { Permission } from "../../src/wire/api-types.js";
+import type { PermissionShape } from "../../src/generated/api.js";
 
-const give = (right: Permission["right"], site: string, device = ANY): Permission => ({ right, site, device });
+const give = (right: PermissionShape["right"], site: string, device = ANY): PermissionShape => ({ right, site, device });
 const agv = { site: "agv", device: ANY };
 const base = { site: "agv", device: "base" };
 
@@ -66,7 +66,7 @@ test("who holds no right sees only what is public", () => {
 });
 
 test("an alarm about more than one device is used by whoever may use the whole site", () => {
-  const person = { permissions: [{ right: "use", site: "agv", device: "base" }, { right: "view", site: "agv", device: ANY }] satisfies Permission[] };
+  const person = { permissions: [{ right: "use", site: "agv", device: "base" }, { right: "view", site: "agv", device: ANY }] satisfies PermissionShape[] };
   expect([mayUse(person, "agv", "base"), mayUse(person, "agv", ""), mayUse(person, "dome", "base"), mayUse(null, "agv", "base")]).toEqual([true, false, false, false]);
   expect(mayUse({ permissions: [{ right: "admin", site: ANY, device: ANY }] }, "agv", "")).toBe(true);
 });

@@ -1,16 +1,16 @@
 import { describe, expect, test } from "vitest";
 import { Session } from "../../src/state/session.js";
 import { Sites } from "../../src/state/sites.js";
-import type { SiteDetail, SiteRow } from "../../src/wire/api-types.js";
+import type { SiteShape, SiteSummary } from "../../src/generated/api.js";
 import { HubApi } from "../../src/wire/hub-api.js";
 
 const json = (value: unknown, status = 200): Response => new Response(JSON.stringify(value), { status });
-const row: SiteRow = {
+const row: SiteSummary = {
   site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, devices: 1, signals: 2,
   why: "", loop_ms: 0, skew_ms: 0, rival_us: 0, stale: 0,
 };
 const news = { t: "site", site: "agv", online: true, since_us: 9, catalogue: "", loop_ms: 0, skew_ms: 0, why: "", rival_us: 0 } as const;
-const detail: SiteDetail = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], devices: [] };
+const detail: SiteShape = { site: "agv", name: "House vehicle", zone: "UTC", online: true, since_us: 1, last_seen_us: 1, catalogue: "1", place: null, rules: [], enclosures: [], devices: [] };
 function hub(answer: (path: string) => Response): { api: HubApi; asked: string[] } {
   const asked: string[] = [];
   const api = new HubApi((input) => {

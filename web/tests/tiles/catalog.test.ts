@@ -1,13 +1,12 @@
 import { expect, test } from "vitest";
-import { CATALOG, commandsShownBy, deviceTile, signalsFor, summarySignals } from "../../src/tiles/catalog.js";
-import type { CommandRole, SignalRole } from "../../src/generated/api.js";
-import type { ArgumentInfo, CommandInfo, DeviceInfo, SignalInfo } from "../../src/wire/api-types.js";
+import { CATALOG, commandsShownBy, deviceTile, firstPageOf, firstPageSignals, signalsFor, summarySignals } from "../../src/tiles/catalog.js";
+import type { ArgumentShape, CommandRole, CommandShape, DeviceShape, SignalRole, SignalShape } from "../../src/generated/api.js";
 import { argument, command, device, signal, state } from "./observatory/described.js";
 
-const has = (id: string, role: SignalRole, more: Partial<SignalInfo> = {}): SignalInfo => signal(id, { role, ...more });
-const does = (id: string, role: CommandRole, args: readonly ArgumentInfo[] = []): CommandInfo => command(id, args, { role });
+const has = (id: string, role: SignalRole, more: Partial<SignalShape> = {}): SignalShape => signal(id, { role, ...more });
+const does = (id: string, role: CommandRole, args: readonly ArgumentShape[] = []): CommandShape => command(id, args, { role });
 const ids = (found: readonly { readonly id: string }[]): readonly string[] => found.map(({ id }) => id);
-const shownBy = (found: DeviceInfo): readonly string[] => [...commandsShownBy(found)];
+const shownBy = (found: DeviceShape): readonly string[] => [...commandsShownBy(found)];
 
 test("each row that draws makes its own element known", async () => {
   for (const [kind, { load }] of Object.entries(CATALOG)) {
@@ -55,6 +54,21 @@ test("a device is summed up by its roles, the first that is there at each place"
 test("a device of no drawn kind is summed up by its primary signals", () => {
   const found = [signal("a"), signal("b", { primary: false }), signal("c", { type: "position" }), signal("d"), signal("e"), signal("f")];
   expect(ids(summarySignals(device("vehicle", found)))).toEqual(["a", "d", "e"]);
+});
+
+test("the first page begins with what tells most of a device, and shows nothing that is not primary", () => {
+  const dome = device("dome", [signal("battery"), signal("said", { type: "text" }), has("roof", "dome.shutter"), has("turn", "dome.azimuth", { primary: false })]);
+  expect(ids(firstPageSignals(dome, 6))).toEqual(["roof", "battery"]);
+  expect(ids(firstPageSignals(dome, 1))).toEqual(["roof"]);
+  const vehicle = device("vehicle", ["a", "b", "c", "d"].map((id) => signal(id)));
+  expect(ids(firstPageSignals(vehicle, 6))).toEqual(["a", "b", "c", "d"]);
+});
+
+test("several devices take turns on the first page, without positions and minor ones", () => {
+  const first = device("other", [signal("a1"), signal("a2", { primary: false }), signal("a3"), signal("a4")]);
+  const second = device("other", [signal("b1", { type: "position" }), signal("b2")]);
+  expect(ids(firstPageOf([first, second], 3))).toEqual(["a1", "b2", "a3"]);
+  expect(firstPageOf([], 4)).toEqual([]);
 });
 
 test("an administrator's tile asks for a role, a unit, a type or an id", () => {

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from talaia.model.checks.identifiers import Finding
 from talaia.model.errors import UnknownWord
 from talaia.model.roles import (
+    ANY_MEANINGS,
     COMMAND_FITS,
     SIGNAL_FITS,
     CommandForm,
@@ -17,8 +18,9 @@ from talaia.model.site import ArgumentType, SignalType
 from talaia.model.units.unit import unit_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
+    from talaia.model.roles import StateMeaning
     from talaia.model.site import Command, Device, Signal
 
 __all__ = ["role_findings"]
@@ -87,19 +89,30 @@ def _meanings_fit(where: str, signal: Signal) -> Iterator[Finding]:
     if not signal.meanings:
         return
     at = f"{where}.meanings"
-    fit = SIGNAL_FITS.get(signal.role)
-    if fit is None or not fit.meanings:
-        known = ", ".join(role for role, known in SIGNAL_FITS.items() if known.meanings)
-        problem = f"states have meanings with a role that knows them, found {signal.role}"
-        yield Finding(at, problem, f"write one of these roles: {known}")
+    if signal.type is not SignalType.STATE:
+        yield Finding(at, f"states have meanings, found type {signal.type}", "leave them out")
         return
+    fit = SIGNAL_FITS.get(signal.role)
+    allowed = (fit.meanings if fit else ()) or ANY_MEANINGS
     if len(signal.meanings) != len(signal.states):
         problem = f"expected one for each of the {len(signal.states)} states"
         yield Finding(at, f"{problem}, found {len(signal.meanings)}")
     for index, meaning in enumerate(signal.meanings):
-        if meaning not in fit.meanings:
-            problem = f"no state of {signal.role} means {str(meaning)!r}"
-            yield Finding(f"{at}[{index}]", problem, f"one of: {', '.join(fit.meanings)}")
+        if meaning not in allowed:
+            problem = f"no state of {_role_text(signal.role)} means {str(meaning)!r}"
+            yield Finding(f"{at}[{index}]", problem, _meaning_advice(meaning, allowed))
+
+
+def _role_text(role: SignalRole) -> str:
+    return role if role in SIGNAL_FITS else "a signal without a role"
+
+
+def _meaning_advice(meaning: StateMeaning, allowed: Iterable[StateMeaning]) -> str:
+    advice = f"one of: {', '.join(allowed)}"
+    if allowed is not ANY_MEANINGS:
+        return advice
+    known = [role for role, fit in SIGNAL_FITS.items() if meaning in fit.meanings]
+    return f"{advice}; or write the role: {' or '.join(known)}"
 
 
 def _command_fits(where: str, command: Command) -> Iterator[Finding]:

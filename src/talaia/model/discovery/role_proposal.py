@@ -16,8 +16,11 @@ from talaia.model.discovery.command_roles import CommandRoles
 from talaia.model.discovery.role_words import argument_with, is_number
 from talaia.model.discovery.signal_roles import SignalRoles
 from talaia.model.roles import SIGNAL_FITS, CommandRole, SignalRole, StateMeaning
+from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from talaia.model.site import Device, Signal
 
 __all__ = [
@@ -56,6 +59,16 @@ _MEANINGS: dict[SignalRole, tuple[tuple[re.Pattern[str], StateMeaning], ...]] = 
         (re.compile(r".*"), StateMeaning.SAFE),
     ),
 }
+# What a state of any other signal is called where something is wrong.
+_GRAVE: tuple[tuple[re.Pattern[str], StateMeaning], ...] = (
+    (re.compile(r"unknown", re.IGNORECASE), StateMeaning.UNKNOWN),
+    (re.compile(r"\W*(warn(ing)?|caution)\b.*", re.IGNORECASE), StateMeaning.WARNING),
+    (
+        re.compile(r"\W*(error|alert|fatal|critical|fault|unsafe)\b.*", re.IGNORECASE),
+        StateMeaning.ERROR,
+    ),
+    (re.compile(r".*"), StateMeaning.NORMAL),
+)
 
 
 class DeviceRoles(NamedTuple):
@@ -104,18 +117,22 @@ def with_roles(device: Device) -> Device:
 
 
 def meanings_of(signal: Signal, role: SignalRole | None) -> tuple[StateMeaning, ...]:
-    """Say what each state of a signal means; empty where its role knows no meanings."""
-    if role is None or not SIGNAL_FITS[role].meanings:
-        return ()
-    if signal.meanings:
+    """Say what each state of a signal means.
+
+    Empty where nothing is out of the ordinary: no meaning is said, the role knows none, and no
+    state is called as if something were wrong.
+    """
+    if signal.meanings or signal.type is not SignalType.STATE:
         return signal.meanings
-    return tuple(
-        next(
-            (meaning for shape, meaning in _MEANINGS[role] if shape.fullmatch(word)),
-            StateMeaning.UNKNOWN,
-        )
-        for word in signal.states
-    )
+    if role is not None and SIGNAL_FITS[role].meanings:
+        return tuple(_meaning(word, _MEANINGS[role]) for word in signal.states)
+    found = tuple(_meaning(word, _GRAVE) for word in signal.states)
+    return found if {StateMeaning.WARNING, StateMeaning.ERROR} & set(found) else ()
+
+
+def _meaning(word: str, known: Iterable[tuple[re.Pattern[str], StateMeaning]]) -> StateMeaning:
+    found = (meaning for shape, meaning in known if shape.fullmatch(word))
+    return next(found, StateMeaning.UNKNOWN)
 
 
 def place_arguments(device: Device, roles: DeviceRoles) -> PlaceArguments | None:

@@ -1,7 +1,7 @@
 /** Seat, STOP and hands of one device, built and taken apart together. */
 
 import type { LeaseUpdate, StopUpdate } from "../../generated/wire.js";
-import type { DeviceInfo } from "../../wire/api-types.js";
+import type { DeviceShape } from "../../generated/api.js";
 import { DriveInputs } from "./drive-inputs.js";
 import { DriveSession, type DriveConnection } from "./drive-session.js";
 import { StopClient } from "./stop-client.js";
@@ -19,7 +19,7 @@ export class DriveController {
   private readonly hands: DriveInputs;
   private unwatch: (() => void) | null = null;
 
-  constructor(line: DriveConnection, site: string, device: DeviceInfo, online: boolean) {
+  constructor(line: DriveConnection, site: string, device: DeviceShape, online: boolean) {
     const { drive } = device;
     this.stop = new StopClient(line, site, device.id, online);
     const limits = drive && { maxSpeed: drive.max_speed, maxReverse: drive.max_reverse, maxTurn: drive.max_turn };

@@ -1,6 +1,6 @@
 /** What a person filled in as a command's arguments: checked, and put into their types. */
 
-import type { ArgumentInfo } from "../../wire/api-types.js";
+import type { ArgumentShape } from "../../generated/api.js";
 import { formatNumber } from "../../format/number.js";
 
 export type ArgumentValue = number | boolean | string;
@@ -10,7 +10,7 @@ export type CheckedArgument =
   | { readonly ok: false; readonly why: string };
 
 /** @param text - as typed; of a boolean: "true" or "false" */
-export function checkArgument(argument: ArgumentInfo, text: string): CheckedArgument {
+export function checkArgument(argument: ArgumentShape, text: string): CheckedArgument {
   switch (argument.type) {
     case "boolean":
       return { ok: true, value: text === "true" };
@@ -23,7 +23,7 @@ export function checkArgument(argument: ArgumentInfo, text: string): CheckedArgu
   }
 }
 
-function checkNumber(argument: ArgumentInfo, text: string): CheckedArgument {
+function checkNumber(argument: ArgumentShape, text: string): CheckedArgument {
   const value = Number(text);
   if (text === "" || !Number.isFinite(value)) return { ok: false, why: "A number is needed here." };
   if (argument.type === "integer" && !Number.isInteger(value)) {
@@ -37,7 +37,7 @@ function checkNumber(argument: ArgumentInfo, text: string): CheckedArgument {
 }
 
 /** `0 to 360 °`, `0 or more`; empty without limits. */
-export function argumentLimitText({ minimum, maximum, unit }: ArgumentInfo): string {
+export function argumentLimitText({ minimum, maximum, unit }: ArgumentShape): string {
   const numberText = (value: number): string => formatNumber(value, Number.isInteger(value) ? 0 : 3).replace(/(\.\d*?)0+$/, "$1");
   const tail = unit === "" ? "" : `\u202f${unit}`;
   if (minimum !== null && maximum !== null) return `${numberText(minimum)} to ${numberText(maximum)}${tail}`;
@@ -46,7 +46,7 @@ export function argumentLimitText({ minimum, maximum, unit }: ArgumentInfo): str
 }
 
 /** What a field starts with. */
-export function initialText(argument: ArgumentInfo): string {
+export function initialText(argument: ArgumentShape): string {
   if (argument.default !== null) return String(argument.default);
   return argument.type === "boolean" ? "false" : "";
 }

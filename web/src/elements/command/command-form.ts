@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import type { ArgumentInfo, CommandInfo } from "../../wire/api-types.js";
+import type { ArgumentShape, CommandShape } from "../../generated/api.js";
 import { base } from "../base/base-style.js";
 import "../forms/button.js";
 import "../feedback/dialog.js";
@@ -118,7 +118,7 @@ export class CommandForm extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) command: CommandInfo | null = null;
+  @property({ attribute: false }) command: CommandShape | null = null;
   @property({ attribute: false }) asked: RequestState | null = null;
   /** The site is connected. */
   @property({ type: Boolean }) online = true;
@@ -168,7 +168,7 @@ export class CommandForm extends LitElement {
     return this.online && this.allowed && this.locked === "";
   }
 
-  private renderField(argument: ArgumentInfo): TemplateResult {
+  private renderField(argument: ArgumentShape): TemplateResult {
     const value = this.typed[argument.id] ?? initialText(argument);
     if (argument.type === "boolean") {
       return html`<label

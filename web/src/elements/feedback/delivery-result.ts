@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import type { WentShape } from "../../wire/alarms-api.js";
+import type { WentShape } from "../../generated/api.js";
 import { base } from "../base/base-style.js";
 import "./status.js";
 

@@ -10,8 +10,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import { submittedForm } from "../../format/form-values.js";
 import type { Advice } from "../../format/error-advice.js";
-import type { NoticeRuleShape, RuleAsk, WayChoice } from "../../wire/alarms-api.js";
-import type { SiteRow } from "../../wire/api-types.js";
+import type { NoticeRuleShape, RuleAsk, SiteSummary, WayChoice } from "../../generated/api.js";
 import { ruleFromForm, FIRST, quietHours, SEVERITIES } from "./notification-rule.js";
 import "../../elements/forms/field.js";
 
@@ -38,7 +37,7 @@ export class NotificationRuleForm extends LitElement {
   /** Null for a new one. */
   @property({ attribute: false }) rule: NoticeRuleShape | null = null;
   @property({ attribute: false }) ways: readonly WayChoice[] = [];
-  @property({ attribute: false }) sites: readonly SiteRow[] = [];
+  @property({ attribute: false }) sites: readonly SiteSummary[] = [];
   @property({ attribute: false }) problem: Advice | null = null;
   @property({ type: Boolean }) busy = false;
   /** The way that is chosen; empty before one was. */

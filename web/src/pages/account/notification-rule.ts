@@ -1,7 +1,7 @@
 /** A rule of whom to tell what, as it stands in a form. Pure. */
 
 import { formText } from "../../format/form-values.js";
-import type { NoticeRuleShape, RuleAsk } from "../../wire/alarms-api.js";
+import type { NoticeRuleShape, RuleAsk } from "../../generated/api.js";
 
 export const SEVERITIES = ["info", "warning", "critical"] as const;
 type AlarmSeverity = (typeof SEVERITIES)[number];

@@ -8,7 +8,7 @@ import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { levelAt, placeKey, seesOnlyPublic } from "../../state/rights.js";
 import { sessionContext } from "../../state/contexts.js";
-import type { Person } from "../../wire/api-types.js";
+import type { Me } from "../../generated/api.js";
 import "../../elements/feedback/status.js";
 import "./second-factor.js";
 import "./change-password.js";
@@ -50,7 +50,7 @@ export class PageAccount extends LitElement {
 }
 
 /** What a person may do, in one line. */
-function rightsText(person: Person): string {
+function rightsText(person: Me): string {
   if (person.admin) return "admin of the whole hub.";
   if (person.permissions.length === 0) return "you see what is public.";
   const places = new Map(person.permissions.map((permission) => [placeKey(permission), permission]));

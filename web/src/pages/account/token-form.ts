@@ -14,7 +14,7 @@ import { knownZone } from "../../format/time.js";
 import { DAY_US, ZoneClock } from "../../series/zone-clock.js";
 import { apiContext } from "../../state/contexts.js";
 import { inheritedLevel, LEVELS, ownLevel, levelRank, withLevel, type AccessLevel } from "../../state/rights.js";
-import type { DeviceRow, Permission, Person } from "../../wire/api-types.js";
+import type { DeviceSummary, Me, PermissionShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { scopesOf, type TokenScope } from "./token-scopes.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
@@ -23,7 +23,7 @@ import "../../elements/forms/field.js";
 export interface TokenWish {
   readonly name: string;
   readonly endsUs: number;
-  readonly permissions: readonly Permission[];
+  readonly permissions: readonly PermissionShape[];
 }
 
 const FIRST_DAYS = 90;
@@ -85,16 +85,16 @@ export class TokenForm extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) person: Person | null = null;
+  @property({ attribute: false }) person: Me | null = null;
   @property() zone = "UTC";
   @property({ type: Boolean }) busy = false;
-  @state() private permissions: readonly Permission[] = [];
+  @state() private permissions: readonly PermissionShape[] = [];
   @state() private errors = { name: "", ends: "", rights: "" };
   @query("#name") private readonly name!: HTMLInputElement;
   @query("#ends") private readonly ends!: HTMLInputElement;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
-  private readonly devices = new LoadController<readonly DeviceRow[]>(this);
+  private readonly devices = new LoadController<readonly DeviceSummary[]>(this);
 
   override willUpdate(): void {
     this.devices.load("devices", () => this.api.devices());
@@ -122,7 +122,7 @@ export class TokenForm extends LitElement {
     </form>`;
   }
 
-  private renderRights(devices: readonly DeviceRow[]): TemplateResult {
+  private renderRights(devices: readonly DeviceSummary[]): TemplateResult {
     const scopes = scopesOf(this.person?.permissions ?? [], devices);
     if (scopes.length === 0) {
       return html`<p class="muted">You have no rights to give; the token can read public data only.</p>`;

@@ -1,7 +1,7 @@
 /** What a token may be given: the places where its maker has a right, and how much of it. Pure. */
 
 import { ANY, EVERYWHERE, levelAt, levelRank, type AccessLevel, type AccessPlace } from "../../state/rights.js";
-import type { DeviceRow, Permission } from "../../wire/api-types.js";
+import type { DeviceSummary, PermissionShape } from "../../generated/api.js";
 
 /** A place that a token can be given rights for. */
 export interface TokenScope extends AccessPlace {
@@ -12,7 +12,7 @@ export interface TokenScope extends AccessPlace {
   readonly most: AccessLevel;
 }
 
-export function scopesOf(permissions: readonly Permission[], devices: readonly DeviceRow[]): readonly TokenScope[] {
+export function scopesOf(permissions: readonly PermissionShape[], devices: readonly DeviceSummary[]): readonly TokenScope[] {
   const scopes: TokenScope[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, most: mostAt(permissions, EVERYWHERE) }];
   const sites = new Map(devices.map((row) => [row.site, row.site_name]));
   for (const [site, name] of sites) {
@@ -25,7 +25,7 @@ export function scopesOf(permissions: readonly Permission[], devices: readonly D
   return scopes.filter(({ most }) => most !== "none");
 }
 
-function mostAt(permissions: readonly Permission[], place: AccessPlace): AccessLevel {
+function mostAt(permissions: readonly PermissionShape[], place: AccessPlace): AccessLevel {
   const level = levelAt(permissions, place);
   return levelRank(level) > levelRank("use") ? "use" : level;
 }

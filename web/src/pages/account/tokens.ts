@@ -15,8 +15,7 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { permissionText } from "../../format/permissions.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { AccountApi } from "../../wire/account-api.js";
-import type { TokenShape } from "../../generated/api.js";
-import type { Person } from "../../wire/api-types.js";
+import type { Me, TokenShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { TokenWish } from "./token-form.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
@@ -30,7 +29,7 @@ import "./token-form.js";
 export class AccountTokens extends LitElement {
   static override styles = [base, sheets];
 
-  @property({ attribute: false }) person: Person | null = null;
+  @property({ attribute: false }) person: Me | null = null;
   @state() private made = "";
 
   @consume({ context: apiContext }) private readonly api!: HubApi;

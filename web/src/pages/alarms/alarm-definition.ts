@@ -1,7 +1,6 @@
 /** An alarm's definition as the fields of a form, and back. Pure. */
 
-import type { AlarmDefinition } from "../../wire/alarms-api.js";
-import type { SignalInfo } from "../../wire/api-types.js";
+import type { AlarmDefinition, SignalShape } from "../../generated/api.js";
 
 export type AlarmKind = AlarmDefinition["kind"];
 
@@ -63,7 +62,7 @@ export function fieldLabel(field: AlarmField, unit: string): string {
 }
 
 /** Whether an alarm of a kind can watch a signal of a type. */
-export function kindFitsType(kind: AlarmKind, type: SignalInfo["type"]): boolean {
+export function kindFitsType(kind: AlarmKind, type: SignalShape["type"]): boolean {
   if (kind === "limit" || kind === "anomaly") return type === "number" || type === "position";
   if (kind === "state") return type === "state" || type === "text";
   return true;

@@ -16,8 +16,8 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { styled } from "../../elements/base/style-directive.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import { AlarmsApi, type AlarmDefinition, type PreviewShape } from "../../wire/alarms-api.js";
-import type { SignalInfo, SiteDetail } from "../../wire/api-types.js";
+import { AlarmsApi } from "../../wire/alarms-api.js";
+import type { AlarmDefinition, PreviewShape, SignalShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { definitionOf, FIELDS, alarmFields, kindFitsType, idOf, KINDS, fieldLabel, type AlarmField, type AlarmFields, type AlarmKind } from "./alarm-definition.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -72,7 +72,7 @@ export class AlarmEditor extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
   private readonly action = new ActionController(this);
   private readonly removing = new QuestionController<string>(this, async (alarm, action) => {
     const done = await action.run("remove the alarm", () => new AlarmsApi(this.api).removeAlarm(this.site, alarm));
@@ -140,9 +140,9 @@ export class AlarmEditor extends LitElement {
   }
 
   /** The signal that is chosen; at first that of the definition, else the first that fits. */
-  private signalOf(kind: AlarmKind, defined: string): SignalInfo | undefined {
+  private signalOf(kind: AlarmKind, defined: string): SignalShape | undefined {
     const signals = (this.detail.value?.devices ?? []).flatMap((device) => device.signals).filter(({ type }) => kindFitsType(kind, type));
-    const channelSignal = (channel: string): SignalInfo | undefined => signals.find(({ channels }) => channels.includes(channel));
+    const channelSignal = (channel: string): SignalShape | undefined => signals.find(({ channels }) => channels.includes(channel));
     return channelSignal(this.signal ?? defined) ?? signals[0];
   }
 

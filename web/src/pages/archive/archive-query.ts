@@ -29,20 +29,25 @@ export function writeArchiveFilter(filter: ArchiveFilter): string {
   return textsQuery(filter, FILTER_KEYS).toString();
 }
 
-/** Says what is wrong with a place on the sky as a person wrote it; empty when all is well. */
-export function placeProblem({ ra, dec, radius }: ArchiveFilter): string {
-  if (ra === "" && dec === "") return "";
-  if (ra === "" || dec === "") return "Give both right ascension and declination.";
-  if (!isWithin(ra, 0, 360)) return "Right ascension: expected 0 to 360 degrees.";
-  if (!isWithin(dec, -90, 90)) return "Declination: expected -90 to 90 degrees.";
-  if (radius !== "" && !isWithin(radius, 0.001, 180)) return "Radius: expected 0.001 to 180 degrees.";
-  return "";
+interface PlaceProblem {
+  readonly field: "ra" | "dec" | "radius";
+  readonly text: string;
+}
+
+/** Says what is wrong with a place on the sky as a person wrote it; null when all is well. */
+export function placeProblem({ ra, dec, radius }: ArchiveFilter): PlaceProblem | null {
+  if (ra === "" && dec === "") return null;
+  if (ra === "" || dec === "") return { field: ra === "" ? "ra" : "dec", text: "Give both right ascension and declination." };
+  if (!isWithin(ra, 0, 360)) return { field: "ra", text: "Right ascension: expected 0 to 360 degrees." };
+  if (!isWithin(dec, -90, 90)) return { field: "dec", text: "Declination: expected -90 to 90 degrees." };
+  if (radius !== "" && !isWithin(radius, 0.001, 180)) return { field: "radius", text: "Radius: expected 0.001 to 180 degrees." };
+  return null;
 }
 
 /** The hub's question. A place that makes no sense is left out: the page says so beside it. */
 export function frameQuery(filter: ArchiveFilter, limit: number): string {
   const { ra, dec } = filter;
-  const placed = ra !== "" && dec !== "" && placeProblem(filter) === "";
+  const placed = ra !== "" && dec !== "" && placeProblem(filter) === null;
   const asked = new URLSearchParams(writeArchiveFilter(placed ? filter : { ...filter, ra: "", dec: "", radius: "" }));
   asked.set("limit", String(limit));
   return asked.toString();

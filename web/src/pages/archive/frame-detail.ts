@@ -8,7 +8,8 @@ import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
-import { ArchiveApi, filePath, type FrameDetail, type FrameRow } from "../../wire/archive-api.js";
+import { ArchiveApi, filePath } from "../../wire/archive-api.js";
+import type { FrameDetail, FrameShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../../tiles/archive/frame-preview.js";
 import { formatFileSize, skyPlace } from "./archive-query.js";
@@ -132,7 +133,7 @@ export class FrameDetailSheet extends LitElement {
     </section>`;
   }
 
-  private renderFacts(frame: FrameRow): TemplateResult {
+  private renderFacts(frame: FrameShape): TemplateResult {
     const rows: [string, unknown][] = [
       ["Taken", html`<t-time .us=${frame.time_us} .zone=${this.zone}></t-time>`],
       ["Night of", frame.night],
@@ -146,7 +147,7 @@ export class FrameDetailSheet extends LitElement {
     return html`<dl>${map(rows, ([name, value]) => html`<dt>${name}</dt><dd>${value}</dd>`)}</dl>`;
   }
 
-  private renderCheck(frame: FrameRow): unknown {
+  private renderCheck(frame: FrameShape): unknown {
     if (frame.problems.length === 0) {
       return html`<t-status kind="ok" word="Follows the FITS standard (checked by astropy)"></t-status>`;
     }

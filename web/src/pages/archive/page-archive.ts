@@ -15,7 +15,8 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { formTexts } from "../../format/filter-query.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
-import { ArchiveApi, previewPath, type FrameList, type FrameRow, type NightList } from "../../wire/archive-api.js";
+import { ArchiveApi, previewPath } from "../../wire/archive-api.js";
+import type { FrameList, FrameShape, NightList } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import {
   FILTER_KEYS,
@@ -133,6 +134,7 @@ export class PageArchive extends LitElement {
     const filter = this.filter();
     const nights = this.nights.value?.nights ?? [];
     const problem = placeProblem(filter);
+    const errorOf = (field: string): string => (problem?.field === field ? problem.text : "");
     return html`<form class="sheet filter" @submit=${this.form.onSubmit} @change=${this.form.onSubmit}>
       <t-field label="Night">
         <select name="night">
@@ -142,13 +144,13 @@ export class PageArchive extends LitElement {
       <t-field label="Target"><input name="target" autocomplete="off" maxlength="200" .value=${filter.target} /></t-field>
       <t-field label="Filter"><input name="filter" autocomplete="off" maxlength="200" .value=${filter.filter} /></t-field>
       <t-field label="Camera"><input name="device" autocomplete="off" maxlength="200" .value=${filter.device} /></t-field>
-      <t-field label="RA (°, J2000)" error=${problem.startsWith("Right") || problem.startsWith("Give") ? problem : ""}>
+      <t-field label="RA (°, J2000)" error=${errorOf("ra")}>
         <input name="ra" inputmode="decimal" autocomplete="off" .value=${filter.ra} />
       </t-field>
-      <t-field label="Dec (°, J2000)" error=${problem.startsWith("Decl") ? problem : ""}>
+      <t-field label="Dec (°, J2000)" error=${errorOf("dec")}>
         <input name="dec" inputmode="decimal" autocomplete="off" .value=${filter.dec} />
       </t-field>
-      <t-field label="Within (°)" error=${problem.startsWith("Radius") ? problem : ""}>
+      <t-field label="Within (°)" error=${errorOf("radius")}>
         <input name="radius" inputmode="decimal" autocomplete="off" placeholder="1" .value=${filter.radius} />
       </t-field>
       <div class="actions">
@@ -181,7 +183,7 @@ export class PageArchive extends LitElement {
         : nothing}`;
   }
 
-  private renderCard(frame: FrameRow): TemplateResult {
+  private renderCard(frame: FrameShape): TemplateResult {
     const exposure = frame.exposure_s === null ? "" : `${String(Number(frame.exposure_s.toPrecision(3)))} s`;
     return html`<li>
       <a href=${this.pathOf(frame.id)}>

@@ -11,7 +11,7 @@ import { knownZone } from "../../format/time.js";
 import { formTexts } from "../../format/filter-query.js";
 import { formText } from "../../format/form-values.js";
 import { ZoneClock } from "../../series/zone-clock.js";
-import type { SiteRow } from "../../wire/api-types.js";
+import type { SiteSummary } from "../../generated/api.js";
 import { FILTER_KEYS, NO_FILTER, writeAuditFilter, type AuditFilter } from "./audit-query.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
@@ -22,7 +22,7 @@ export class AuditFilterForm extends LitElement {
   static override styles = [base, sheets, forms];
 
   @property({ attribute: false }) filter: AuditFilter = NO_FILTER;
-  @property({ attribute: false }) sites: readonly SiteRow[] = [];
+  @property({ attribute: false }) sites: readonly SiteSummary[] = [];
   @property() zone = "UTC";
 
   private readonly form = new FilterForm<AuditFilter>(

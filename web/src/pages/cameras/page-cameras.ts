@@ -10,7 +10,7 @@ import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { sitesContext } from "../../state/contexts.js";
 import { devicePath, sitePath } from "../../state/router.js";
-import type { SiteDetail } from "../../wire/api-types.js";
+import type { SiteShape } from "../../generated/api.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/feedback/empty.js";
 import "../../tiles/camera/camera-tile.js";
@@ -42,7 +42,7 @@ export class PageCameras extends LitElement {
 
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly link = new ConnectionStateController(this);
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
 
   override willUpdate(): void {
     const sites = this.sites.store;
@@ -63,7 +63,7 @@ export class PageCameras extends LitElement {
     return this.detail.value?.devices.some(({ streams }) => streams.some(({ detect }) => detect != null)) === true;
   }
 
-  private renderContent(detail: SiteDetail): TemplateResult {
+  private renderContent(detail: SiteShape): TemplateResult {
     const cameras = detail.devices.flatMap((device) => device.streams.map((stream) => ({ device, stream })));
     if (cameras.length === 0) {
       return html`<t-empty heading="No cameras" icon="camera">

@@ -3,9 +3,9 @@ import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { differenceLines, differenceText, type DifferenceLine } from "../../format/unified-diff.js";
-import type { DifferencePart } from "../../wire/descriptions-api.js";
+import type { DifferenceShape } from "../../generated/api.js";
 
-const KINDS: Readonly<Record<DifferencePart["kind"], string>> = {
+const KINDS: Readonly<Record<DifferenceShape["kind"], string>> = {
   added: "+ added",
   removed: "− removed",
   changed: "≠ changed",
@@ -90,7 +90,7 @@ export class DescriptionDiff extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) parts: readonly DifferencePart[] = [];
+  @property({ attribute: false }) parts: readonly DifferenceShape[] = [];
   @property({ attribute: false }) lines: readonly string[] = [];
 
   override render(): TemplateResult {
@@ -105,7 +105,7 @@ export class DescriptionDiff extends LitElement {
       <div class="lines" role="region" tabindex="0" aria-label="The lines that differ">${map(lines, (line) => this.renderLine(line))}</div>`;
   }
 
-  private renderPart(part: DifferencePart): TemplateResult {
+  private renderPart(part: DifferenceShape): TemplateResult {
     const from = part.kind === "added" ? "" : part.before;
     const to = part.kind === "removed" ? "" : part.after;
     const arrow = from !== "" && to !== "" ? " → " : "";

@@ -11,7 +11,8 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { adviceFor, type Advice } from "../../format/error-advice.js";
 import { apiContext } from "../../state/contexts.js";
 import { EditHistory } from "../../state/edit-history.js";
-import { DescriptionsApi, type ChangeAnswer, type CheckAnswer, type DescriptionList, type Finding, type Schema } from "../../wire/descriptions-api.js";
+import { DescriptionsApi, type Schema } from "../../wire/descriptions-api.js";
+import type { ChangeAnswer, CheckAnswer, DescriptionList, FindingShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { changedAt, isObject, movedAt, pathOf, renamedAt, type JsonObject } from "./json-schema.js";
 import { refusalAdvice } from "./refusal-advice.js";
@@ -306,7 +307,7 @@ export class DescriptionEditor extends LitElement {
   };
 
   /** Shows the place of a finding in the text. */
-  private readonly showProblem = (event: CustomEvent<Finding>): void => {
+  private readonly showProblem = (event: CustomEvent<FindingShape>): void => {
     const { line } = event.detail;
     this.view = "text";
     void this.updateComplete.then(() => {

@@ -2,7 +2,7 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
-import type { Finding } from "../../wire/descriptions-api.js";
+import type { FindingShape } from "../../generated/api.js";
 
 /**
  * Problems in a description: where, what, what to do.
@@ -50,7 +50,7 @@ export class DescriptionProblems extends LitElement {
     `,
   ];
 
-  @property({ attribute: false }) findings: readonly Finding[] = [];
+  @property({ attribute: false }) findings: readonly FindingShape[] = [];
   /** Whether there is a place to go to. */
   @property({ type: Boolean }) places = false;
 
@@ -60,7 +60,7 @@ export class DescriptionProblems extends LitElement {
     </ul>`;
   }
 
-  private renderRow(problem: Finding): TemplateResult {
+  private renderRow(problem: FindingShape): TemplateResult {
     const where = problem.where.replace(/^\$\.?/, "") || "the whole";
     const line = problem.line > 0 ? `${where} (line ${String(problem.line)})` : where;
     return html`<li>
@@ -71,7 +71,7 @@ export class DescriptionProblems extends LitElement {
     </li>`;
   }
 
-  private problemOpener(problem: Finding): () => void {
+  private problemOpener(problem: FindingShape): () => void {
     return () => {
       this.dispatchEvent(new CustomEvent("t-place", { detail: problem }));
     };

@@ -15,7 +15,8 @@ import { control } from "../../elements/forms/input-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import { DescriptionsApi, type ChangeAnswer, type DescriptionList, type DifferenceAnswer, type Version } from "../../wire/descriptions-api.js";
+import { DescriptionsApi } from "../../wire/descriptions-api.js";
+import type { ChangeAnswer, DescriptionList, DifferenceAnswer, VersionShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
@@ -76,16 +77,16 @@ export class PageDescription extends LitElement {
 
   @state() private chosen = "";
   @state() private page = "versions";
-  @state() private shown: Version | null = null;
+  @state() private shown: VersionShape | null = null;
   @state() private answer: ChangeAnswer | null = null;
-  @state() private older: readonly Version[] = [];
+  @state() private older: readonly VersionShape[] = [];
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly known = new LoadController<DescriptionList>(this);
   private readonly difference = new LoadController<DifferenceAnswer>(this);
   private readonly action = new ActionController(this);
-  private readonly restoring = new QuestionController<Version>(this, (row, action) => this.restoreVersion(row, action));
+  private readonly restoring = new QuestionController<VersionShape>(this, (row, action) => this.restoreVersion(row, action));
   private edition = "";
 
   /** The site that is shown: the one that was chosen, or the first. */
@@ -156,7 +157,7 @@ export class PageDescription extends LitElement {
       ${this.renderConfirm()}`;
   }
 
-  private renderRow(row: Version, known: DescriptionList): TemplateResult {
+  private renderRow(row: VersionShape, known: DescriptionList): TemplateResult {
     const open = this.shown?.number === row.number;
     return html`<li>
       <div>
@@ -209,7 +210,7 @@ export class PageDescription extends LitElement {
   }
 
   /** The version before one, 0 if it is the first. */
-  private previousVersion(row: Version): number {
+  private previousVersion(row: VersionShape): number {
     return row.number - 1;
   }
 
@@ -236,13 +237,13 @@ export class PageDescription extends LitElement {
     );
   };
 
-  private versionOpener(row: Version): () => void {
+  private versionOpener(row: VersionShape): () => void {
     return () => {
       this.shown = this.shown?.number === row.number ? null : row;
     };
   }
 
-  private restoreAsker(row: Version): (event: Event) => void {
+  private restoreAsker(row: VersionShape): (event: Event) => void {
     return (event) => {
       this.answer = null;
       this.restoring.opener(row)(event);
@@ -250,7 +251,7 @@ export class PageDescription extends LitElement {
   }
 
   /** Gives whether the gateway changed over. */
-  private async restoreVersion(row: Version, action: ActionController): Promise<boolean> {
+  private async restoreVersion(row: VersionShape, action: ActionController): Promise<boolean> {
     const digest = this.known.value?.digest ?? "";
     this.answer = null;
     const asked = await action.run(`go back to version ${String(row.number)}`, async () => {

@@ -1,7 +1,7 @@
 /** What a gateway that did not change over said. */
 
 import type { Advice } from "../../format/error-advice.js";
-import type { ChangeAnswer } from "../../wire/descriptions-api.js";
+import type { ChangeAnswer } from "../../generated/api.js";
 
 /** What a gateway's answer means; null when there is nothing to say. */
 export function refusalAdvice(answer: ChangeAnswer | null): Advice | null {

@@ -5,7 +5,8 @@ import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { UNITS } from "../../generated/units.js";
-import type { Finding, Schema } from "../../wire/descriptions-api.js";
+import type { Schema } from "../../wire/descriptions-api.js";
+import type { FindingShape } from "../../generated/api.js";
 import { emptyOf, schemaFields, freeName, isObject, pathOf, type SchemaField, type Json, type JsonObject, type JsonPath } from "./json-schema.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
@@ -105,7 +106,7 @@ export class SchemaForm extends LitElement {
   @property({ attribute: false }) schema: Schema = {};
   @property({ attribute: false }) value: JsonObject = {};
   @property({ attribute: false }) path: JsonPath = [];
-  @property({ attribute: false }) findings: readonly Finding[] = [];
+  @property({ attribute: false }) findings: readonly FindingShape[] = [];
 
   @state() private open: ReadonlySet<string> = new Set();
 

@@ -17,9 +17,8 @@ import { MINUTE_US } from "../../series/zone-clock.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { archivePath, sitePath, withQuery } from "../../state/router.js";
 import { ChartFeed } from "../../tiles/chart/chart-feed.js";
-import { commandsShownBy, deviceTile, signalsFor } from "../../tiles/catalog.js";
-import type { TileList } from "../../generated/api.js";
-import type { DeviceInfo, SiteDetail } from "../../wire/api-types.js";
+import { commandsShownBy, deviceTile, renderSignalTile, signalsFor } from "../../tiles/catalog.js";
+import type { DeviceShape, SiteShape, TileList } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/values/clock.js";
@@ -96,7 +95,7 @@ export class PageDevice extends LitElement {
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly reach = new ContextStoreController(this, reachContext);
   private readonly link = new ConnectionStateController(this);
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
   private readonly tiles = new LoadController<TileList>(this);
   /** The element of the device's tile comes when a device of its kind is opened. */
   private readonly tileElement = new LoadController<unknown>(this);
@@ -165,7 +164,7 @@ export class PageDevice extends LitElement {
   }
 
   /** A roof or telescope that does not close or park by itself says so, calmly. */
-  private renderUnguarded(device: DeviceInfo): unknown {
+  private renderUnguarded(device: DeviceShape): unknown {
     if (!device.unguarded) return nothing;
     return html`<p class="unguarded" role="note">
       <t-icon name="info"></t-icon>
@@ -176,7 +175,7 @@ export class PageDevice extends LitElement {
     </p>`;
   }
 
-  private renderStatus(detail: SiteDetail, device: DeviceInfo): TemplateResult {
+  private renderStatus(detail: SiteShape, device: DeviceShape): TemplateResult {
     const away = this.reach.store?.unreachableSince(this.site, device.id);
     if (away === undefined || !this.isOnline(detail)) {
       return html`<t-status kind=${this.isOnline(detail) ? "online" : "offline"}></t-status>`;
@@ -208,7 +207,7 @@ export class PageDevice extends LitElement {
     </t-empty>`;
   }
 
-  private renderDrawn(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderDrawn(device: DeviceShape, detail: SiteShape): unknown {
     const tile = deviceTile(device);
     if (tile === null) return nothing;
     return renderLoaded(this.tileElement, "the device", () =>
@@ -217,7 +216,7 @@ export class PageDevice extends LitElement {
   }
 
   /** Tiles of the hub's administrator; what of them is broken, the hub tells admins only. */
-  private renderExtensions(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderExtensions(device: DeviceShape, detail: SiteShape): unknown {
     const { tiles = [], broken = [] } = this.tiles.value ?? {};
     const shown = tiles.filter((tile) => signalsFor(tile, device) !== null);
     if (shown.length === 0 && broken.length === 0) return nothing;
@@ -237,7 +236,7 @@ export class PageDevice extends LitElement {
     </section>`;
   }
 
-  private renderSignals(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderSignals(device: DeviceShape, detail: SiteShape): unknown {
     if (device.signals.length === 0) {
       return device.streams.length > 0
         ? nothing
@@ -249,21 +248,13 @@ export class PageDevice extends LitElement {
         ${repeat(
           device.signals,
           (signal) => signal.address,
-          (signal, place) => html`<t-chart-tile
-            class=${signal.type}
-            .feed=${this.feed}
-            .signal=${signal}
-            .painter=${this.painter}
-            .colour=${place}
-            .cut=${!this.isOnline(detail)}
-            zone=${detail.zone}
-          ></t-chart-tile>`,
+          (signal, colour) => renderSignalTile({ signal, feed: this.feed, painter: this.painter, colour, cut: !this.isOnline(detail), zone: detail.zone }),
         )}
       </div>
     </section>`;
   }
 
-  private renderCameras(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderCameras(device: DeviceShape, detail: SiteShape): unknown {
     // A camera that takes exposures shows its pictures itself.
     if (device.streams.length === 0 || deviceTile(device)?.showsStreams === true) return nothing;
     return html`<section aria-labelledby="cameras">
@@ -294,12 +285,12 @@ export class PageDevice extends LitElement {
   }
 
   /** There are cameras beside this device's own. */
-  private others(device: DeviceInfo, detail: SiteDetail): boolean {
+  private others(device: DeviceShape, detail: SiteShape): boolean {
     return detail.devices.some((other) => other.id !== device.id && other.streams.length > 0);
   }
 
   /** What can be done with it stands here only for who may do it. */
-  private renderActions(device: DeviceInfo, detail: SiteDetail): unknown {
+  private renderActions(device: DeviceShape, detail: SiteShape): unknown {
     if (!device.rights.includes("use")) return nothing;
     const shown = commandsShownBy(device);
     return html`<t-commands
@@ -312,20 +303,20 @@ export class PageDevice extends LitElement {
     ></t-commands>`;
   }
 
-  private findDevice(): DeviceInfo | undefined {
+  private findDevice(): DeviceShape | undefined {
     return this.detail.value?.devices.find(({ id }) => id === this.device);
   }
 
-  private isOnline(detail: SiteDetail): boolean {
+  private isOnline(detail: SiteShape): boolean {
     return (this.sites.store?.siteRow(this.site)?.online ?? detail.online) && this.link.state === "open";
   }
 
   /** What a device last said is not true any more once its gateway does not reach it. */
-  private isReachable(detail: SiteDetail): boolean {
+  private isReachable(detail: SiteShape): boolean {
     return this.isOnline(detail) && this.reach.store?.unreachableSince(this.site, this.device) === undefined;
   }
 
-  private historyPath(device: DeviceInfo): string {
+  private historyPath(device: DeviceShape): string {
     const channels = device.signals.filter(({ primary }) => primary).flatMap((signal) => signal.channels.slice(0, 1));
     const query = new URLSearchParams(channels.slice(0, 4).map((channel) => ["c", channel])).toString();
     return withQuery(sitePath(this.site, "history"), query);
@@ -343,7 +334,7 @@ export class PageDevice extends LitElement {
   };
 }
 
-function deviceRightsText(device: DeviceInfo): string {
+function deviceRightsText(device: DeviceShape): string {
   if (device.rights.includes("admin")) return "you may manage it";
   if (device.rights.includes("use")) return "you may use it";
   return device.rights.includes("view") ? "you may view it" : "you see what is public";

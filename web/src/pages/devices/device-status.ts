@@ -1,6 +1,6 @@
 /** How a device stands, and whether a filter shows it. Pure. */
 
-import type { DeviceRow } from "../../wire/api-types.js";
+import type { DeviceSummary } from "../../generated/api.js";
 
 export type DeviceStatus = "online" | "stale" | "unreached" | "offline";
 
@@ -8,13 +8,13 @@ export type DeviceStatus = "online" | "stale" | "unreached" | "offline";
  * Stale: its site is linked, and yet signals have not come for longer than they may.
  * @param away its gateway does not reach it
  */
-export function deviceStatus(row: DeviceRow, away = false): DeviceStatus {
+export function deviceStatus(row: DeviceSummary, away = false): DeviceStatus {
   if (!row.online) return "offline";
   if (away) return "unreached";
   return row.stale > 0 ? "stale" : "online";
 }
 
-export const STANDING_WORDS: Readonly<Record<DeviceStatus, (row: DeviceRow) => string>> = {
+export const STANDING_WORDS: Readonly<Record<DeviceStatus, (row: DeviceSummary) => string>> = {
   online: () => "online",
   stale: (row) => `${String(row.stale)} of ${String(row.signals)} stale`,
   unreached: () => "not reached",
@@ -22,7 +22,7 @@ export const STANDING_WORDS: Readonly<Record<DeviceStatus, (row: DeviceRow) => s
 };
 
 /** @param words all of them have to be found in the device's names, its kind, or its rights */
-export function matchesSearch(row: DeviceRow, words: string, chosen: DeviceStatus | "", away = false): boolean {
+export function matchesSearch(row: DeviceSummary, words: string, chosen: DeviceStatus | "", away = false): boolean {
   if (chosen !== "" && deviceStatus(row, away) !== chosen) return false;
   const text = [row.name, row.device, row.site, row.site_name, row.kind, ...row.rights, row.public ? "public" : ""];
   const all = text.join(" ").toLowerCase();

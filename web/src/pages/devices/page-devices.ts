@@ -14,7 +14,7 @@ import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, reachContext, sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
-import type { DeviceRow, SiteDetail } from "../../wire/api-types.js";
+import type { DeviceSummary, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { matchesSearch, deviceStatus, STANDING_WORDS, type DeviceStatus } from "./device-status.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
@@ -100,9 +100,9 @@ export class PageDevices extends LitElement {
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly reach = new ContextStoreController(this, reachContext);
-  private readonly rows = new LoadController<readonly DeviceRow[]>(this);
+  private readonly rows = new LoadController<readonly DeviceSummary[]>(this);
 
-  private readonly details = new LoadController<readonly SiteDetail[]>(this);
+  private readonly details = new LoadController<readonly SiteShape[]>(this);
 
   constructor() {
     super();
@@ -137,7 +137,7 @@ export class PageDevices extends LitElement {
       ${renderLoaded(this.rows, "the list of devices", (loaded) => this.renderContent(loaded))}`;
   }
 
-  private renderContent(rows: readonly DeviceRow[]): unknown {
+  private renderContent(rows: readonly DeviceSummary[]): unknown {
     if (rows.length === 0) {
       return html`<t-empty heading="You have no devices" icon="devices">
         <p>A device appears here once its gateway has connected, and it is public or your role may view it.</p>
@@ -182,11 +182,11 @@ export class PageDevices extends LitElement {
     </p>`;
   }
 
-  private isUnreachable(row: DeviceRow): boolean {
+  private isUnreachable(row: DeviceSummary): boolean {
     return this.reach.store?.unreachableSince(row.site, row.device) !== undefined;
   }
 
-  private renderCard(row: DeviceRow): TemplateResult {
+  private renderCard(row: DeviceSummary): TemplateResult {
     const how = deviceStatus(row, this.isUnreachable(row));
     return html`<a class="device" href=${devicePath(row.site, row.device)}>
       <div class="top">
@@ -206,7 +206,7 @@ export class PageDevices extends LitElement {
   }
 
   /** The values themselves stand in the site's description; without that, the counts have to do. */
-  private renderSummary(row: DeviceRow): unknown {
+  private renderSummary(row: DeviceSummary): unknown {
     const detail = this.details.value?.find(({ site }) => site === row.site);
     const device = detail?.devices.find(({ id }) => id === row.device);
     if (detail === undefined || device === undefined) return nothing;
@@ -227,7 +227,7 @@ export class PageDevices extends LitElement {
   };
 }
 
-function devicesSummary(rows: readonly DeviceRow[]): string {
+function devicesSummary(rows: readonly DeviceSummary[]): string {
   const online = rows.filter((row) => row.online).length;
   return `${String(online)} of ${String(rows.length)} online`;
 }

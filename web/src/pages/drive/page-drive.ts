@@ -20,7 +20,7 @@ import "../../tiles/command/command-list.js";
 import "../../tiles/drive/drive-pad.js";
 import "../../tiles/map/position-map.js";
 import "../../tiles/stop/stop-panel.js";
-import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/api-types.js";
+import type { DeviceShape, SignalShape, SiteShape, StreamShape } from "../../generated/api.js";
 import { layout } from "./drive-layout.js";
 
 @customElement("t-page-drive")
@@ -35,7 +35,7 @@ export class PageActuate extends LitElement {
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly news = new ContextConsumer(this, { context: robotNewsContext });
   private readonly link = new ConnectionStateController(this);
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
   private cockpit: DriveController | null = null;
   private commands: CommandClient | null = null;
   private built = "";
@@ -70,7 +70,7 @@ export class PageActuate extends LitElement {
     return renderLoaded(this.detail, "the site", (detail) => this.renderPage(detail));
   }
 
-  private renderPage(detail: SiteDetail): TemplateResult {
+  private renderPage(detail: SiteShape): TemplateResult {
     const drivable = detail.devices.filter((device) => device.drive !== null);
     const device = this.chosenDevice(detail);
     const online = this.isOnline(detail);
@@ -93,7 +93,7 @@ export class PageActuate extends LitElement {
     `;
   }
 
-  private renderNothingToDrive(detail: SiteDetail, online: boolean): TemplateResult {
+  private renderNothingToDrive(detail: SiteShape, online: boolean): TemplateResult {
     return html`<div class="alone">
       <t-empty heading="Nothing to drive here" icon="drive">
         <p>
@@ -104,7 +104,7 @@ export class PageActuate extends LitElement {
     </div>`;
   }
 
-  private renderDriveView(detail: SiteDetail, device: DeviceInfo, online: boolean): TemplateResult {
+  private renderDriveView(detail: SiteShape, device: DeviceShape, online: boolean): TemplateResult {
     const stream = streamOf(detail, device.drive?.picture ?? "");
     const seat = this.cockpit?.seat ?? null;
     const stop = this.cockpit?.stop ?? null;
@@ -150,7 +150,7 @@ export class PageActuate extends LitElement {
     </div>`;
   }
 
-  private renderOnlooker(device: DeviceInfo): TemplateResult {
+  private renderOnlooker(device: DeviceShape): TemplateResult {
     return html`<t-empty class="hands" heading="You may look, but not drive" icon="lock">
       <p>
         Driving ${device.name} needs the right <strong>use</strong>; an admin can give it to you. STOP works for
@@ -159,12 +159,12 @@ export class PageActuate extends LitElement {
     </t-empty>`;
   }
 
-  private isOnline(detail: SiteDetail): boolean {
+  private isOnline(detail: SiteShape): boolean {
     const row = this.sites.store?.siteRow(this.site);
     return (row?.online ?? detail.online) && this.link.state === "open";
   }
 
-  private chosenDevice(detail: SiteDetail): DeviceInfo | undefined {
+  private chosenDevice(detail: SiteShape): DeviceShape | undefined {
     const drivable = detail.devices.filter((device) => device.drive !== null);
     return drivable.find(({ id }) => id === this.chosen) ?? drivable[0];
   }
@@ -257,11 +257,11 @@ function isStopIdle(stop: StopClient): boolean {
   return stop.online && trouble === "" && (phase === "clear" || phase === "unknown");
 }
 
-function streamOf(detail: SiteDetail, address: string): StreamInfo | undefined {
+function streamOf(detail: SiteShape, address: string): StreamShape | undefined {
   return detail.devices.flatMap((device) => device.streams).find((stream) => stream.address === address);
 }
 
-function signalOf(detail: SiteDetail, address: string): SignalInfo | null {
+function signalOf(detail: SiteShape, address: string): SignalShape | null {
   return detail.devices.flatMap((device) => device.signals).find((signal) => signal.address === address) ?? null;
 }
 

@@ -3,8 +3,7 @@
 import { html } from "lit";
 import { passwordRules } from "../../format/password-rules.js";
 import { ANY } from "../../state/rights.js";
-import type { RoleShape } from "../../generated/api.js";
-import type { DeviceRow } from "../../wire/api-types.js";
+import type { DeviceSummary, RoleShape } from "../../generated/api.js";
 import { draftsOf, withLevelEdited, matrixLines } from "../roles/permission-matrix.js";
 import "../../elements/feedback/confirm.js";
 import "../../elements/forms/copy-text.js";
@@ -20,7 +19,7 @@ const QR =
   'M13 13h3v3h-3zM18 18h2v2h-2zM22 22h3v3h-3zM14 20h2v4h-2z" fill="#000"/><path d="M5 5h5v5H5zM19 5h5v5h-5zM5 19h5v5H5z" fill="#fff"/>' +
   '<path d="M6 6h3v3H6zM20 6h3v3h-3zM6 20h3v3H6z" fill="#000"/></svg>';
 
-const row = (device: string, name: string, open: boolean): DeviceRow => ({
+const row = (device: string, name: string, open: boolean): DeviceSummary => ({
   site: "agv", site_name: "House vehicle", device, name, kind: "other", online: true, rights: [], public: open,
   signals: 1, stale: 0,
 });

@@ -6,7 +6,7 @@ import { indentOf, type ChartSeries } from "../../elements/chart/chart-model.js"
 import { Trace } from "../../series/trace.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
-import type { AnomalyInfo, AnomalyList, History } from "../../wire/api-types.js";
+import type { AnomalyList, AnomalyShape, HistoryAnswer } from "../../generated/api.js";
 import { Refused, Unreachable } from "../../wire/hub-api.js";
 import type { ScoreSource } from "../history/chart/anomaly-scores.js";
 import type { GalleryEntry } from "./entry.js";
@@ -27,8 +27,8 @@ function scoreAt(us: number): number {
 
 const TIMES = Array.from({ length: 600 }, (_, i) => SPAN.fromUs + i * 1e6);
 
-function info(change: Partial<AnomalyInfo> = {}): AnomalyInfo {
-  const plain: AnomalyInfo = {
+function info(change: Partial<AnomalyShape> = {}): AnomalyShape {
+  const plain: AnomalyShape = {
     address: "power/voltage", detector: "together", name: "all together", bar: 0.65, score: 0.31, scores: "power/voltage~together",
     began_us: -1, from_us: 0, to_us: 0, why: "", forgiven: false, learns: true, learning: 0, late: 0,
   };
@@ -40,7 +40,7 @@ const ON = info({ began_us: BEGAN_US, from_us: BEGAN_US, score: 0.82, why: WHY }
 const OVER = info({ from_us: BEGAN_US, to_us: ENDED_US, why: WHY });
 const MARKED = info({ from_us: BEGAN_US, to_us: ENDED_US, why: WHY, forgiven: true });
 
-function past(): Promise<History> {
+function past(): Promise<HistoryAnswer> {
   const v = TIMES.map(scoreAt);
   return Promise.resolve({ series: [{ address: "power/voltage~together", t_us: TIMES, v, kind: "exact", gaps: [] }] });
 }
@@ -50,7 +50,7 @@ function hub(anomalies: () => Promise<AnomalyList>, forgive: () => Promise<boole
   return { anomalies, history: past, dismissAnomaly: forgive };
 }
 
-function listed(detector: AnomalyInfo, may_forgive = true): () => Promise<AnomalyList> {
+function listed(detector: AnomalyShape, may_forgive = true): () => Promise<AnomalyList> {
   return () => Promise.resolve({ detectors: [detector], may_forgive, skipped: 0 });
 }
 

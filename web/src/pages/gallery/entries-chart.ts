@@ -6,7 +6,7 @@ import { Trace } from "../../series/trace.js";
 import { outliersOf } from "../../series/outliers.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { ChartFeed, type HistorySource, type SampleSource } from "../../tiles/chart/chart-feed.js";
-import type { DeviceInfo, SignalInfo, StatisticsInfo } from "../../wire/api-types.js";
+import type { DeviceShape, SignalShape, StatisticsShape } from "../../generated/api.js";
 import { loadedSeries, type LoadedSeries } from "../history/data/history-loader.js";
 import type { EventMark, MarkKind } from "../history/chart/event-marks.js";
 import type { HistoryView } from "../history/history-query.js";
@@ -74,8 +74,8 @@ function holed(seconds: number): number {
 const GAP = { from_us: SPAN.fromUs + 14e6, to_us: SPAN.fromUs + 20e6, reason: "the spool was full" };
 const STATES = ["off", "on", "fault"];
 
-function signal(change: Partial<SignalInfo> = {}): SignalInfo {
-  const plain: SignalInfo = {
+function signal(change: Partial<SignalShape> = {}): SignalShape {
+  const plain: SignalShape = {
     id: "speed",
     address: "base/speed",
     name: "Speed",
@@ -100,7 +100,7 @@ const NOBODY: SampleSource = { subscribe: () => () => undefined };
 const NO_PAST: HistorySource = { history: () => Promise.resolve({ series: [] }) };
 
 /** A feed that has heard all its samples this long ago (s). */
-function feed(what: SignalInfo, ageS: number, valueAt: (seconds: number) => number, text: string | null = null): ChartFeed {
+function feed(what: SignalShape, ageS: number, valueAt: (seconds: number) => number, text: string | null = null): ChartFeed {
   const made = new ChartFeed("gallery", NOBODY, NO_PAST, () => undefined, LENGTH_US);
   made.subscribeSignals([what]);
   made.edge.observe(END_US, performance.now(), ageS * 1000);
@@ -114,7 +114,7 @@ function feed(what: SignalInfo, ageS: number, valueAt: (seconds: number) => numb
   return made;
 }
 
-function renderTile(what: SignalInfo, made: ChartFeed, paused = false, forbidden = false): TemplateResult {
+function renderTile(what: SignalShape, made: ChartFeed, paused = false, forbidden = false): TemplateResult {
   return html`<t-chart-tile .feed=${made} .signal=${what} .paused=${paused} .forbidden=${forbidden} zone=${ZONE}></t-chart-tile>`;
 }
 
@@ -125,7 +125,7 @@ const WANDER = signal({ name: "Wander mode", type: "state", states: STATES, max_
 const PLACE = signal({ name: "Position", type: "position", channels: ["base/pose.x", "base/pose.y", "base/pose.yaw"], max_age: 86_400 });
 const WORDS = signal({ name: "Last message", type: "text", max_age: 86_400 });
 
-const DEVICE: DeviceInfo = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: [] };
+const DEVICE: DeviceShape = { id: "base", name: "Vehicle base", kind: "vehicle", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: [] };
 const ROWS: readonly ChannelRow[] = [
   { address: "base/speed", device: DEVICE, name: "Speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
   { address: "base/other", device: DEVICE, name: "Other speed", type: "number", unit: "m/s", decimals: -1, states: [], maxAge: 5, primary: true, former: false },
@@ -136,7 +136,7 @@ const TEXT_ROW: ChannelRow = {
   address: "base/said", device: DEVICE, name: "Last message", type: "text", unit: "", decimals: -1, states: [], maxAge: 60, primary: true, former: false,
 };
 const TEXT_GROUP: ChartGroup = { key: "said", title: "Last message", type: "text", rows: [TEXT_ROW] };
-const NUMBERS: ReadonlyMap<string, StatisticsInfo> = new Map(
+const NUMBERS: ReadonlyMap<string, StatisticsShape> = new Map(
   ROWS.map(({ address }, i) => {
     const reading = (v: number): { t_us: number; v: number } => ({ t_us: SPAN.fromUs, v: v + i * 0.3 });
     const statistics = { address, count: 480, numbers: 480, low: reading(-0.12), high: reading(0.62), mean: i * 0.3, deviation: 0.07 };

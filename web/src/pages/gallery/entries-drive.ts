@@ -18,7 +18,7 @@ import "../../elements/stop/stop-button.js";
 import "../../elements/stop/stop-state.js";
 import type { StopPhase } from "../../elements/stop/stop-labels.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
-import type { ArgumentInfo, CommandInfo } from "../../wire/api-types.js";
+import type { ArgumentShape, CommandShape } from "../../generated/api.js";
 import type { GalleryEntry, GalleryState } from "./entry.js";
 
 const NOON_US = 1_780_000_000_000_000;
@@ -64,7 +64,7 @@ const TRAIL: readonly TrackPoint[] = Array.from({ length: 240 }, (_, i) => ({
 }));
 const HERE = { x: TRAIL[239]?.x ?? 0, y: TRAIL[239]?.y ?? 0, yaw: 0.9 };
 
-function argument(more: Partial<ArgumentInfo> & Pick<ArgumentInfo, "id" | "name" | "type">): ArgumentInfo {
+function argument(more: Partial<ArgumentShape> & Pick<ArgumentShape, "id" | "name" | "type">): ArgumentShape {
   return { unit: "", minimum: null, maximum: null, max_length: 200, default: null, ...more };
 }
 
@@ -96,7 +96,7 @@ const WAITING: InterlockUpdate = {
 };
 const OVERRIDDEN: InterlockUpdate = { ...LOCK, overridden_by: "Grace", reason: "Testing the shutter" };
 
-const WANDER: CommandInfo = {
+const WANDER: CommandShape = {
   id: "wander",
   name: "Wander about",
   description: "The vehicle drives about by itself and avoids what its lidar sees.",
@@ -106,7 +106,7 @@ const WANDER: CommandInfo = {
   cancellable: false,
   arguments: [argument({ id: "active", name: "Active", type: "boolean", default: true })],
 };
-const SLEW: CommandInfo = {
+const SLEW: CommandShape = {
   id: "slew",
   name: "Slew the telescope",
   description: "It moves at once and fast. Nobody may stand beside it.",

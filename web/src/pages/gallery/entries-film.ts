@@ -1,14 +1,14 @@
 /** What stands in a film's place while there is none. */
 
 import { html, type TemplateResult } from "lit";
-import type { FilmRow } from "../../wire/films-api.js";
+import type { FilmShape } from "../../generated/api.js";
 import type { CameraFilms } from "../history/film/film-search.js";
 import type { GalleryEntry } from "./entry.js";
 import "../history/film/film-view.js";
 
 const NOON_US = 1_780_000_000_000_000;
 
-function film(state: FilmRow["state"], note = ""): FilmRow {
+function film(state: FilmShape["state"], note = ""): FilmShape {
   return {
     id: "1", stream: "base/front", state, why: "", who: "Ada", note, begin_us: NOON_US, end_us: NOON_US + 60e6, size: 1e7, have: 4.2e6, pictures: 1800,
   };

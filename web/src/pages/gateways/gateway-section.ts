@@ -11,9 +11,8 @@ import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
-import type { GatewayShape } from "../../generated/api.js";
+import type { DeviceSummary, GatewayShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
-import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
@@ -45,7 +44,7 @@ export class GatewaySection extends LitElement {
   ];
 
   @property({ attribute: false }) row: GatewayShape | null = null;
-  @property({ attribute: false }) devices: readonly DeviceRow[] = [];
+  @property({ attribute: false }) devices: readonly DeviceSummary[] = [];
   @property({ attribute: "site-name" }) siteName = "";
   @property() zone = "UTC";
 
@@ -107,7 +106,7 @@ export class GatewaySection extends LitElement {
           </details>`}`;
   }
 
-  private renderDevice(row: GatewayShape, device: DeviceRow): TemplateResult {
+  private renderDevice(row: GatewayShape, device: DeviceSummary): TemplateResult {
     const onReconnect = (): void => {
       const api = new AdminApi(this.api);
       const done = `${device.name}: the gateway connects to it anew.`;

@@ -15,9 +15,8 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { renderRows } from "../../elements/layout/rows.js";
 import { formatDuration } from "../../format/duration.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
-import type { OpenCodeShape, GatewayList, GatewayShape } from "../../generated/api.js";
+import type { DeviceSummary, GatewayList, GatewayShape, OpenCodeShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
-import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
@@ -30,7 +29,7 @@ import "./gateway-section.js";
 const AGAIN_S = 3;
 
 interface LoadedGateways extends GatewayList {
-  readonly devices: readonly DeviceRow[];
+  readonly devices: readonly DeviceSummary[];
 }
 
 @customElement("t-page-gateways")
@@ -95,7 +94,7 @@ export class PageGateways extends LitElement {
           </details>`}`;
   }
 
-  private renderList(rows: readonly GatewayShape[], devices: readonly DeviceRow[]): unknown {
+  private renderList(rows: readonly GatewayShape[], devices: readonly DeviceSummary[]): unknown {
     return repeat(
       rows,
       (row) => row.id,

@@ -21,7 +21,7 @@ import { lengthOf, panned } from "../../series/time-window.js";
 import { DAY_US, clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { EventList, SiteDetail, StoredInfo } from "../../wire/api-types.js";
+import type { EventList, SiteShape, StoredShape } from "../../generated/api.js";
 import { FilmsApi } from "../../wire/films-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { axesFor } from "./chart/axes-for.js";
@@ -84,8 +84,8 @@ export class PageHistory extends LitElement {
   // Nothing moves by itself here, so a round is drawn at the next frame, however dear the last one was.
   private readonly painter = new PaintScheduler(new DrawRate(16, 1, 16));
   private readonly wide = matchMedia("(min-width: 60.01rem)");
-  private readonly detail = new LoadController<SiteDetail>(this);
-  private readonly former = new LoadController<readonly StoredInfo[]>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
+  private readonly former = new LoadController<readonly StoredShape[]>(this);
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly window = new WindowController(this, {
     searchPart: () => this.router.store?.search ?? "",
@@ -193,7 +193,7 @@ export class PageHistory extends LitElement {
     </div>`;
   }
 
-  private renderContent(detail: SiteDetail): TemplateResult {
+  private renderContent(detail: SiteShape): TemplateResult {
     const chosen = this.chosenChannels();
     const { view, span } = this.window;
     return html`
@@ -214,7 +214,7 @@ export class PageHistory extends LitElement {
     `;
   }
 
-  private renderChartList(detail: SiteDetail, data: WindowData): TemplateResult {
+  private renderChartList(detail: SiteShape, data: WindowData): TemplateResult {
     const { now, ghost, statistics } = data;
     const { span, view } = this.window;
     const { ghostUs, painter, indent } = this;
@@ -290,7 +290,7 @@ export class PageHistory extends LitElement {
       </p>`;
   }
 
-  private renderFilmPanel(detail: SiteDetail): unknown {
+  private renderFilmPanel(detail: SiteShape): unknown {
     const { films } = this;
     if (films.reels.length === 0 || films.us === null) return nothing;
     return html`<t-film-panel
@@ -338,7 +338,7 @@ export class PageHistory extends LitElement {
     return films.playing ? films.us : (this.cursorUs ?? films.cursorUs);
   }
 
-  private loadFilms(detail: SiteDetail): void {
+  private loadFilms(detail: SiteShape): void {
     const { at, shown } = this.window.view;
     const names = new Map(detail.devices.flatMap(({ streams }) => streams.map(({ address, name }) => [address, name])));
     this.films.load(this.site, this.window.span, names);
@@ -369,7 +369,7 @@ export class PageHistory extends LitElement {
     data.loadWindow({ site: this.site, channels, span, width: this.width, ghostUs: this.ghostUs, moving: moving !== null, following, outliers: view.outliers });
   }
 
-  private buildMarks({ events }: WindowData, detail: SiteDetail): void {
+  private buildMarks({ events }: WindowData, detail: SiteShape): void {
     if (events === this.markedOf) return;
     // Nothing new happened: charts that got another list would be drawn again for it.
     const same = JSON.stringify(events.events) === JSON.stringify(this.markedOf?.events ?? []);

@@ -18,7 +18,7 @@ import { SECOND_US } from "../../series/zone-clock.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import type { Anomaly, Detector } from "../../state/anomaly-detectors.js";
 import { ChartFeed } from "../../tiles/chart/chart-feed.js";
-import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api-types.js";
+import type { DeviceShape, SignalShape, SiteShape } from "../../generated/api.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { liveStyle } from "./live-style.js";
@@ -29,6 +29,7 @@ import "../../elements/forms/choice.js";
 import "../../elements/values/clock.js";
 import "../../elements/feedback/empty.js";
 import "../../elements/analysis/outlier-tool.js";
+import { renderSignalTile } from "../../tiles/catalog.js";
 import "../../tiles/chart/chart-tile.js";
 
 const WINDOWS: readonly ChoiceOption[] = [
@@ -40,12 +41,9 @@ const WINDOWS: readonly ChoiceOption[] = [
 const FIRST_WINDOW = "30";
 const LONGEST_US = 300 * SECOND_US;
 
-const NO_DETECTORS: readonly Detector[] = [];
-const NO_ANOMALIES: readonly Anomaly[] = [];
-
 interface DeviceGroup {
-  readonly device: DeviceInfo;
-  readonly signals: readonly SignalInfo[];
+  readonly device: DeviceShape;
+  readonly signals: readonly SignalShape[];
 }
 
 @customElement("t-page-live")
@@ -69,7 +67,7 @@ export class PageLive extends LitElement {
   private anomaliesOf: ReadonlyMap<string, readonly Anomaly[]> = new Map();
   private readonly painter = new PaintScheduler();
   private readonly marks = new AlarmMarks();
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly watching = new AnomalyDetectorsController(this);
   private readonly action = new ActionController(this);
@@ -135,7 +133,7 @@ export class PageLive extends LitElement {
     `;
   }
 
-  private renderTools(detail: SiteDetail): TemplateResult {
+  private renderTools(detail: SiteShape): TemplateResult {
     const secondary = detail.devices.flatMap(({ signals }) => signals).filter(({ primary }) => !primary).length;
     return html`<div class="tools" role="toolbar" aria-label="Charts">
       <t-choice label="Time shown" .options=${WINDOWS} chosen=${this.seconds} @t-choose=${this.chooseWindow}></t-choice>
@@ -187,7 +185,7 @@ export class PageLive extends LitElement {
     this.anomaliesOf = new Map([...addresses].map((address) => [address, book.anomalies(address)]));
   }
 
-  private renderContent(detail: SiteDetail): TemplateResult {
+  private renderContent(detail: SiteShape): TemplateResult {
     const groups = this.groupSignals(detail);
     if (groups.length === 0) return this.renderEmpty(detail);
     return html`${repeat(
@@ -197,32 +195,30 @@ export class PageLive extends LitElement {
     )}`;
   }
 
-  private renderGroup({ device, signals }: DeviceGroup, detail: SiteDetail): TemplateResult {
+  private renderGroup({ device, signals }: DeviceGroup, detail: SiteShape): TemplateResult {
     return html`<section aria-labelledby=${`device-${device.id}`}>
       <h2 id=${`device-${device.id}`}>${device.name}</h2>
-      <div class="charts">
+      <div class="charts" @t-forgive=${this.onForgive}>
         ${repeat(
           signals,
           (signal) => signal.address,
           (signal) =>
-            html`<t-chart-tile
-              class=${signal.type}
-              .feed=${this.feed}
-              .signal=${signal}
-              .painter=${this.painter}
-              .colour=${device.signals.indexOf(signal)}
-              .paused=${this.paused}
-              .cut=${this.isLinkLost()}
-              .outliers=${this.outliers}
-              .marks=${this.marks.marksOf(device.id)}
-              .detectors=${this.detectorsOf.get(signal.address) ?? NO_DETECTORS}
-              .anomalies=${this.anomaliesOf.get(signal.address) ?? NO_ANOMALIES}
-              ?may-forgive=${this.watching.book.mayForgive}
-              ?busy=${this.action.busy}
-              @t-forgive=${this.onForgive}
-              .forbidden=${signal.channels.some((channel) => this.refused.has(channel))}
-              zone=${detail.zone}
-            ></t-chart-tile>`,
+            renderSignalTile({
+              signal,
+              feed: this.feed,
+              painter: this.painter,
+              colour: device.signals.indexOf(signal),
+              cut: this.isLinkLost(),
+              zone: detail.zone,
+              paused: this.paused,
+              outliers: this.outliers,
+              marks: this.marks.marksOf(device.id),
+              detectors: this.detectorsOf.get(signal.address),
+              anomalies: this.anomaliesOf.get(signal.address),
+              mayForgive: this.watching.book.mayForgive,
+              busy: this.action.busy,
+              forbidden: signal.channels.some((channel) => this.refused.has(channel)),
+            }),
         )}
       </div>
     </section>`;
@@ -233,7 +229,7 @@ export class PageLive extends LitElement {
     return this.link.state === "lost" || this.sites.store?.siteRow(this.site)?.online === false;
   }
 
-  private renderEmpty(detail: SiteDetail): TemplateResult {
+  private renderEmpty(detail: SiteShape): TemplateResult {
     if (detail.devices.every(({ signals }) => signals.length === 0)) {
       return html`<t-empty heading="Nothing to show" icon="live"
         ><p>This site has no signals that you may see. They are named in its site description.</p></t-empty
@@ -246,9 +242,9 @@ export class PageLive extends LitElement {
   }
 
   // A filter looks through all signals: who types a name wants to find it.
-  private groupSignals(detail: SiteDetail): DeviceGroup[] {
+  private groupSignals(detail: SiteShape): DeviceGroup[] {
     const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
-    const isShown = (device: DeviceInfo, signal: SignalInfo): boolean => {
+    const isShown = (device: DeviceShape, signal: SignalShape): boolean => {
       if (words.length === 0) return this.all || signal.primary;
       const text = `${device.name} ${signal.name} ${signal.address} ${signal.unit}`.toLowerCase();
       return words.every((word) => text.includes(word));

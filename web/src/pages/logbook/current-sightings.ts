@@ -11,9 +11,9 @@ import { base } from "../../elements/base/base-style.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
-import type { SiteDetail } from "../../wire/api-types.js";
+import type { SeenShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { sightingPicturePath, SightingsApi, type Sighting } from "../../wire/sightings-api.js";
+import { sightingPicturePath, SightingsApi } from "../../wire/sightings-api.js";
 import { historyQuery } from "../sightings/sightings-query.js";
 import "../../elements/analysis/sighting-card.js";
 
@@ -39,12 +39,12 @@ export class CurrentSightings extends LitElement {
   @property() site = "";
   @property() zone = "UTC";
 
-  @state() private rows: readonly Sighting[] = [];
+  @state() private rows: readonly SeenShape[] = [];
   @state() private more = false;
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
   private asked: string | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
 

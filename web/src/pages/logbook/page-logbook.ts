@@ -17,10 +17,10 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { formTexts } from "../../format/filter-query.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
-import { AlarmsApi, type EventShape } from "../../wire/alarms-api.js";
-import type { SiteDetail } from "../../wire/api-types.js";
+import { AlarmsApi } from "../../wire/alarms-api.js";
+import type { EventShape, RecordingShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
+import { RecordingsApi } from "../../wire/recordings-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { historyQuery } from "../sightings/sightings-query.js";
@@ -71,8 +71,8 @@ export class PageLogbook extends LitElement {
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new ContextStoreController(this, routerContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly detail = new LoadController<SiteDetail>(this);
-  private readonly recordings = new LoadController<readonly RecordingRow[]>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
+  private readonly recordings = new LoadController<readonly RecordingShape[]>(this);
   private readonly list = new InfiniteList<EventShape>(this, async (before) => {
     const { events, more } = await new AlarmsApi(this.api).events(this.site, logbookPageQuery(this.filter(), before, ROWS));
     return { rows: events, more };

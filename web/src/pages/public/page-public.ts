@@ -12,7 +12,7 @@ import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
 import { devicePath } from "../../state/router.js";
 import type { Sites } from "../../state/sites.js";
-import type { SiteDetail } from "../../wire/api-types.js";
+import type { SiteShape } from "../../generated/api.js";
 import { publicOf, type PublicDevice } from "./public-parts.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/values/clock.js";
@@ -63,7 +63,7 @@ export class PagePublic extends LitElement {
 
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly link = new ConnectionStateController(this);
-  private readonly details = new LoadController<readonly SiteDetail[]>(this);
+  private readonly details = new LoadController<readonly SiteShape[]>(this);
 
   override willUpdate(): void {
     const sites = this.sites.store;
@@ -112,7 +112,7 @@ export class PagePublic extends LitElement {
     );
   }
 
-  private renderSiteView(detail: SiteDetail, devices: readonly PublicDevice[], sites: Sites): TemplateResult {
+  private renderSiteView(detail: SiteShape, devices: readonly PublicDevice[], sites: Sites): TemplateResult {
     const row = sites.siteRow(detail.site);
     const online = (row?.online ?? detail.online) && this.link.state === "open";
     return html`<section aria-labelledby=${`site-${detail.site}`}>

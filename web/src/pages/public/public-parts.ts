@@ -1,15 +1,15 @@
 /** What of a site is public. Pure. */
 
-import type { DeviceInfo, SignalInfo, SiteDetail, StreamInfo } from "../../wire/api-types.js";
+import type { DeviceShape, SignalShape, SiteShape, StreamShape } from "../../generated/api.js";
 
 export interface PublicDevice {
-  readonly device: DeviceInfo;
-  readonly signals: readonly SignalInfo[];
-  readonly streams: readonly StreamInfo[];
+  readonly device: DeviceShape;
+  readonly signals: readonly SignalShape[];
+  readonly streams: readonly StreamShape[];
 }
 
 /** The devices that everybody may know of, each with its public signals and streams only. */
-export function publicOf(detail: SiteDetail): readonly PublicDevice[] {
+export function publicOf(detail: SiteShape): readonly PublicDevice[] {
   return detail.devices
     .map((device) => ({
       device,

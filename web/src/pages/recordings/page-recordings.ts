@@ -24,7 +24,8 @@ import { isForbidden } from "../../format/error-advice.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath } from "../../state/router.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { recordingPath, RecordingsApi, type RecorderRow, type RecordingList, type RecordingRow } from "../../wire/recordings-api.js";
+import { recordingPath, RecordingsApi } from "../../wire/recordings-api.js";
+import type { RecorderShape, RecordingListShape, RecordingShape } from "../../generated/api.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/feedback/empty.js";
@@ -38,7 +39,7 @@ const AGAIN_S = 2;
 /** Beside a recording in the history, so much is shown on either side (s). */
 const AROUND_S = 10;
 
-const STATES: Readonly<Record<RecordingRow["state"], readonly [StatusKind, string]>> = {
+const STATES: Readonly<Record<RecordingShape["state"], readonly [StatusKind, string]>> = {
   uploading: ["busy", "on its way"],
   complete: ["ok", "complete"],
   failed: ["bad", "failed"],
@@ -93,9 +94,9 @@ export class PageRecordings extends LitElement {
   private readonly router = new ContextStoreController(this, routerContext);
   /** The moment that the address named last, and whose recording was shown. */
   private shownFor = "";
-  private readonly known = new LoadController<RecordingList>(this);
+  private readonly known = new LoadController<RecordingListShape>(this);
   private readonly action = new ActionController(this);
-  private readonly removing = new QuestionController<RecordingRow>(this, (row, action) =>
+  private readonly removing = new QuestionController<RecordingShape>(this, (row, action) =>
     action.run("delete the recording", () => new RecordingsApi(this.api).removeRecording(this.site, row.id)).finally(this.known.invalidate),
   );
   private why = "";
@@ -136,7 +137,7 @@ export class PageRecordings extends LitElement {
         : renderLoaded(this.known, "the recordings", (known) => this.renderContent(known))}`;
   }
 
-  private renderContent(known: RecordingList): TemplateResult {
+  private renderContent(known: RecordingListShape): TemplateResult {
     const rows = known.recordings;
     const total = rows.reduce((sum, row) => sum + row.have, 0);
     return html`${this.renderRecorder(known.recorder, known.zone)}
@@ -156,7 +157,7 @@ export class PageRecordings extends LitElement {
       }))}`;
   }
 
-  private renderRecorder(now: RecorderRow, zone: string): TemplateResult {
+  private renderRecorder(now: RecorderShape, zone: string): TemplateResult {
     if (!now.described) {
       return html`<section class="sheet" aria-label="Recorder">
         <p class="muted">
@@ -189,7 +190,7 @@ export class PageRecordings extends LitElement {
     </section>`;
   }
 
-  private renderControl(now: RecorderRow): TemplateResult {
+  private renderControl(now: RecorderShape): TemplateResult {
     if (now.on) {
       return html`<div class="actions"><t-button kind="primary" ?busy=${this.action.runningKey === "end"} @click=${this.stopRecording}>End the recording</t-button></div>`;
     }
@@ -204,7 +205,7 @@ export class PageRecordings extends LitElement {
     </p>`;
   }
 
-  private renderRow(row: RecordingRow, known: RecordingList): TemplateResult {
+  private renderRow(row: RecordingShape, known: RecordingListShape): TemplateResult {
     const [kind, word] = STATES[row.state];
     const { zone, recorder } = known;
     const part = row.size > 0 ? row.have / row.size : 0;
@@ -246,7 +247,7 @@ export class PageRecordings extends LitElement {
   }
 
   /** The history page at the recording's time. */
-  private historyAround(row: RecordingRow): string {
+  private historyAround(row: RecordingShape): string {
     const from = row.begin_us - AROUND_S * 1e6;
     const to = row.end_us + AROUND_S * 1e6;
     const film = row.stream === "" ? "" : `&at=${String(row.begin_us)}`;

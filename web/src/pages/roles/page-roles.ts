@@ -11,9 +11,8 @@ import { base } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
-import type { RoleShape } from "../../generated/api.js";
+import type { DeviceSummary, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
-import type { DeviceRow } from "../../wire/api-types.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { changesOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import type { CellEdit } from "./role-matrix.js";
@@ -25,7 +24,7 @@ import "./role-matrix.js";
 
 interface LoadedRoles {
   readonly roles: readonly RoleShape[];
-  readonly devices: readonly DeviceRow[];
+  readonly devices: readonly DeviceSummary[];
 }
 
 @customElement("t-page-roles")

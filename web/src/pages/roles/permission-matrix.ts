@@ -12,8 +12,7 @@ import {
   type AccessLevel,
   type AccessPlace,
 } from "../../state/rights.js";
-import type { RoleShape } from "../../generated/api.js";
-import type { DeviceRow, Permission } from "../../wire/api-types.js";
+import type { DeviceSummary, PermissionShape, RoleShape } from "../../generated/api.js";
 
 export interface MatrixLine extends AccessPlace {
   readonly name: string;
@@ -35,7 +34,7 @@ export interface MatrixCell {
 /** A role as it is being edited. */
 export interface RoleDraft {
   readonly role: RoleShape;
-  readonly permissions: readonly Permission[];
+  readonly permissions: readonly PermissionShape[];
 }
 
 /** One cell that was changed, in words. */
@@ -52,7 +51,7 @@ export function isFixed(role: RoleShape): boolean {
 }
 
 /** Every place: the hub, its sites and devices, and what else a role names (a site that never came). */
-export function matrixLines(devices: readonly DeviceRow[], roles: readonly RoleShape[]): readonly MatrixLine[] {
+export function matrixLines(devices: readonly DeviceSummary[], roles: readonly RoleShape[]): readonly MatrixLine[] {
   const lines: MatrixLine[] = [{ ...EVERYWHERE, name: "Every site", depth: 0, open: false }];
   const given = roles.flatMap(({ permissions }) => permissions);
   const named = given.map(({ site }) => site).filter((site) => site !== ANY);
@@ -69,7 +68,7 @@ export function matrixLines(devices: readonly DeviceRow[], roles: readonly RoleS
   return lines;
 }
 
-export function cellOf(permissions: readonly Permission[], place: AccessPlace): MatrixCell {
+export function cellOf(permissions: readonly PermissionShape[], place: AccessPlace): MatrixCell {
   return {
     own: ownLevel(permissions, place),
     inherited: inheritedLevel(permissions, place),

@@ -13,7 +13,7 @@ import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
 import { sitePath, type PageName, type Router } from "../../state/router.js";
 import { THEMES } from "../../state/theme.js";
-import type { Person } from "../../wire/api-types.js";
+import type { Me } from "../../generated/api.js";
 import type { LinkState } from "../../wire/connection.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
 import { mayOpen, PAGES } from "../routes.js";
@@ -269,7 +269,7 @@ export class Header extends LitElement {
     `;
   }
 
-  private renderMenuLinks(person: Person): TemplateResult {
+  private renderMenuLinks(person: Me): TemplateResult {
     const here = this.router.route.page;
     const ways = WAYS.filter(([page]) => mayOpen(page, person));
     return html`<div class="ways" @click=${this.closeMenu}>

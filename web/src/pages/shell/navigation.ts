@@ -7,7 +7,7 @@ import { base } from "../../elements/base/base-style.js";
 import type { IconName } from "../../elements/base/icons.js";
 import { seesOnlyPublic } from "../../state/rights.js";
 import { ADMIN_PAGES, sitePath, type PageName } from "../../state/router.js";
-import type { Person } from "../../wire/api-types.js";
+import type { Me } from "../../generated/api.js";
 import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/base/icon.js";
 
@@ -123,7 +123,7 @@ export class Navigation extends LitElement {
 
   @property() page: PageName = "home";
   @property() site = "";
-  @property({ attribute: false }) person: Person | null = null;
+  @property({ attribute: false }) person: Me | null = null;
   /** There is something to drive, command or stop at the site. */
   @property({ type: Boolean }) actuable = false;
   /** The site has cameras that take exposures, or pictures of them, and the person may see them. */

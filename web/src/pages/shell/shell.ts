@@ -10,8 +10,8 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { ADMIN_PAGES, localPath } from "../../state/router.js";
-import type { SiteDetail, SiteRow } from "../../wire/api-types.js";
-import { ArchiveApi, type NightList } from "../../wire/archive-api.js";
+import type { NightList, SiteShape, SiteSummary } from "../../generated/api.js";
+import { ArchiveApi } from "../../wire/archive-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { mayOpen, PAGES } from "../routes.js";
 import "../../elements/feedback/banner.js";
@@ -109,7 +109,7 @@ export class Shell extends LitElement {
   private readonly session = new ContextStoreController(this, sessionContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly link = new ConnectionStateController(this);
-  private readonly detail = new LoadController<SiteDetail>(this);
+  private readonly detail = new LoadController<SiteShape>(this);
   private readonly nights = new LoadController<NightList>(this);
   @consume({ context: apiContext }) private readonly api: HubApi | undefined;
 
@@ -286,7 +286,7 @@ export class Shell extends LitElement {
 }
 
 /** Two gateways with one identity: a copied key, or a machine that was forgotten. */
-function renderRivalry(row: SiteRow): TemplateResult {
+function renderRivalry(row: SiteSummary): TemplateResult {
   return html`<t-banner kind="bad"
     >A second gateway uses the key of ${row.name}; it was last there at
     <t-time .us=${row.rival_us} .zone=${row.zone}></t-time>. Only the one that was started last is linked and can drive.

@@ -21,10 +21,10 @@ import { formText } from "../../format/form-values.js";
 import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
 import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
-import type { SiteDetail } from "../../wire/api-types.js";
+import type { LabelShape, RecordingShape, SeenShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { RecordingsApi, type RecordingRow } from "../../wire/recordings-api.js";
-import { sightingPicturePath, SightingsApi, type SeenLabel, type Sighting } from "../../wire/sightings-api.js";
+import { RecordingsApi } from "../../wire/recordings-api.js";
+import { sightingPicturePath, SightingsApi } from "../../wire/sightings-api.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { recordingAt } from "../logbook/logbook-query.js";
 import { FILTER_KEYS, historyQuery, NO_FILTER, sightingsPageQuery, readSightingFilter, withUpdate, writeSightingFilter, type SightingFilter } from "./sightings-query.js";
@@ -64,10 +64,10 @@ export class PageSightings extends LitElement {
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new ContextStoreController(this, routerContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
-  private readonly detail = new LoadController<SiteDetail>(this);
-  private readonly labels = new LoadController<readonly SeenLabel[]>(this);
-  private readonly recordings = new LoadController<readonly RecordingRow[]>(this);
-  private readonly list = new InfiniteList<Sighting>(
+  private readonly detail = new LoadController<SiteShape>(this);
+  private readonly labels = new LoadController<readonly LabelShape[]>(this);
+  private readonly recordings = new LoadController<readonly RecordingShape[]>(this);
+  private readonly list = new InfiniteList<SeenShape>(
     this,
     async (before) => {
       const { sightings, more } = await this.sightingsApi().findSightings(sightingsPageQuery(this.filter(), this.knownLabels(), before, ROWS));
@@ -164,7 +164,7 @@ export class PageSightings extends LitElement {
     </t-empty>`;
   }
 
-  private renderRow(row: Sighting): TemplateResult {
+  private renderRow(row: SeenShape): TemplateResult {
     const device = row.camera.split("/", 1)[0] ?? "";
     return html`<li data-sighting=${row.id}>
       <t-sighting

@@ -3,8 +3,7 @@
 import { pageQuery, queryTexts, textsQuery } from "../../format/filter-query.js";
 import { countText } from "../../format/object-names.js";
 import type { SightingUpdate } from "../../generated/wire.js";
-import type { SiteDetail } from "../../wire/api-types.js";
-import type { Sighting } from "../../wire/sightings-api.js";
+import type { SeenShape, SiteShape } from "../../generated/api.js";
 
 export interface SightingFilter {
   /** What was looked for, as it was typed. */
@@ -65,7 +64,7 @@ export function sightingsPageQuery(filter: SightingFilter, labels: readonly stri
 }
 
 /** What the hub tells while it happens, put into a row that is shown; null where none is of it. */
-export function withUpdate(rows: readonly Sighting[], news: SightingUpdate): readonly Sighting[] | null {
+export function withUpdate(rows: readonly SeenShape[], news: SightingUpdate): readonly SeenShape[] | null {
   const id = String(news.id);
   if (!rows.some((row) => row.id === id)) return null;
   const { many, confidence, began_us } = news;
@@ -73,7 +72,7 @@ export function withUpdate(rows: readonly Sighting[], news: SightingUpdate): rea
 }
 
 /** The history page's query for a sighting: around it, with the signal that counts such things. */
-export function historyQuery(sighting: Sighting, detail: SiteDetail | undefined): string {
+export function historyQuery(sighting: SeenShape, detail: SiteShape | undefined): string {
   const asked = new URLSearchParams();
   const address = `${sighting.camera}_${sighting.label.toLowerCase().replace(/[^a-z0-9]+/g, "_")}`;
   const signal = detail?.devices.flatMap(({ signals }) => signals).find((signal) => signal.address === address);

@@ -4,7 +4,8 @@ import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { base } from "../../elements/base/base-style.js";
 import { onPicture } from "../../elements/camera/picture-overlay.js";
-import { previewPath, STRETCHES, type Histogram, type Stretch } from "../../wire/archive-api.js";
+import { previewPath, STRETCHES, type Stretch } from "../../wire/archive-api.js";
+import type { HistogramShape } from "../../generated/api.js";
 import "../../elements/forms/choice.js";
 import "../../elements/values/histogram.js";
 import "../../elements/feedback/problem.js";
@@ -80,7 +81,7 @@ export class FramePreview extends LitElement {
 }
 
 /** How a picture's values lie, as bars and in numbers. */
-export function renderPixelValues(histogram: Histogram): TemplateResult {
+export function renderPixelValues(histogram: HistogramShape): TemplateResult {
   const valueText = (value: number | null): string => (value === null ? "–" : String(Number(value.toPrecision(6))));
   return html`<div>
     <h3>Pixel values</h3>

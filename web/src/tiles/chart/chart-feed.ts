@@ -5,7 +5,7 @@ import type { Gap } from "../../series/gaps.js";
 import { LiveEdge } from "../../series/live-edge.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { SECOND_US } from "../../series/zone-clock.js";
-import type { History, SignalInfo } from "../../wire/api-types.js";
+import type { HistoryAnswer, SignalShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
 import { samplesOf } from "./history-samples.js";
@@ -17,7 +17,7 @@ export interface SampleSource {
 
 /** What the feed needs of the hub's HTTP interface. */
 export interface HistorySource {
-  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<HistoryAnswer>;
 }
 
 /** Twenty pictures' worth a second; a chart is drawn hardly more often. */
@@ -78,7 +78,7 @@ export class ChartFeed {
    *
    * @param scores channels of the scores of their anomaly detectors
    */
-  subscribeSignals(signals: readonly SignalInfo[], scores: readonly string[] = []): void {
+  subscribeSignals(signals: readonly SignalShape[], scores: readonly string[] = []): void {
     for (const signal of signals) for (const channel of signal.channels) this.ageLimits.set(channel, signal.max_age);
     for (const channel of scores) this.ageLimits.set(channel, WRITTEN_S);
     this.scores = new Set(scores);

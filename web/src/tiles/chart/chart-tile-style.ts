@@ -2,7 +2,7 @@
 
 import { css } from "lit";
 import { decimalsFor, formatNumber } from "../../format/number.js";
-import type { SignalInfo } from "../../wire/api-types.js";
+import type { SignalShape } from "../../generated/api.js";
 
 export interface PositionPart {
   readonly name: string;
@@ -21,7 +21,7 @@ const NAMES: Readonly<Record<string, string>> = {
 const DEGREE_DIGITS = 6;
 
 /** One number of a position. A heading is turned to degrees: nobody reads radians at a glance. */
-export function positionPart(signal: SignalInfo, channel: string, value: number): PositionPart {
+export function positionPart(signal: SignalShape, channel: string, value: number): PositionPart {
   const id = channel.slice(channel.lastIndexOf(".") + 1);
   const name = signal.frame === "local" && (id === "x" || id === "y") ? id : (NAMES[id] ?? id);
   if (Number.isNaN(value)) return { name, text: "–" };

@@ -18,7 +18,7 @@ import { anomalyMarks } from "../../elements/chart/anomaly-marks.js";
 import type { ChartMark } from "../../elements/chart/draw-marks.js";
 import type { ValueState } from "../../elements/values/value.js";
 import { formatAge } from "../../format/duration.js";
-import { severityOf } from "../../format/severity.js";
+import { messageLevel, stateLevel } from "../../format/severity.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
 import { formatClock } from "../../format/time.js";
@@ -29,7 +29,7 @@ import { summarize } from "../../series/columns.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { reachContext } from "../../state/contexts.js";
 import type { Anomaly, Detector } from "../../state/anomaly-detectors.js";
-import type { SignalInfo } from "../../wire/api-types.js";
+import type { SignalShape } from "../../generated/api.js";
 import "../../elements/forms/button.js";
 import "../../elements/chart/chart.js";
 import "../../elements/analysis/detector.js";
@@ -51,7 +51,7 @@ export class ChartTile extends LitElement {
   static override styles = [base, tileStyle];
 
   @property({ attribute: false }) feed: ChartFeed | null = null;
-  @property({ attribute: false }) signal: SignalInfo | null = null;
+  @property({ attribute: false }) signal: SignalShape | null = null;
   @property({ attribute: false }) painter: PaintScheduler | null = null;
   @property() zone = "UTC";
   /** Place among the eight colours. */
@@ -152,7 +152,7 @@ export class ChartTile extends LitElement {
     }
   }
 
-  private renderPauseButton(signal: SignalInfo): TemplateResult {
+  private renderPauseButton(signal: SignalShape): TemplateResult {
     const still = this.paused || this.held;
     return html`<t-button
       kind="quiet"
@@ -166,7 +166,7 @@ export class ChartTile extends LitElement {
     ></t-button>`;
   }
 
-  private renderReading(signal: SignalInfo, feed: ChartFeed): TemplateResult {
+  private renderReading(signal: SignalShape, feed: ChartFeed): TemplateResult {
     const freshness = this.freshness();
     const held = feed.channelOf(signal.channels[0] ?? signal.address);
     const word = stateWord(signal.states, held.trace.newest);
@@ -182,10 +182,10 @@ export class ChartTile extends LitElement {
           })}
         </dl>`;
       case "text":
-        return html`<p class="text ${severityOf(held.text ?? "")}">${this.renderMessage(freshness, held.text)}</p>
+        return html`<p class="text ${messageLevel(held.text ?? "")}">${this.renderMessage(freshness, held.text)}</p>
           <p class="range">${Number.isNaN(held.timeUs) ? nothing : `at ${formatClock(held.timeUs, this.zone)}`}</p>`;
       case "state":
-        return html`<t-value bare size="xl" .state=${freshness} .text=${word} .level=${severityOf(word)}></t-value>`;
+        return html`<t-value bare size="xl" .state=${freshness} .text=${word} .level=${stateLevel(signal, held.trace.newest)}></t-value>`;
       case "number":
         return html`<div class="number">
           <t-value
@@ -201,14 +201,14 @@ export class ChartTile extends LitElement {
     }
   }
 
-  /** A message; one that begins with its level has a mark besides. */
+  /** A message; a grave one has a mark besides. */
   private renderMessage(freshness: ValueState, text: string | null): unknown {
     if (freshness === "unreached" || text === null) return "–";
-    return severityOf(text) === "" ? text : html`<t-icon name="warn"></t-icon> ${text}`;
+    return messageLevel(text) === "" ? text : html`<t-icon name="warn"></t-icon> ${text}`;
   }
 
   /** Least and greatest of what the chart shows. */
-  private renderExtremes(signal: SignalInfo): unknown {
+  private renderExtremes(signal: SignalShape): unknown {
     const samples = this.frozen?.series.samples ?? this.series?.samples;
     const span = this.frozen?.span ?? this.feed?.currentWindow(performance.now());
     if (samples === undefined || span === undefined) return nothing;
@@ -232,7 +232,7 @@ export class ChartTile extends LitElement {
     return this.drawn?.columnUs || Math.round(lengthOf(span) / COARSE);
   }
 
-  private renderChart(signal: SignalInfo): unknown {
+  private renderChart(signal: SignalShape): unknown {
     const series = this.frozen?.series ?? this.series;
     if (series === null || this.axis === null || this.forbidden) return nothing;
     const stale = this.freshness() === "stale";

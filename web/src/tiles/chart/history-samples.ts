@@ -1,7 +1,7 @@
 /** A series of the hub's history as a chart holds it. */
 
 import { typicalInterval } from "../../series/gaps.js";
-import type { HistorySeries } from "../../wire/api-types.js";
+import type { SeriesShape } from "../../generated/api.js";
 
 export interface PastSamples {
   readonly times: Float64Array;
@@ -11,7 +11,7 @@ export interface PastSamples {
 }
 
 /** Ascending times and values; "not a number" stands where a gap begins, so that no line or state goes on across. */
-export function samplesOf(series: HistorySeries): PastSamples {
+export function samplesOf(series: SeriesShape): PastSamples {
   const points = series.t_us.map((timeUs, i) => ({ timeUs, value: series.v[i] ?? NaN }));
   const typical = typicalInterval([...series.t_us].sort((a, b) => a - b));
   for (const gap of series.gaps) points.push({ timeUs: gap.from_us + 1, value: NaN });

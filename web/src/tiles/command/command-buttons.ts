@@ -12,7 +12,7 @@ import { base } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
 import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { DeviceInfo } from "../../wire/api-types.js";
+import type { DeviceShape } from "../../generated/api.js";
 import { renderInterruptDialog } from "./interrupt-dialog.js";
 import type { CommandButton } from "../observatory/roles.js";
 import "../../elements/forms/button.js";
@@ -69,7 +69,7 @@ export class CommandButtons extends LitElement {
   ];
 
   @property() site = "";
-  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) device: DeviceShape | null = null;
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ attribute: false }) deeds: readonly CommandButton[] = [];
   @property({ type: Boolean }) online = true;

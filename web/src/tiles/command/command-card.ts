@@ -8,7 +8,7 @@ import { StoreController } from "../../controllers/store-controller.js";
 import "../../elements/command/command-form.js";
 import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { CommandInfo, DeviceInfo } from "../../wire/api-types.js";
+import type { CommandShape, DeviceShape } from "../../generated/api.js";
 import { renderInterruptDialog } from "./interrupt-dialog.js";
 
 @customElement("t-command-card")
@@ -21,8 +21,8 @@ export class CommandCard extends LitElement {
   `;
 
   @property() site = "";
-  @property({ attribute: false }) device: DeviceInfo | null = null;
-  @property({ attribute: false }) command: CommandInfo | null = null;
+  @property({ attribute: false }) device: DeviceShape | null = null;
+  @property({ attribute: false }) command: CommandShape | null = null;
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
 

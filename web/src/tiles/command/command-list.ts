@@ -7,7 +7,7 @@ import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { base } from "../../elements/base/base-style.js";
 import "../../elements/layout/card.js";
 import "./command-card.js";
-import type { CommandInfo, DeviceInfo } from "../../wire/api-types.js";
+import type { CommandShape, DeviceShape } from "../../generated/api.js";
 
 @customElement("t-commands")
 export class CommandList extends LitElement {
@@ -39,7 +39,7 @@ export class CommandList extends LitElement {
   ];
 
   @property() site = "";
-  @property({ attribute: false }) devices: readonly DeviceInfo[] = [];
+  @property({ attribute: false }) devices: readonly DeviceShape[] = [];
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
   @property() heading = "Commands";
@@ -77,7 +77,7 @@ export class CommandList extends LitElement {
     `;
   }
 
-  private renderCard(device: DeviceInfo, command: CommandInfo): TemplateResult {
+  private renderCard(device: DeviceShape, command: CommandShape): TemplateResult {
     return html`<t-card>
       <span class="device">${device.name}</span>
       <t-command-card

@@ -18,7 +18,7 @@ import { formatMs } from "../../format/duration.js";
 import { lockText } from "../../format/interlock-reason.js";
 import type { HoldDetail } from "../../elements/drive/hold-event.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { DeviceInfo, SignalInfo } from "../../wire/api-types.js";
+import type { DeviceShape, SignalShape } from "../../generated/api.js";
 
 const DRAW_EVERY_MS = 200;
 
@@ -73,7 +73,7 @@ export class DrivePad extends LitElement {
   ];
 
   @property() site = "";
-  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) device: DeviceShape | null = null;
   @property({ attribute: false }) seat: DriveSession | null = null;
   @property({ type: Boolean }) stopped = false;
   /** Age of the picture (ms); negative: none. */
@@ -201,7 +201,7 @@ export class DrivePad extends LitElement {
     return fresh ? (this.live.readingOf(channel)?.value ?? Number.NaN) : Number.NaN;
   }
 
-  private signalWithUnit(unit: string): SignalInfo | undefined {
+  private signalWithUnit(unit: string): SignalShape | undefined {
     return this.device?.signals.find((signal) => signal.type === "number" && signal.unit === unit);
   }
 

@@ -10,7 +10,7 @@ import { mergeTracks, courseOf, extendTrack, flatPosition, joinTrack, type MapPl
 import { formatAge } from "../../format/duration.js";
 import { formatNumber } from "../../format/number.js";
 import { apiContext } from "../../state/contexts.js";
-import type { HistorySeries, SignalInfo } from "../../wire/api-types.js";
+import type { SeriesShape, SignalShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
 
@@ -35,7 +35,7 @@ export class PositionMap extends LitElement {
   `;
 
   @property() site = "";
-  @property({ attribute: false }) signal: SignalInfo | null = null;
+  @property({ attribute: false }) signal: SignalShape | null = null;
   @property({ type: Boolean }) online = true;
 
   @state() private trail: readonly TrackPoint[] = [];
@@ -144,7 +144,7 @@ export class PositionMap extends LitElement {
     return flatPosition({ lat: first, lon: second }, this.origin);
   }
 
-  private async loadTrail(signal: SignalInfo): Promise<void> {
+  private async loadTrail(signal: SignalShape): Promise<void> {
     const [first, second] = signal.channels;
     if (!this.api || first === undefined || second === undefined) return;
     const toUs = Date.now() * 1000;
@@ -158,7 +158,7 @@ export class PositionMap extends LitElement {
     }
   }
 
-  private pointsOf(series: readonly HistorySeries[], first: string, second: string): TrackPoint[] {
+  private pointsOf(series: readonly SeriesShape[], first: string, second: string): TrackPoint[] {
     const x = series.find((series) => series.address === first);
     const y = series.find((series) => series.address === second);
     if (!x || !y) return [];

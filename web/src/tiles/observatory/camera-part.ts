@@ -13,8 +13,8 @@ import { formatDuration } from "../../format/duration.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import { apiContext } from "../../state/contexts.js";
 import { archivePath } from "../../state/router.js";
-import { ArchiveApi, filePath, type FrameDetail } from "../../wire/archive-api.js";
-import type { CommandInfo, SignalInfo } from "../../wire/api-types.js";
+import { ArchiveApi, filePath } from "../../wire/archive-api.js";
+import type { CommandShape, FrameDetail, SignalShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderPixelValues } from "../archive/frame-preview.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
@@ -101,7 +101,7 @@ export class CameraPart extends DevicePart {
 
   override willUpdate(): void {
     const signals = cameraSignals(this.device ?? NO_DEVICE);
-    this.observeSignals(...Object.values<SignalInfo | undefined>({ ...signals }));
+    this.observeSignals(...Object.values<SignalShape | undefined>({ ...signals }));
     this.watched.setStore(this.line);
     this.trackExposure(signals);
     const device = this.device?.id ?? "";
@@ -219,7 +219,7 @@ export class CameraPart extends DevicePart {
       <div class="forms">${map(expose, (command) => this.renderForm(command))}</div>`;
   }
 
-  private renderProgress(remaining: SignalInfo | undefined): unknown {
+  private renderProgress(remaining: SignalShape | undefined): unknown {
     const { fresh, value } = this.readSignal(remaining);
     if (remaining === undefined) return nothing;
     if (!fresh) return html`<t-status kind="unknown" word="How far it is, is not known"></t-status>`;
@@ -242,7 +242,7 @@ export class CameraPart extends DevicePart {
     </div>`;
   }
 
-  private renderForm(command: CommandInfo): TemplateResult {
+  private renderForm(command: CommandShape): TemplateResult {
     return html`<t-command-card
       .site=${this.site}
       .device=${this.device}
@@ -252,7 +252,7 @@ export class CameraPart extends DevicePart {
     ></t-command-card>`;
   }
 
-  private renderReading(signal: SignalInfo | undefined, size: "m" | "l"): unknown {
+  private renderReading(signal: SignalShape | undefined, size: "m" | "l"): unknown {
     return signal === undefined ? nothing : html`<t-signal-value size=${size} .site=${this.site} .signal=${signal}></t-signal-value>`;
   }
 }

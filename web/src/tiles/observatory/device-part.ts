@@ -5,11 +5,11 @@ import { property } from "lit/decorators.js";
 import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
-import type { DeviceInfo, SignalInfo, SiteDetail } from "../../wire/api-types.js";
+import type { DeviceShape, SignalShape, SiteShape } from "../../generated/api.js";
 import type { KnownValue } from "./weather-verdict.js";
 
 /** Stands in before the page has handed a device over. */
-export const NO_DEVICE: DeviceInfo = {
+export const NO_DEVICE: DeviceShape = {
   id: "", name: "", kind: "other", signals: [], streams: [], commands: [], drive: null, public: false, link_loss: "",
   pointing: null, slew: null, unguarded: false, rights: [],
 };
@@ -57,20 +57,20 @@ export const partStyle = css`
 
 export abstract class DevicePart extends LitElement {
   @property() site = "";
-  @property({ attribute: false }) device: DeviceInfo | null = null;
-  @property({ attribute: false }) detail: SiteDetail | null = null;
+  @property({ attribute: false }) device: DeviceShape | null = null;
+  @property({ attribute: false }) detail: SiteShape | null = null;
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = false;
 
   protected readonly live = new LiveValuesController(this);
 
   /** The signals that this part reads; some of them may not be there. */
-  protected observeSignals(...signals: readonly (SignalInfo | undefined)[]): void {
+  protected observeSignals(...signals: readonly (SignalShape | undefined)[]): void {
     this.live.observeChannels(this.site, signals.flatMap((signal) => signal?.channels.slice(0, 1) ?? []));
   }
 
   /** A value that is old or impossible, or whose link is down, is not fresh: its number is not to be believed. */
-  protected readSignal(signal: SignalInfo | undefined): KnownValue {
+  protected readSignal(signal: SignalShape | undefined): KnownValue {
     const channel = signal?.channels[0];
     if (signal === undefined || channel === undefined) return { fresh: false, value: Number.NaN, word: "" };
     const reading = this.live.readingOf(channel);
@@ -81,7 +81,7 @@ export abstract class DevicePart extends LitElement {
   }
 
   /** Whether it is on, of a state that is off or on; null when that is not known. */
-  protected isOn(signal: SignalInfo | undefined): boolean | null {
+  protected isOn(signal: SignalShape | undefined): boolean | null {
     const now = this.readSignal(signal);
     return now.fresh && !Number.isNaN(now.value) ? Math.round(now.value) === 1 : null;
   }

@@ -1,17 +1,16 @@
 /** What tells most of a device, at a glance: a few values, and of the weather the verdict. */
 
 import { css, html, nothing, type TemplateResult } from "lit";
-import { customElement } from "lit/decorators.js";
-import { map } from "lit/directives/map.js";
+import { customElement, property } from "lit/decorators.js";
+import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
-import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
-import type { RuleInfo, SignalInfo } from "../../wire/api-types.js";
+import type { RuleShape, SignalShape } from "../../generated/api.js";
 import { NO_DEVICE, DevicePart } from "./device-part.js";
 import { summarySignals } from "../catalog.js";
-import { outletsOf, telescopeSignals } from "./roles.js";
+import { outletsOf } from "./roles.js";
 import { limitLines, rulesAbout, verdictOf, VERDICT_KINDS, VERDICT_WORDS } from "./weather-verdict.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/value.js";
@@ -31,6 +30,7 @@ export class DeviceSummaryValues extends DevicePart {
       }
       .verdict {
         flex: 1 0 100%;
+        grid-column: 1 / -1;
         font-size: var(--t-size-l);
       }
       .one {
@@ -44,40 +44,33 @@ export class DeviceSummaryValues extends DevicePart {
     `,
   ];
 
+  /** In the place of the values that the catalogue names. */
+  @property({ attribute: false }) signals: readonly SignalShape[] | null = null;
+  @property() size: "m" | "xl" = "m";
+
   private readonly interlocks = new ContextStoreController(this, interlocksContext);
 
   override willUpdate(): void {
     const device = this.device ?? NO_DEVICE;
     const outlets = device.kind === "power" ? outletsOf(device).map(({ signal }) => signal) : [];
-    this.observeSignals(...(device.kind === "weather" ? device.signals : [...summarySignals(device), ...outlets]));
+    this.observeSignals(...(device.kind === "weather" ? device.signals : outlets));
   }
 
   override render(): TemplateResult | typeof nothing {
     const { device } = this;
     if (device === null) return nothing;
-    return html`${this.renderVerdict()} ${this.renderOutlets()} ${map(summarySignals(device), (signal) => this.renderValue(signal))}`;
-  }
-
-  private renderValue(signal: SignalInfo): TemplateResult {
-    const { ra, dec } = this.device?.kind === "telescope" ? telescopeSignals(this.device) : { ra: undefined, dec: undefined };
-    if (signal !== ra && signal !== dec) return html`<t-signal-value size="m" .site=${this.site} .signal=${signal}></t-signal-value>`;
-    const { fresh, value } = this.readSignal(signal);
-    const text = signal === dec ? formatDec(value) : formatRa(signal.unit === "°" ? value / 15 : value);
-    return html`<span class="one"
-      ><span class="name">${signal === ra ? "RA" : "Dec"}</span
-      ><t-value
-        bare
-        .state=${fresh ? "live" : this.online ? this.live.freshnessOf(signal.channels[0] ?? "", signal.max_age) : "stale"}
-        .text=${text}
-      ></t-value
-    ></span>`;
+    return html`${this.renderVerdict()} ${this.renderOutlets()} ${repeat(
+      this.signals ?? summarySignals(device),
+      ({ address }) => address,
+      (signal) => html`<t-signal-value .size=${this.size} .site=${this.site} .signal=${signal}></t-signal-value>`,
+    )}`;
   }
 
   private renderVerdict(): unknown {
     const { device, detail } = this;
     if (device?.kind !== "weather" || detail === null) return nothing;
     const rules = rulesAbout(detail.rules, device.id);
-    const news = ({ id }: RuleInfo): InterlockUpdate | undefined => this.interlocks.store?.interlockOf(this.site, id)?.news;
+    const news = ({ id }: RuleShape): InterlockUpdate | undefined => this.interlocks.store?.interlockOf(this.site, id)?.news;
     const lines = limitLines(rules, device.id, device.signals, (signal) => this.readSignal(signal), news);
     const { word } = verdictOf(this.online, rules, news, lines);
     if (word === "none") return nothing;
@@ -93,7 +86,7 @@ export class DeviceSummaryValues extends DevicePart {
     const text = `${String(on.filter((closed) => closed === true).length)} of ${String(outlets.length)} on`;
     return html`<span class="one"
       ><span class="name">Outlets</span
-      ><t-value bare .state=${unknown === outlets.length ? "unknown" : "live"} .text=${unknown === 0 ? text : `${text}, ${String(unknown)} ?`}></t-value
+      ><t-value bare .size=${this.size} .state=${unknown === outlets.length ? "unknown" : "live"} .text=${unknown === 0 ? text : `${text}, ${String(unknown)} ?`}></t-value
     ></span>`;
   }
 }

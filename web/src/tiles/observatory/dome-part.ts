@@ -6,7 +6,7 @@ import { map } from "lit/directives/map.js";
 import { base } from "../../elements/base/base-style.js";
 import { formatAzimuth } from "../../format/sexagesimal.js";
 import { formatWithUnit } from "../../format/unit.js";
-import type { EnclosureInfo, PartInfo, SightingInfo, SignalInfo } from "../../wire/api-types.js";
+import type { EnclosurePartShape, EnclosureShape, SightingShape, SignalShape } from "../../generated/api.js";
 import { sensorsDisagree, type RoofSensor } from "./sensor-agreement.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
 import { domeCommands, domeSignals, shutterOf, telescopeSignals, type DomeSignals, type ShutterState } from "./roles.js";
@@ -47,7 +47,7 @@ export class DomePart extends DevicePart {
 
   override willUpdate(): void {
     const signals = this.signals();
-    this.observeSignals(...Object.values<SignalInfo | undefined>({ ...signals }), this.telescopeAzimuth(), ...this.sensorSignals());
+    this.observeSignals(...Object.values<SignalShape | undefined>({ ...signals }), this.telescopeAzimuth(), ...this.sensorSignals());
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -141,7 +141,7 @@ export class DomePart extends DevicePart {
     };
   }
 
-  private roofSensor(sighting: SightingInfo): RoofSensor {
+  private roofSensor(sighting: SightingShape): RoofSensor {
     const found = this.signalAt(sighting.signal);
     const { fresh, word, value } = this.readSignal(found);
     const name = found?.name ?? sighting.signal;
@@ -161,14 +161,14 @@ export class DomePart extends DevicePart {
   }
 
   /** What says how far segments and flap are open. */
-  private segmentSignals(): readonly (SignalInfo | undefined)[] {
+  private segmentSignals(): readonly (SignalShape | undefined)[] {
     const enclosure = this.enclosure();
     const parts = enclosure === undefined ? [] : partsOf(enclosure);
     const flap = enclosure?.flap?.position === "" ? enclosure.flap.closed.map(({ signal }) => signal) : [];
     return [...parts.map(({ position }) => position).filter((address) => address !== ""), ...flap].map((address) => this.signalAt(address));
   }
 
-  private renderReading(signal: SignalInfo | undefined): unknown {
+  private renderReading(signal: SignalShape | undefined): unknown {
     return signal === undefined ? nothing : html`<t-signal-value size="m" .site=${this.site} .signal=${signal}></t-signal-value>`;
   }
 
@@ -182,11 +182,11 @@ export class DomePart extends DevicePart {
   }
 
   /** The roof that this device moves, if the description has one. */
-  private enclosure(): EnclosureInfo | undefined {
+  private enclosure(): EnclosureShape | undefined {
     return this.detail?.enclosures.find(({ close }) => close.startsWith(`${this.device?.id ?? ""}/`));
   }
 
-  private sensorSignals(): readonly (SignalInfo | undefined)[] {
+  private sensorSignals(): readonly (SignalShape | undefined)[] {
     const enclosure = this.enclosure();
     if (enclosure === undefined) return [];
     const all = [enclosure, ...partsOf(enclosure)];
@@ -196,17 +196,17 @@ export class DomePart extends DevicePart {
     ].map((address) => this.signalAt(address));
   }
 
-  private signalAt(address: string): SignalInfo | undefined {
+  private signalAt(address: string): SignalShape | undefined {
     return this.detail?.devices.flatMap(({ signals }) => signals).find((signal) => signal.address === address);
   }
 
-  private telescopeAzimuth(): SignalInfo | undefined {
+  private telescopeAzimuth(): SignalShape | undefined {
     const telescopes = this.detail?.devices.filter(({ kind }) => kind === "telescope") ?? [];
     return telescopes.length === 1 && telescopes[0] !== undefined ? telescopeSignals(telescopes[0]).az : undefined;
   }
 }
 
-function partsOf({ segments, flap }: EnclosureInfo): readonly PartInfo[] {
+function partsOf({ segments, flap }: EnclosureShape): readonly EnclosurePartShape[] {
   return flap === null ? segments : [...segments, flap];
 }
 

@@ -16,11 +16,11 @@ import { moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
 import { nightTrack, visibilityOf, visibilityText, type NightTrack, type Visibility } from "../../sky/night-visibility.js";
 import type { GeoPlace } from "../../sky/coordinates.js";
 import { apiContext } from "../../state/contexts.js";
-import type { DeviceInfo } from "../../wire/api-types.js";
+import type { DeviceShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { partStyle } from "./device-part.js";
 import type { CommandButton, Slew } from "./roles.js";
-import { aimOf, catalogueTarget, ownTargets, refusalOf, typedTarget, type SkyTarget } from "./sky-target.js";
+import { aimOf, catalogueTarget, ownTargets, refusalOf, typedTarget, type CoordinateProblem, type SkyTarget } from "./sky-target.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -125,7 +125,7 @@ export class GotoForm extends LitElement {
   ];
 
   @property() site = "";
-  @property({ attribute: false }) device: DeviceInfo | null = null;
+  @property({ attribute: false }) device: DeviceShape | null = null;
   @property({ attribute: false }) line: CommandClient | null = null;
   @property({ type: Boolean }) online = true;
   @property({ attribute: false }) place: GeoPlace | null = null;
@@ -138,7 +138,7 @@ export class GotoForm extends LitElement {
   @state() private dated = false;
   @state() private found: readonly SkyTarget[] | null = null;
   @state() private target: SkyTarget | null = null;
-  @state() private problem = "";
+  @state() private problem: CoordinateProblem | { readonly field: "name"; readonly text: string } | null = null;
   @state() private busy = false;
   @state() private failure: unknown = null;
   @query("form") private readonly form!: HTMLFormElement;
@@ -171,9 +171,13 @@ export class GotoForm extends LitElement {
     </section>`;
   }
 
+  private problemOf(field: "name" | "ra" | "dec"): string {
+    return this.problem?.field === field ? this.problem.text : "";
+  }
+
   private renderNameForm(): TemplateResult {
     return html`<div class="one">
-      <t-field label="Name" hint="M 31, NGC 7000, Orion Nebula, Vega, α Lyr, Moon" .error=${this.problem}>
+      <t-field label="Name" hint="M 31, NGC 7000, Orion Nebula, Vega, α Lyr, Moon" .error=${this.problemOf("name")}>
         <input name="name" autocomplete="off" autocapitalize="off" spellcheck="false" maxlength="60" />
       </t-field>
       <t-button type="submit" ?busy=${this.busy}>Find</t-button>
@@ -182,10 +186,10 @@ export class GotoForm extends LitElement {
 
   private renderCoordinatesForm(): TemplateResult {
     return html`<div class="pair">
-        <t-field label="Right ascension" hint="05:34:32 or 5.5756 (h)" .error=${this.problem.startsWith("Right") ? this.problem : ""}>
+        <t-field label="Right ascension" hint="05:34:32 or 5.5756 (h)" .error=${this.problemOf("ra")}>
           <input name="ra" autocomplete="off" spellcheck="false" maxlength="40" />
         </t-field>
-        <t-field label="Declination" hint="−05:23:28 or −5.39 (°)" .error=${this.problem.startsWith("Decl") ? this.problem : ""}>
+        <t-field label="Declination" hint="−05:23:28 or −5.39 (°)" .error=${this.problemOf("dec")}>
           <input name="dec" autocomplete="off" spellcheck="false" maxlength="40" />
         </t-field>
         <t-button type="submit">Look</t-button>
@@ -271,7 +275,7 @@ export class GotoForm extends LitElement {
 
   private readonly onMethodChange = (event: CustomEvent<string>): void => {
     this.way = event.detail === "place" ? "place" : "name";
-    this.problem = "";
+    this.problem = null;
     this.found = null;
   };
 
@@ -282,7 +286,7 @@ export class GotoForm extends LitElement {
 
   private readonly onSubmit = (event: Event): void => {
     event.preventDefault();
-    this.problem = "";
+    this.problem = null;
     this.failure = null;
     if (this.way === "place") this.findTarget();
     else void this.searchCatalogue(this.typedValue("name"));
@@ -295,13 +299,13 @@ export class GotoForm extends LitElement {
   private findTarget(): void {
     const made = typedTarget(this.typedValue("ra"), this.typedValue("dec"), this.dated);
     this.found = null;
-    this.problem = typeof made === "string" ? made : "";
-    this.chooseTarget(typeof made === "string" ? null : made);
+    this.problem = "field" in made ? made : null;
+    this.chooseTarget("field" in made ? null : made);
   }
 
   private async searchCatalogue(name: string): Promise<void> {
     if (name === "") {
-      this.problem = "Write a name.";
+      this.problem = { field: "name", text: "Write a name." };
       return;
     }
     this.busy = true;
@@ -310,9 +314,10 @@ export class GotoForm extends LitElement {
       const { available, objects } = await this.api.searchSky(this.site, name);
       this.found = [...own, ...objects.map(catalogueTarget)];
       if (this.found.length === 0) {
-        this.problem = available
+        const text = available
           ? `Nothing goes by the name ${name}. Planets and comets are not in the catalogue: give their coordinates.`
           : `This hub knows the bright stars and the Moon only: install talaia[observatory] on it for NGC, IC and Messier.`;
+        this.problem = { field: "name", text };
       }
     } catch (error) {
       this.found = own;

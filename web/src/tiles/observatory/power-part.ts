@@ -11,7 +11,7 @@ import { base } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
 import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
-import type { SignalInfo } from "../../wire/api-types.js";
+import type { SignalShape } from "../../generated/api.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
 import { outletsOf, type CommandButton, type Outlet } from "./roles.js";
 import "../../elements/forms/button.js";
@@ -123,7 +123,7 @@ export class PowerPart extends DevicePart {
   ];
 
   /** What stands beside the outlets: power, voltage, current, charge. */
-  @property({ attribute: false }) readings: readonly SignalInfo[] = [];
+  @property({ attribute: false }) readings: readonly SignalShape[] = [];
   @state() private asking: CommandButton | null = null;
 
   private readonly interlocks = new ContextStoreController(this, interlocksContext);

@@ -4,38 +4,45 @@
  */
 
 import type { ArgumentValue } from "../../elements/command/argument-check.js";
-import type { CommandRole, SignalRole, StateMeaning } from "../../generated/api.js";
-import type { CommandInfo, DeviceInfo, SignalInfo } from "../../wire/api-types.js";
+import { formatDec, formatRa } from "../../format/sexagesimal.js";
+import type { CommandRole, CommandShape, DeviceShape, SignalRole, SignalShape, StateMeaning } from "../../generated/api.js";
 
-export function signalWith(device: DeviceInfo, wanted: SignalRole): SignalInfo | undefined {
+export function signalWith(device: DeviceShape, wanted: SignalRole): SignalShape | undefined {
   return device.signals.find(({ role }) => role === wanted);
 }
 
-function commandWith(device: DeviceInfo, wanted: CommandRole): CommandInfo | undefined {
+function commandWith(device: DeviceShape, wanted: CommandRole): CommandShape | undefined {
   return device.commands.find(({ role }) => role === wanted);
 }
 
-function commandsWith(device: DeviceInfo, wanted: CommandRole): readonly CommandInfo[] {
+function commandsWith(device: DeviceShape, wanted: CommandRole): readonly CommandShape[] {
   return device.commands.filter(({ role }) => role === wanted);
 }
 
 /** What a state's number means, whatever it is called. */
-export function meaningOf(signal: SignalInfo | undefined, value: number): StateMeaning {
+export function meaningOf(signal: SignalShape | undefined, value: number): StateMeaning {
   return signal?.meanings[Math.round(value)] ?? "unknown";
+}
+
+/** Right ascension and declination as they are read; empty for every other number. */
+export function angleText({ role, unit }: SignalShape, value: number): string {
+  if (Number.isNaN(value)) return "";
+  if (role === "telescope.ra") return formatRa(unit === "°" ? value / 15 : value);
+  return role === "telescope.dec" ? formatDec(value) : "";
 }
 
 // ── dome ──
 
 export interface DomeSignals {
-  readonly shutter: SignalInfo | undefined;
-  readonly opening: SignalInfo | undefined;
-  readonly azimuth: SignalInfo | undefined;
-  readonly turning: SignalInfo | undefined;
-  readonly parked: SignalInfo | undefined;
-  readonly local: SignalInfo | undefined;
+  readonly shutter: SignalShape | undefined;
+  readonly opening: SignalShape | undefined;
+  readonly azimuth: SignalShape | undefined;
+  readonly turning: SignalShape | undefined;
+  readonly parked: SignalShape | undefined;
+  readonly local: SignalShape | undefined;
 }
 
-export function domeSignals(device: DeviceInfo): DomeSignals {
+export function domeSignals(device: DeviceShape): DomeSignals {
   return {
     shutter: signalWith(device, "dome.shutter"),
     opening: signalWith(device, "dome.opening"),
@@ -53,42 +60,42 @@ const SHUTTER_STATES: Readonly<Partial<Record<StateMeaning, ShutterState>>> = {
 };
 
 /** How a shutter is drawn at a value; what means nothing to a shutter is unknown. */
-export function shutterOf(signal: SignalInfo | undefined, value: number): ShutterState {
+export function shutterOf(signal: SignalShape | undefined, value: number): ShutterState {
   return SHUTTER_STATES[meaningOf(signal, value)] ?? "unknown";
 }
 
 /** Commands by what they do; each stands here once. */
 export interface CommandButton {
-  readonly command: CommandInfo;
+  readonly command: CommandShape;
   readonly args: Readonly<Record<string, ArgumentValue>>;
   /** The button's words. */
   readonly label: string;
   readonly kind: "plain" | "primary" | "danger";
 }
 
-function commandButton(command: CommandInfo | undefined, kind: CommandButton["kind"] = "plain"): readonly CommandButton[] {
+function commandButton(command: CommandShape | undefined, kind: CommandButton["kind"] = "plain"): readonly CommandButton[] {
   return command === undefined ? [] : [{ command, args: {}, label: command.name, kind }];
 }
 
 /** A command with one boolean as two buttons. */
-function switchButtons(command: CommandInfo, on: string, off: string): readonly CommandButton[] {
+function switchButtons(command: CommandShape, on: string, off: string): readonly CommandButton[] {
   return [
     { command, args: switchArguments(command, true), label: on, kind: "plain" },
     { command, args: switchArguments(command, false), label: off, kind: "plain" },
   ];
 }
 
-function switchArguments(command: CommandInfo, on: boolean): Readonly<Record<string, boolean>> {
+function switchArguments(command: CommandShape, on: boolean): Readonly<Record<string, boolean>> {
   return Object.fromEntries(command.arguments.map(({ id }) => [id, on]));
 }
 
 export interface DomeCommands {
   readonly buttons: readonly CommandButton[];
   /** Commands with a value, as forms: turn to an azimuth, open so far. */
-  readonly forms: readonly CommandInfo[];
+  readonly forms: readonly CommandShape[];
 }
 
-export function domeCommands(device: DeviceInfo): DomeCommands {
+export function domeCommands(device: DeviceShape): DomeCommands {
   return {
     buttons: [
       ...commandButton(commandWith(device, "dome.open")),
@@ -104,16 +111,16 @@ export function domeCommands(device: DeviceInfo): DomeCommands {
 // ── telescope ──
 
 export interface TelescopeSignals {
-  readonly state: SignalInfo | undefined;
-  readonly parked: SignalInfo | undefined;
-  readonly tracking: SignalInfo | undefined;
-  readonly ra: SignalInfo | undefined;
-  readonly dec: SignalInfo | undefined;
-  readonly alt: SignalInfo | undefined;
-  readonly az: SignalInfo | undefined;
+  readonly state: SignalShape | undefined;
+  readonly parked: SignalShape | undefined;
+  readonly tracking: SignalShape | undefined;
+  readonly ra: SignalShape | undefined;
+  readonly dec: SignalShape | undefined;
+  readonly alt: SignalShape | undefined;
+  readonly az: SignalShape | undefined;
 }
 
-export function telescopeSignals(device: DeviceInfo): TelescopeSignals {
+export function telescopeSignals(device: DeviceShape): TelescopeSignals {
   return {
     state: signalWith(device, "telescope.state"),
     parked: signalWith(device, "telescope.parked"),
@@ -127,17 +134,17 @@ export function telescopeSignals(device: DeviceInfo): TelescopeSignals {
 
 /** A command that points the telescope, with the names of its two arguments. */
 export interface Slew {
-  readonly command: CommandInfo;
+  readonly command: CommandShape;
   readonly ra: string;
   readonly dec: string;
 }
 
-export function slewOf({ slew, commands }: DeviceInfo): Slew | undefined {
+export function slewOf({ slew, commands }: DeviceShape): Slew | undefined {
   const command = commands.find(({ id }) => id === slew?.command);
   return slew === null || command === undefined ? undefined : { command, ra: slew.ra, dec: slew.dec };
 }
 
-export function telescopeCommands(device: DeviceInfo): readonly CommandButton[] {
+export function telescopeCommands(device: DeviceShape): readonly CommandButton[] {
   const track = commandWith(device, "telescope.track");
   const tracking: readonly CommandButton[] =
     track?.arguments[0]?.type === "boolean"
@@ -154,15 +161,15 @@ export function telescopeCommands(device: DeviceInfo): readonly CommandButton[] 
 // ── camera ──
 
 export interface CameraSignals {
-  readonly state: SignalInfo | undefined;
-  readonly remaining: SignalInfo | undefined;
-  readonly temperature: SignalInfo | undefined;
-  readonly cooler: SignalInfo | undefined;
-  readonly power: SignalInfo | undefined;
-  readonly filter: SignalInfo | undefined;
+  readonly state: SignalShape | undefined;
+  readonly remaining: SignalShape | undefined;
+  readonly temperature: SignalShape | undefined;
+  readonly cooler: SignalShape | undefined;
+  readonly power: SignalShape | undefined;
+  readonly filter: SignalShape | undefined;
 }
 
-export function cameraSignals(device: DeviceInfo): CameraSignals {
+export function cameraSignals(device: DeviceShape): CameraSignals {
   return {
     state: signalWith(device, "camera.state"),
     remaining: signalWith(device, "camera.remaining"),
@@ -175,14 +182,14 @@ export function cameraSignals(device: DeviceInfo): CameraSignals {
 
 export interface CameraCommands {
   /** Commands that ask for an exposure time. */
-  readonly expose: readonly CommandInfo[];
+  readonly expose: readonly CommandShape[];
   readonly abort: readonly CommandButton[];
   /** A set point as a form, and the cooler's switch. */
-  readonly cool: readonly CommandInfo[];
+  readonly cool: readonly CommandShape[];
   readonly cooler: readonly CommandButton[];
 }
 
-export function cameraCommands(device: DeviceInfo): CameraCommands {
+export function cameraCommands(device: DeviceShape): CameraCommands {
   const cooler = commandWith(device, "camera.cooler");
   return {
     expose: commandsWith(device, "camera.expose"),
@@ -198,13 +205,13 @@ export function cameraCommands(device: DeviceInfo): CameraCommands {
 // ── power ──
 
 export interface Outlet {
-  readonly signal: SignalInfo;
+  readonly signal: SignalShape;
   readonly on: CommandButton | undefined;
   readonly off: CommandButton | undefined;
 }
 
 /** Each outlet, with the commands that switch it where there are any: one of its own id, or two with an ending. */
-export function outletsOf(device: DeviceInfo): readonly Outlet[] {
+export function outletsOf(device: DeviceShape): readonly Outlet[] {
   return device.signals.filter(({ role }) => role === "power.outlet").map((signal) => {
     const both = commandsWith(device, "power.switch").find(({ id }) => id === signal.id);
     const makeButton = (on: boolean): CommandButton | undefined => {

@@ -1,6 +1,6 @@
 /** A target of the telescope: by name or by coordinates, with what is to be said of it. Pure. */
 
-import type { SkyObject } from "../../wire/api-types.js";
+import type { SkyObject } from "../../generated/api.js";
 import { parseDec, parseRa } from "../../format/sexagesimal.js";
 import { moonAt, moonFrom, sunFrom } from "../../sky/sun-and-moon.js";
 import { STARS } from "../../sky/bright-stars.js";
@@ -16,11 +16,17 @@ export interface SkyTarget {
   readonly at: (ms: number) => Equatorial;
 }
 
-/** A place as it was typed. Gives a sentence where it is none. */
-export function typedTarget(ra: string, dec: string, dated: boolean): SkyTarget | string {
+/** What is wrong with what was typed. */
+export interface CoordinateProblem {
+  readonly field: "ra" | "dec";
+  readonly text: string;
+}
+
+/** A place as it was typed, or why it is none. */
+export function typedTarget(ra: string, dec: string, dated: boolean): SkyTarget | CoordinateProblem {
   const place = { ra: parseRa(ra), dec: parseDec(dec) };
-  if (Number.isNaN(place.ra)) return "Right ascension: write 5h 34m 32s, 05:34:32, 5.5756 (hours), or 83.63° .";
-  if (Number.isNaN(place.dec)) return "Declination: write −5° 23′ 28″, -05:23:28 or -5.39 (degrees), −90 to 90.";
+  if (Number.isNaN(place.ra)) return { field: "ra", text: "Right ascension: write 5h 34m 32s, 05:34:32, 5.5756 (hours), or 83.63° ." };
+  if (Number.isNaN(place.dec)) return { field: "dec", text: "Declination: write −5° 23′ 28″, -05:23:28 or -5.39 (degrees), −90 to 90." };
   const at = dated ? (): Equatorial => place : (ms: number): Equatorial => precessedFromJ2000(place, ms);
   return { name: "Coordinates", about: dated ? "as typed, of date" : "as typed, J2000", j2000: dated ? null : place, at };
 }

@@ -11,7 +11,7 @@ import { moonPhase, sunFrom } from "../../sky/sun-and-moon.js";
 import { darknessOf, DARKNESS } from "../../sky/night-visibility.js";
 import { toHorizontal, type Equatorial, type Horizontal, type GeoPlace } from "../../sky/coordinates.js";
 import type { TelescopeAim } from "../../elements/observatory/sky-chart.js";
-import type { SignalInfo } from "../../wire/api-types.js";
+import type { SignalShape } from "../../generated/api.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
 import { slewOf, telescopeCommands, telescopeSignals, type TelescopeSignals } from "./roles.js";
 import { aimOf, type SkyTarget } from "./sky-target.js";
@@ -77,7 +77,7 @@ export class TelescopePart extends DevicePart {
   @state() private target: SkyTarget | null = null;
 
   override willUpdate(): void {
-    this.observeSignals(...Object.values<SignalInfo | undefined>({ ...this.signals() }));
+    this.observeSignals(...Object.values<SignalShape | undefined>({ ...this.signals() }));
   }
 
   override render(): TemplateResult | typeof nothing {

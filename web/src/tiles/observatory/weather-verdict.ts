@@ -5,7 +5,7 @@
 
 import type { InterlockUpdate } from "../../generated/wire.js";
 import { formatWithUnit } from "../../format/unit.js";
-import type { LimitInfo, RuleInfo, SignalInfo } from "../../wire/api-types.js";
+import type { LimitShape, RuleShape, SignalShape } from "../../generated/api.js";
 
 export type VerdictWord = "safe" | "warn" | "wait" | "unsafe" | "overridden" | "unknown" | "none";
 
@@ -57,7 +57,7 @@ export interface WeatherVerdict {
 }
 
 /** The rules of which a condition is about this device. */
-export function rulesAbout(rules: readonly RuleInfo[], device: string): readonly RuleInfo[] {
+export function rulesAbout(rules: readonly RuleShape[], device: string): readonly RuleShape[] {
   return rules.filter(({ conditions }) =>
     conditions.some(({ limits }) => limits.some(({ signal }) => signal.startsWith(`${device}/`))),
   );
@@ -65,8 +65,8 @@ export function rulesAbout(rules: readonly RuleInfo[], device: string): readonly
 
 /** Each limit that these rules set for a device's signals, with how it stands. */
 export function limitLines(
-  rules: readonly RuleInfo[], device: string, signals: readonly SignalInfo[], known: (signal: SignalInfo) => KnownValue,
-  news: (rule: RuleInfo) => InterlockUpdate | undefined = () => undefined,
+  rules: readonly RuleShape[], device: string, signals: readonly SignalShape[], known: (signal: SignalShape) => KnownValue,
+  news: (rule: RuleShape) => InterlockUpdate | undefined = () => undefined,
 ): readonly LimitLine[] {
   const lines = rules.flatMap((rule) =>
     rule.conditions.flatMap(({ limits, lasting }) => {
@@ -99,7 +99,7 @@ export function limitLines(
 }
 
 /** Names a condition as the gateway does in its news. */
-function conditionId(limits: readonly LimitInfo[]): string {
+function conditionId(limits: readonly LimitShape[]): string {
   return limits.map(({ signal, minus, humidity }) => [signal, minus, humidity].filter((part) => part !== "").join("+")).join("+").slice(0, 200);
 }
 
@@ -116,7 +116,7 @@ function dewPoint(temperature: number, humidity: number): number {
   return (243.04 * gamma) / (17.625 - gamma);
 }
 
-function standsOf(limit: LimitInfo, { fresh, value, word }: KnownValue): LimitLine["stands"] {
+function standsOf(limit: LimitShape, { fresh, value, word }: KnownValue): LimitLine["stands"] {
   if (!fresh) return "unknown";
   if (limit.states.length > 0 && limit.states.includes(word)) return "beyond";
   if (limit.safe_states.length > 0 && !limit.safe_states.includes(word)) return "beyond";
@@ -127,7 +127,7 @@ function standsOf(limit: LimitInfo, { fresh, value, word }: KnownValue): LimitLi
   return high || low ? "returning" : "fine";
 }
 
-function limitText(limit: LimitInfo, { unit, decimals }: SignalInfo, lasting: number): string {
+function limitText(limit: LimitShape, { unit, decimals }: SignalShape, lasting: number): string {
   const numberText = (value: number): string => formatWithUnit(value, unit, Number.isInteger(value) ? 0 : decimals);
   const parts = [
     limit.above === null ? "" : `above ${numberText(limit.above)}${limit.until_below === null ? "" : ` until below ${numberText(limit.until_below)}`}`,
@@ -140,7 +140,7 @@ function limitText(limit: LimitInfo, { unit, decimals }: SignalInfo, lasting: nu
 
 /** What decides, of these rules' news, and the lines by which. */
 export function verdictOf(
-  online: boolean, rules: readonly RuleInfo[], news: (rule: RuleInfo) => InterlockUpdate | undefined, lines: readonly LimitLine[],
+  online: boolean, rules: readonly RuleShape[], news: (rule: RuleShape) => InterlockUpdate | undefined, lines: readonly LimitLine[],
 ): WeatherVerdict {
   const none = { why: "", since_us: 0, rule: "" };
   if (!online) return { ...none, word: "unknown", why: "No data from the site: the weather is unknown." };

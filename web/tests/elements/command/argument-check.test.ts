@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
 import { checkArgument, argumentLimitText, initialText } from "../../../src/elements/command/argument-check.js";
-import type { ArgumentInfo } from "../../../src/wire/api-types.js";
+import type { ArgumentShape } from "../../../src/generated/api.js";
 
-function argument(more: Partial<ArgumentInfo> = {}): ArgumentInfo {
+function argument(more: Partial<ArgumentShape> = {}): ArgumentShape {
   return { id: "a", name: "A", type: "number", unit: "°", minimum: 0, maximum: 360, max_length: 200, default: null, ...more };
 }
 

@@ -1,13 +1,13 @@
 import { expect, test } from "vitest";
 import { scopesOf } from "../../../src/pages/account/token-scopes.js";
 import { ANY } from "../../../src/state/rights.js";
-import type { DeviceRow, Permission } from "../../../src/wire/api-types.js";
+import type { DeviceSummary, PermissionShape } from "../../../src/generated/api.js";
 
-const row = (device: string): DeviceRow => ({
+const row = (device: string): DeviceSummary => ({
   site: "agv", site_name: "House", device, name: device, kind: "other", online: true, rights: [], public: true,
   signals: 1, stale: 0,
 });
-const shown = (permissions: readonly Permission[]): string[] =>
+const shown = (permissions: readonly PermissionShape[]): string[] =>
   scopesOf(permissions, [row("base"), row("arm")]).map(({ name, most }) => `${name} ${most}`);
 
 test("a token may be given what its maker has, and nothing wider", () => {

@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
 import { matchesSearch, deviceStatus } from "../../../src/pages/devices/device-status.js";
 import { publicOf } from "../../../src/pages/public/public-parts.js";
-import type { DeviceInfo, DeviceRow, SignalInfo, SiteDetail } from "../../../src/wire/api-types.js";
+import type { DeviceShape, DeviceSummary, SignalShape, SiteShape } from "../../../src/generated/api.js";
 
-const row = (change: Partial<DeviceRow> = {}): DeviceRow => ({
+const row = (change: Partial<DeviceSummary> = {}): DeviceSummary => ({
   site: "agv", site_name: "House vehicle", device: "base", name: "Vehicle base", kind: "vehicle", online: true,
   rights: ["view"], public: false, signals: 4, stale: 0, ...change,
 });
@@ -22,14 +22,14 @@ test("a filter finds all of its words, in any of a device's names", () => {
 });
 
 test("of a site only what is public stands on the public page, for an operator too", () => {
-  const signal = (id: string, open: boolean): SignalInfo => ({
+  const signal = (id: string, open: boolean): SignalShape => ({
     id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: 1, minimum: null, maximum: null,
     states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: open, channels: [`base/${id}`],
   });
-  const device = (id: string, signals: SignalInfo[]): DeviceInfo => ({
+  const device = (id: string, signals: SignalShape[]): DeviceShape => ({
     id, name: id, kind: "other", signals, streams: [], commands: [], drive: null, public: false, link_loss: "", pointing: null, slew: null, unguarded: false, rights: ["use"],
   });
-  const detail: SiteDetail = {
+  const detail: SiteShape = {
     site: "agv", name: "A", zone: "UTC", online: true, since_us: 0, last_seen_us: 0, catalogue: "",
     place: null, rules: [], enclosures: [],
     devices: [device("base", [signal("open", true), signal("closed", false)]), device("safe", [signal("own", false)])],

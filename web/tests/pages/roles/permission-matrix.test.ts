@@ -1,14 +1,13 @@
 import { describe, expect, test } from "vitest";
 import { changesOf, cellOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts } from "../../../src/pages/roles/permission-matrix.js";
 import { ANY, EVERYWHERE } from "../../../src/state/rights.js";
-import type { RoleShape } from "../../../src/generated/api.js";
-import type { DeviceRow, Permission } from "../../../src/wire/api-types.js";
+import type { DeviceSummary, PermissionShape, RoleShape } from "../../../src/generated/api.js";
 
-const row = (site: string, device: string): DeviceRow => ({
+const row = (site: string, device: string): DeviceSummary => ({
   site, site_name: `Site ${site}`, device, name: `Device ${device}`, kind: "other", online: true, rights: [],
   public: device === "base", signals: 1, stale: 0,
 });
-const role = (name: string, permissions: readonly Permission[] = [], seeded = false): RoleShape => ({
+const role = (name: string, permissions: readonly PermissionShape[] = [], seeded = false): RoleShape => ({
   id: name, name, seeded, people: 0, permissions,
 });
 const DEVICES = [row("agv", "base"), row("agv", "arm"), row("dome", "roof")];

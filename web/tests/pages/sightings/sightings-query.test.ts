@@ -1,11 +1,10 @@
 import { expect, test } from "vitest";
 import type { SightingUpdate } from "../../../src/generated/wire.js";
 import { historyQuery, matchingLabel, NO_FILTER, sightingsPageQuery, readSightingFilter, withUpdate, writeSightingFilter } from "../../../src/pages/sightings/sightings-query.js";
-import type { SiteDetail } from "../../../src/wire/api-types.js";
-import type { Sighting } from "../../../src/wire/sightings-api.js";
+import type { SeenShape, SiteShape } from "../../../src/generated/api.js";
 
 const LABELS = ["person", "dog", "wine glass", "hot dog"];
-const row = (id: number, more: Partial<Sighting> = {}): Sighting => ({
+const row = (id: number, more: Partial<SeenShape> = {}): SeenShape => ({
   id: String(id), camera: "camera/front", label: "person", many: 1, confidence: 0.8, began_us: 100e6, ended_us: null, picture: false, ...more,
 });
 
@@ -35,7 +34,7 @@ test("news changes the row that it is about, and says where there is none", () =
 });
 
 test("a sighting leads to the history around it, with the signal that counts such things", () => {
-  const detail = { devices: [{ signals: [{ address: "camera/front_person", channels: ["camera/front_person"] }] }] } as unknown as SiteDetail;
+  const detail = { devices: [{ signals: [{ address: "camera/front_person", channels: ["camera/front_person"] }] }] } as unknown as SiteShape;
   expect(historyQuery(row(1), detail)).toBe("c=camera/front_person&from=40000000&to=160000000&at=100000000");
   expect(historyQuery(row(1, { label: "dog", ended_us: 130e6 }), detail)).toBe("from=40000000&to=190000000&at=100000000");
   expect(historyQuery(row(1), undefined)).toBe("from=40000000&to=160000000&at=100000000");

@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
 import { ChartFeed } from "../../../src/tiles/chart/chart-feed.js";
 import { samplesOf } from "../../../src/tiles/chart/history-samples.js";
-import type { History, SignalInfo } from "../../../src/wire/api-types.js";
+import type { HistoryAnswer, SignalShape } from "../../../src/generated/api.js";
 import type { HistoryQuery } from "../../../src/wire/hub-api.js";
 import type { Batch, BatchListener } from "../../../src/wire/subscriptions.js";
 
-function signal(id: string): SignalInfo {
+function signal(id: string): SignalShape {
   return {
     id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null,
     states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, channels: [`base/${id}`],
@@ -15,7 +15,7 @@ function signal(id: string): SignalInfo {
 class Hub {
   readonly listeners = new Map<string, BatchListener>();
   readonly asked: HistoryQuery[] = [];
-  answer: (query: HistoryQuery) => Promise<History> = () => Promise.resolve({ series: [] });
+  answer: (query: HistoryQuery) => Promise<HistoryAnswer> = () => Promise.resolve({ series: [] });
 
   subscribe(_site: string, channels: readonly string[], _everyMs: number, listener: BatchListener): () => void {
     const key = channels.join();
@@ -23,7 +23,7 @@ class Hub {
     return () => this.listeners.delete(key);
   }
 
-  history(_site: string, query: HistoryQuery): Promise<History> {
+  history(_site: string, query: HistoryQuery): Promise<HistoryAnswer> {
     this.asked.push(query);
     return this.answer(query);
   }

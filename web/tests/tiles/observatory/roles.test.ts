@@ -1,13 +1,12 @@
 import { expect, test } from "vitest";
-import type { CommandRole, SignalRole } from "../../../src/generated/api.js";
+import type { ArgumentShape, CommandRole, CommandShape, SignalRole, SignalShape } from "../../../src/generated/api.js";
 import {
-  cameraCommands, domeCommands, domeSignals, meaningOf, outletsOf, shutterOf, slewOf, telescopeCommands, telescopeSignals,
+  angleText, cameraCommands, domeCommands, domeSignals, meaningOf, outletsOf, shutterOf, slewOf, telescopeCommands, telescopeSignals,
 } from "../../../src/tiles/observatory/roles.js";
-import type { ArgumentInfo, CommandInfo, SignalInfo } from "../../../src/wire/api-types.js";
 import { argument, command, device, signal, state } from "./described.js";
 
-const has = (id: string, role: SignalRole, more: Partial<SignalInfo> = {}): SignalInfo => signal(id, { role, ...more });
-const does = (id: string, role: CommandRole, args: readonly ArgumentInfo[] = []): CommandInfo => command(id, args, { role });
+const has = (id: string, role: SignalRole, more: Partial<SignalShape> = {}): SignalShape => signal(id, { role, ...more });
+const does = (id: string, role: CommandRole, args: readonly ArgumentShape[] = []): CommandShape => command(id, args, { role });
 const active = [argument("active", { type: "boolean" })];
 
 const catalanDome = device(
@@ -93,4 +92,13 @@ test("an outlet has the switch of its own id, or two commands with its id and an
   expect(rest).toEqual([]);
   expect([lamp?.on?.args, lamp?.off?.args]).toEqual([{ active: true }, { active: false }]);
   expect([fan?.on?.command.id, fan?.off?.command.id]).toEqual(["fan_on", "fan_off"]);
+});
+
+test("right ascension and declination are read in hours and degrees, by role and unit alone", () => {
+  const ra = has("a", "telescope.ra", { unit: "h" });
+  expect(angleText(ra, 5.5)).toBe(angleText({ ...ra, unit: "°" }, 82.5));
+  expect(angleText(ra, 5.5)).toContain("30");
+  expect(angleText(has("d", "telescope.dec", { unit: "°" }), -5.5)).toMatch(/^−0?5/);
+  expect(angleText(signal("ra", { unit: "h" }), 5.5)).toBe("");
+  expect(angleText(ra, Number.NaN)).toBe("");
 });

@@ -1,13 +1,13 @@
 import { expect, test } from "vitest";
 import type { InterlockUpdate } from "../../../src/generated/wire.js";
 import { limitLines, rulesAbout, verdictOf, type KnownValue, type WeatherVerdict } from "../../../src/tiles/observatory/weather-verdict.js";
-import type { LimitInfo, RuleInfo } from "../../../src/wire/api-types.js";
+import type { LimitShape, RuleShape } from "../../../src/generated/api.js";
 import { signal, state } from "./described.js";
 
-const limit = (more: Partial<LimitInfo>): LimitInfo => ({
+const limit = (more: Partial<LimitShape>): LimitShape => ({
   signal: "it/wind", minus: "", humidity: "", above: null, until_below: null, below: null, until_above: null, states: [], safe_states: [], ...more,
 });
-const rule = (limits: readonly LimitInfo[], lasting = 0): RuleInfo => ({
+const rule = (limits: readonly LimitShape[], lasting = 0): RuleShape => ({
   id: "weather", name: "Weather", conditions: [{ limits, lasting, link_lost: null, sun: "" }], hidden: 0, targets: [], dwell: 60,
 });
 const WIND = rule([limit({ above: 45, until_below: 35 })], 2);

@@ -156,8 +156,9 @@ class SiteSummary(Schema):
 class SignalShape(Schema):
     """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds.
 
-    ``role``: what it is, as described or proposed. ``meanings``: what each state
-    means, for roles that know meanings. ``public``: everybody who is signed in may see it.
+    ``role``: what it is, as described or proposed. ``meanings``: what each state means, as
+    described or proposed; empty where no state is out of the ordinary. ``public``: everybody who
+    is signed in may see it.
     """
 
     id: str

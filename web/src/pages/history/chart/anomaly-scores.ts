@@ -15,7 +15,7 @@ import { adviceFor } from "../../../format/error-advice.js";
 import type { TimeSpan } from "../../../series/time-window.js";
 import { apiContext } from "../../../state/contexts.js";
 import type { Detector } from "../../../state/anomaly-detectors.js";
-import type { History } from "../../../wire/api-types.js";
+import type { HistoryAnswer } from "../../../generated/api.js";
 import type { HistoryQuery, HubApi } from "../../../wire/hub-api.js";
 import { loadedSeries } from "../data/history-loader.js";
 import { renderAdvice } from "../../../elements/feedback/load-state.js";
@@ -27,7 +27,7 @@ const WRITTEN_US = 130e6;
 
 /** What this needs of the hub's HTTP interface. */
 export interface ScoreSource extends AnomalySource {
-  history(site: string, query: HistoryQuery): Promise<History>;
+  history(site: string, query: HistoryQuery): Promise<HistoryAnswer>;
   dismissAnomaly(site: string, address: string, detector: string): Promise<boolean>;
 }
 
@@ -77,10 +77,10 @@ export class AnomalyScores extends LitElement {
   @consume({ context: apiContext, subscribe: true }) private readonly api: HubApi | undefined;
 
   private readonly detectors = new AnomalyDetectorsController(this);
-  private readonly scores = new LoadController<History>(this);
+  private readonly scores = new LoadController<HistoryAnswer>(this);
   private readonly action = new ActionController(this);
   private series = new Map<string, ChartSeries>();
-  private drawnOf: History | undefined;
+  private drawnOf: HistoryAnswer | undefined;
 
   protected override willUpdate(): void {
     const { site, span, width } = this;
@@ -150,7 +150,7 @@ export class AnomalyScores extends LitElement {
     return this.detectors.book.list.filter(({ address }) => this.channels.includes(address));
   }
 
-  private buildSeries(history: History | undefined): void {
+  private buildSeries(history: HistoryAnswer | undefined): void {
     this.drawnOf = history;
     this.series = new Map(
       (history?.series ?? []).map((series, colour): [string, ChartSeries] => {

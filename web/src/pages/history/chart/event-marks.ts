@@ -1,6 +1,6 @@
 /** What happened, as marks on the time axis. */
 
-import type { EventInfo } from "../../../wire/api-types.js";
+import type { EventShape } from "../../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 
 export type MarkKind = "alarm" | "stop" | "command" | "driving" | "anomaly" | "sighting" | "recording" | "link" | "other";
@@ -47,7 +47,7 @@ export function kindOf(title: string): MarkKind {
 }
 
 /** @param names of devices by their id */
-export function eventMarks(events: readonly EventInfo[], names: ReadonlyMap<string, string>): EventMark[] {
+export function eventMarks(events: readonly EventShape[], names: ReadonlyMap<string, string>): EventMark[] {
   return events
     .map(({ time_us, kind, device, who, message, good }) => ({
       timeUs: time_us, kind: kindOf(kind), title: kind.replaceAll("_", " "), device: names.get(device) ?? device, who, message, good,

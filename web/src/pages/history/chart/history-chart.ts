@@ -16,7 +16,7 @@ import { OutlierMemo, type Outliers } from "../../../series/outliers.js";
 import { summarize, type ColumnsSummary } from "../../../series/columns.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
-import type { OutlierInfo, StatisticsInfo } from "../../../wire/api-types.js";
+import type { OutlierShape, StatisticsShape } from "../../../generated/api.js";
 import { historyChartStyle } from "./history-chart-style.js";
 import type { LoadedSeries } from "../data/history-loader.js";
 import type { EventMark } from "./event-marks.js";
@@ -46,12 +46,12 @@ export class HistoryChart extends LitElement {
   /** The other day, as it is called beside its values. */
   @property({ attribute: "ghost-name" }) ghostName = "";
   /** What the hub counted of the window. */
-  @property({ attribute: false }) numbers: ReadonlyMap<string, StatisticsInfo> = new Map();
+  @property({ attribute: false }) numbers: ReadonlyMap<string, StatisticsShape> = new Map();
   @property({ attribute: false }) marks: readonly EventMark[] = [];
   /** Outliers are pointed out beyond so many times the distance of the quartiles; 0 for none. */
   @property({ type: Number }) outliers = 0;
   /** What the hub found in all samples, where the chart holds only some. */
-  @property({ attribute: false }) fences: ReadonlyMap<string, OutlierInfo> = new Map();
+  @property({ attribute: false }) fences: ReadonlyMap<string, OutlierShape> = new Map();
   /** It could not look: what the chart holds has to do. */
   @property({ type: Boolean }) unfenced = false;
   @property({ attribute: false }) painter: PaintScheduler | null = null;

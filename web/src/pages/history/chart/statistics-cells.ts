@@ -3,7 +3,7 @@
 import { html, nothing, type TemplateResult } from "lit";
 import { decimalsFor, formatNumber, NOTHING } from "../../../format/number.js";
 import type { ColumnsSummary } from "../../../series/columns.js";
-import type { StatisticsInfo } from "../../../wire/api-types.js";
+import type { StatisticsShape } from "../../../generated/api.js";
 import type { ChannelRow } from "../data/channel-rows.js";
 
 export function renderStatisticsHead(numbers: boolean): TemplateResult {
@@ -20,7 +20,7 @@ export function renderStatisticsHead(numbers: boolean): TemplateResult {
  * @param counted what the hub counted; undefined until it has, while the window moves
  * @param drawn what is drawn: its least and greatest are those of all samples, its mean is not
  */
-export function renderStatisticsCells(row: ChannelRow, counted: StatisticsInfo | undefined, drawn: ColumnsSummary | undefined): TemplateResult {
+export function renderStatisticsCells(row: ChannelRow, counted: StatisticsShape | undefined, drawn: ColumnsSummary | undefined): TemplateResult {
   const samples = html`<td class="roomy">${counted === undefined ? "…" : formatNumber(counted.count, 0)}</td>`;
   if (row.type !== "number") return samples;
   const decimals = decimalsFor(row.unit, row.decimals);

@@ -1,11 +1,11 @@
 /** The channels of a site that have a history, and how they share charts. */
 
-import type { DeviceInfo, SignalInfo, SiteDetail, StoredInfo } from "../../../wire/api-types.js";
+import type { DeviceShape, SignalShape, SiteShape, StoredShape } from "../../../generated/api.js";
 
 /** One channel that can be chosen. */
 export interface ChannelRow {
   readonly address: string;
-  readonly device: Pick<DeviceInfo, "id" | "name">;
+  readonly device: Pick<DeviceShape, "id" | "name">;
   readonly name: string;
   readonly type: "number" | "state" | "text";
   readonly unit: string;
@@ -26,7 +26,7 @@ export interface ChartGroup {
   readonly rows: readonly ChannelRow[];
 }
 
-const TYPES = ["number", "state", "text", "position"] as const satisfies readonly SignalInfo["type"][];
+const TYPES = ["number", "state", "text", "position"] as const satisfies readonly SignalShape["type"][];
 const PART_UNITS: Readonly<Record<string, string>> = { x: "m", y: "m", yaw: "rad", lat: "°", lon: "°", alt: "m" };
 const DEGREE_DIGITS = 6;
 /** Of a former signal its limit of age (s) is not known: what descriptions take when they say nothing. */
@@ -35,7 +35,7 @@ const FORMER_AGE = 5;
 const FIRST_CHOICE = 2;
 
 /** @param former channels that have history and are no longer described; they come last */
-export function channelRows(detail: SiteDetail, former: readonly StoredInfo[] = []): ChannelRow[] {
+export function channelRows(detail: SiteShape, former: readonly StoredShape[] = []): ChannelRow[] {
   const rows = detail.devices.flatMap((device) =>
     device.signals.flatMap((signal) => signal.channels.map((channel) => rowOf(device, signal, channel))),
   );
@@ -44,7 +44,7 @@ export function channelRows(detail: SiteDetail, former: readonly StoredInfo[] = 
   return [...rows, ...former.filter(({ address }) => !described.has(address)).map((stored) => formerRow(detail, stored))];
 }
 
-function formerRow({ devices }: SiteDetail, { address, name, unit, type, states, decimals }: StoredInfo): ChannelRow {
+function formerRow({ devices }: SiteShape, { address, name, unit, type, states, decimals }: StoredShape): ChannelRow {
   const id = address.split("/")[0] ?? "";
   const device = devices.find((device) => device.id === id) ?? { id, name: id };
   const kind = TYPES.find((known) => known === type) ?? "number";
@@ -93,7 +93,7 @@ function joinGroups(groups: readonly ChartGroup[], axes: number): ChartGroup[] {
   return [...charts, ...groups.filter(({ type }) => type !== "number")];
 }
 
-type DescribedChannel = Pick<SignalInfo, "name" | "type" | "unit" | "states" | "decimals" | "max_age" | "primary">;
+type DescribedChannel = Pick<SignalShape, "name" | "type" | "unit" | "states" | "decimals" | "max_age" | "primary">;
 
 function rowOf(device: ChannelRow["device"], signal: DescribedChannel, channel: string): ChannelRow {
   const plain = { address: channel, device, states: [], maxAge: signal.max_age, primary: signal.primary, former: false } as const;

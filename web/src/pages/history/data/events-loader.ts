@@ -1,6 +1,6 @@
 /** What happened in a window, asked again when the window leaves what is known or time has gone on. */
 
-import type { EventList } from "../../../wire/api-types.js";
+import type { EventList } from "../../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import { LatestRequest } from "./latest-request.js";

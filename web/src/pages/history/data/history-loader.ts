@@ -5,12 +5,12 @@ import { Trace } from "../../../series/trace.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import { samplesOf } from "../../../tiles/chart/history-samples.js";
-import type { History, HistorySeries } from "../../../wire/api-types.js";
+import type { HistoryAnswer, SeriesShape } from "../../../generated/api.js";
 import type { HistoryQuery } from "../../../wire/hub-api.js";
 import { LatestRequest, type RequestStatus } from "./latest-request.js";
 
 export interface WindowSource {
-  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History>;
+  history(site: string, query: HistoryQuery, signal?: AbortSignal): Promise<HistoryAnswer>;
 }
 
 /** One channel as it was loaded. */
@@ -43,13 +43,13 @@ export class HistoryLoader {
   /** What is there, by address. A new map with each answer. */
   data: ReadonlyMap<string, LoadedSeries> = new Map();
   private held: WindowQuestion | null = null;
-  private readonly asker: LatestRequest<WindowQuestion, History>;
+  private readonly asker: LatestRequest<WindowQuestion, HistoryAnswer>;
 
   constructor(
     private readonly past: WindowSource,
     changed: () => void,
   ) {
-    this.asker = new LatestRequest<WindowQuestion, History>({
+    this.asker = new LatestRequest<WindowQuestion, HistoryAnswer>({
       fetch: (question, signal) => this.past.history(question.site, queryOf(question), signal),
       isStillUseful: (running, next) => sameChannels(running, next) && overlapPart(running.span, next.span),
       onAnswer: (answer, question) => {
@@ -119,7 +119,7 @@ function windowCovers(held: WindowQuestion, wanted: WindowQuestion): boolean {
 }
 
 /** @param maxAgeUs the signal's limit of age (µs) */
-export function loadedSeries(series: HistorySeries, maxAgeUs: number): LoadedSeries {
+export function loadedSeries(series: SeriesShape, maxAgeUs: number): LoadedSeries {
   const { times, values, intervalUs } = samplesOf(series);
   const trace = new Trace(Infinity, maxAgeUs, MOST);
   trace.backfill(times, values, intervalUs);

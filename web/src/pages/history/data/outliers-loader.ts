@@ -1,6 +1,6 @@
 /** The quartiles of the shown window, of every sample in it, where the chart holds only some of them. */
 
-import type { OutlierInfo, OutlierList } from "../../../wire/api-types.js";
+import type { OutlierList, OutlierShape } from "../../../generated/api.js";
 import type { TimeSpan } from "../../../series/time-window.js";
 import { LatestRequest, type RequestStatus } from "./latest-request.js";
 import { windowDistance } from "./statistics-loader.js";
@@ -22,7 +22,7 @@ const STEP = 0.05;
 const NEAR = 0.1;
 
 export class OutliersLoader {
-  private found: ReadonlyMap<string, OutlierInfo> = NONE;
+  private found: ReadonlyMap<string, OutlierShape> = NONE;
   private of: OutliersQuestion | null = null;
   private asked: OutliersQuestion | null = null;
   private readonly asker: LatestRequest<OutliersQuestion, OutlierList>;
@@ -58,7 +58,7 @@ export class OutliersLoader {
   }
 
   /** What was found in a window, or in one that is hardly another. */
-  foundIn(site: string, span: TimeSpan, k: number): ReadonlyMap<string, OutlierInfo> {
+  foundIn(site: string, span: TimeSpan, k: number): ReadonlyMap<string, OutlierShape> {
     const known = this.of !== null && this.of.site === site && this.of.k === k && windowDistance(this.of.span, span) < NEAR;
     return known ? this.found : NONE;
   }
@@ -70,4 +70,4 @@ export class OutliersLoader {
   }
 }
 
-const NONE: ReadonlyMap<string, OutlierInfo> = new Map();
+const NONE: ReadonlyMap<string, OutlierShape> = new Map();

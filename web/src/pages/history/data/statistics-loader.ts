@@ -1,6 +1,6 @@
 /** What the shown window amounts to, of every sample in it, as the hub counts it. */
 
-import type { StatisticsInfo, StatisticsList } from "../../../wire/api-types.js";
+import type { StatisticsList, StatisticsShape } from "../../../generated/api.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { LatestRequest } from "./latest-request.js";
 
@@ -20,7 +20,7 @@ const STEP = 0.01;
 const NEAR = 0.05;
 
 export class StatisticsLoader {
-  private found: ReadonlyMap<string, StatisticsInfo> = new Map();
+  private found: ReadonlyMap<string, StatisticsShape> = new Map();
   private of: StatisticsQuestion | null = null;
   private asked: StatisticsQuestion | null = null;
   private readonly asker: LatestRequest<StatisticsQuestion, StatisticsList>;
@@ -49,7 +49,7 @@ export class StatisticsLoader {
   }
 
   /** The numbers of a window, as far as they are known of this one or one that is hardly another. */
-  numbersOf(site: string, span: TimeSpan): ReadonlyMap<string, StatisticsInfo> {
+  numbersOf(site: string, span: TimeSpan): ReadonlyMap<string, StatisticsShape> {
     const known = this.of !== null && this.of.site === site && windowDistance(this.of.span, span) < NEAR;
     return known ? this.found : NONE;
   }
@@ -61,7 +61,7 @@ export class StatisticsLoader {
   }
 }
 
-const NONE: ReadonlyMap<string, StatisticsInfo> = new Map();
+const NONE: ReadonlyMap<string, StatisticsShape> = new Map();
 
 /** How far the ends of two windows are from each other, as a part of the second. */
 export function windowDistance(a: TimeSpan, b: TimeSpan): number {

@@ -1,6 +1,6 @@
 /** All that is loaded for the window that is shown: samples, those of another day, events, statistics. */
 
-import type { EventList } from "../../../wire/api-types.js";
+import type { EventList } from "../../../generated/api.js";
 import { panned } from "../../../series/time-window.js";
 import { EventsLoader, type EventsSource } from "./events-loader.js";
 import { HistoryLoader, type LoadedSeries, type WindowSource, type WindowQuestion } from "./history-loader.js";

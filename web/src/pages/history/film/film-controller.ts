@@ -3,13 +3,13 @@
 import type { ReactiveController, ReactiveControllerHost } from "lit";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
-import type { FilmList } from "../../../wire/films-api.js";
+import type { FilmListShape } from "../../../generated/api.js";
 import { LatestRequest } from "../data/latest-request.js";
 import { firstFilmMoment, isFilmed, nextFilmStart, filmsByCamera, type CameraFilms } from "./film-search.js";
 import { nextSpeed, Playhead } from "./playhead.js";
 
 export interface FilmSource {
-  listFilms(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmList>;
+  listFilms(site: string, fromUs: number, toUs: number, signal?: AbortSignal): Promise<FilmListShape>;
 }
 
 interface FilmQuestion {
@@ -23,12 +23,12 @@ const DRAW_MS = 40;
 /** A film that is on its way, or being made, is asked for this often (ms). */
 const AGAIN_MS = 3000;
 const STEP_US = 5 * SECOND_US;
-const NOTHING: FilmList = { films: [], more: false, unfilmed: [], filming: [], may_film: false, why_not: "" };
+const NOTHING: FilmListShape = { films: [], more: false, unfilmed: [], filming: [], may_film: false, why_not: "" };
 
 export class FilmController implements ReactiveController {
   reels: readonly CameraFilms[] = [];
   more = false;
-  private list: FilmList = NOTHING;
+  private list: FilmListShape = NOTHING;
   private readonly head = new Playhead();
   private moment: number | null = null;
   /** A person has put it there: it is the charts' cursor, too. */
@@ -37,7 +37,7 @@ export class FilmController implements ReactiveController {
   private frame = 0;
   private drawnMs = 0;
   private isHeld = false;
-  private readonly asker: LatestRequest<FilmQuestion, FilmList>;
+  private readonly asker: LatestRequest<FilmQuestion, FilmListShape>;
 
   constructor(
     private readonly host: ReactiveControllerHost,
@@ -46,7 +46,7 @@ export class FilmController implements ReactiveController {
     private readonly left: (us: number) => void,
   ) {
     host.addController(this);
-    this.asker = new LatestRequest<FilmQuestion, FilmList>({
+    this.asker = new LatestRequest<FilmQuestion, FilmListShape>({
       fetch: ({ site, span }, signal) => this.source()?.listFilms(site, span.fromUs, span.toUs, signal) ?? Promise.resolve(NOTHING),
       isStillUseful: (running, next) => running.site === next.site,
       onAnswer: (list) => {

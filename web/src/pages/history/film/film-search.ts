@@ -1,27 +1,27 @@
 /** Which film shows a moment, and what to say where none does. Pure. */
 
-import type { FilmList, FilmRow, UnfilmedRow } from "../../../wire/films-api.js";
+import type { FilmListShape, FilmShape, UnfilmedShape } from "../../../generated/api.js";
 
 /** What there is of one camera. */
 export interface CameraFilms {
   readonly stream: string;
   readonly name: string;
   /** By time. */
-  readonly films: readonly FilmRow[];
-  readonly unfilmed: readonly UnfilmedRow[];
+  readonly films: readonly FilmShape[];
+  readonly unfilmed: readonly UnfilmedShape[];
   /** It is being filmed now. */
   readonly filming: boolean;
 }
 
 export type FilmState =
-  | { readonly kind: "film"; readonly film: FilmRow }
+  | { readonly kind: "film"; readonly film: FilmShape }
   /** A film of that time has not come whole to the hub. */
-  | { readonly kind: "coming"; readonly film: FilmRow }
-  | { readonly kind: "failed"; readonly film: FilmRow }
+  | { readonly kind: "coming"; readonly film: FilmShape }
+  | { readonly kind: "failed"; readonly film: FilmShape }
   /** Only the recording of raw topics has it. */
   | { readonly kind: "raw"; readonly recording: string }
   /** No film of that time; the nearest before and after, if any in the window. */
-  | { readonly kind: "none"; readonly before: FilmRow | null; readonly after: FilmRow | null; readonly filming: boolean };
+  | { readonly kind: "none"; readonly before: FilmShape | null; readonly after: FilmShape | null; readonly filming: boolean };
 
 /** Pictures stand for so long after the last of a film (µs): none is cut off as it comes. */
 const LAST_US = 100_000;
@@ -30,7 +30,7 @@ const LAST_US = 100_000;
  * @param names of cameras by their address
  * @returns the cameras of which there is anything, in the order of the names
  */
-export function filmsByCamera(list: FilmList, names: ReadonlyMap<string, string>): CameraFilms[] {
+export function filmsByCamera(list: FilmListShape, names: ReadonlyMap<string, string>): CameraFilms[] {
   const known = [...names.keys()];
   const streams = new Set([...list.films, ...list.unfilmed].map(({ stream }) => stream));
   const cameraOrder = (stream: string): number => (known.includes(stream) ? known.indexOf(stream) : known.length);
@@ -87,7 +87,7 @@ export function pictureAt(times: Float64Array, us: number): number {
 }
 
 /** The moment (µs) a picture further on or back from where a film stands; null beyond its ends. */
-export function stepTime(film: FilmRow, times: Float64Array, us: number, by: 1 | -1): number | null {
+export function stepTime(film: FilmShape, times: Float64Array, us: number, by: 1 | -1): number | null {
   const time = times[pictureAt(times, us - film.begin_us) + by];
   return time === undefined ? null : film.begin_us + time;
 }

@@ -13,7 +13,8 @@ import { onPicture } from "../../../elements/camera/picture-overlay.js";
 import { formatNumber } from "../../../format/number.js";
 import { formatClock, knownZone } from "../../../format/time.js";
 import { fetchTimes } from "../../../wire/mp4-times.js";
-import { filmPath, type FilmRow } from "../../../wire/films-api.js";
+import { filmPath } from "../../../wire/films-api.js";
+import type { FilmShape } from "../../../generated/api.js";
 import { recordingPath } from "../../../wire/recordings-api.js";
 import { pictureAt, filmStateAt, stepTime, type CameraFilms, type FilmState } from "./film-search.js";
 import "../../../elements/forms/button.js";
@@ -133,7 +134,7 @@ export class FilmView extends LitElement {
 
   @query("video") private readonly video!: HTMLVideoElement;
 
-  private film: FilmRow | null = null;
+  private film: FilmShape | null = null;
   private times: Float64Array | null = null;
   private asking: AbortController | null = null;
   private watching = 0;
@@ -246,7 +247,7 @@ export class FilmView extends LitElement {
 
   // ── the file ──
 
-  private loadFilm(film: FilmRow | null): void {
+  private loadFilm(film: FilmShape | null): void {
     if (film?.id === this.film?.id) return;
     this.film = film;
     this.times = null;
@@ -287,7 +288,7 @@ export class FilmView extends LitElement {
     if ("requestVideoFrameCallback" in video) video.requestVideoFrameCallback(recordFrameTime);
   }
 
-  private holdsTime({ begin_us }: FilmRow, timeS: number): void {
+  private holdsTime({ begin_us }: FilmShape, timeS: number): void {
     const { times } = this;
     const us = Math.round(timeS * 1e6);
     // The browser's own clock is coarser than the film's.
@@ -297,7 +298,7 @@ export class FilmView extends LitElement {
   // ── where it stands ──
 
   /** Where in the file the moment is (s). */
-  private positionInFile(film: FilmRow): number {
+  private positionInFile(film: FilmShape): number {
     const us = Math.max(0, this.us - film.begin_us);
     const { times } = this;
     if (times === null) return us / 1e6;
@@ -311,7 +312,7 @@ export class FilmView extends LitElement {
     else this.showStill(film, video);
   }
 
-  private playFilm(film: FilmRow, video: HTMLVideoElement): void {
+  private playFilm(film: FilmShape, video: HTMLVideoElement): void {
     const offS = (video.currentTime - (this.us - film.begin_us) / 1e6) / this.speed;
     if (video.seeking || video.readyState < HTMLMediaElement.HAVE_METADATA) return;
     if (Math.abs(offS) > FAR_S) {
@@ -328,7 +329,7 @@ export class FilmView extends LitElement {
     if (video.paused) video.play().catch(() => undefined);
   }
 
-  private showStill(film: FilmRow, video: HTMLVideoElement): void {
+  private showStill(film: FilmShape, video: HTMLVideoElement): void {
     if (!video.paused) {
       video.pause();
       this.holdsTime(film, video.currentTime);

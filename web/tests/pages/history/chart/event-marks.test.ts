@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { EventsLoader } from "../../../../src/pages/history/data/events-loader.js";
 import { clusterMarks, kindOf, eventMarks, type EventMark } from "../../../../src/pages/history/chart/event-marks.js";
-import type { EventInfo } from "../../../../src/wire/api-types.js";
+import type { EventShape } from "../../../../src/generated/api.js";
 
 function mark(timeUs: number, change: Partial<EventMark> = {}): EventMark {
   return { timeUs, kind: "command", title: "command asked", device: "", who: "", message: "", good: true, ...change };
@@ -14,7 +14,7 @@ describe("marks of what happened", () => {
   });
 
   it("stand in the order of time, under the names that people gave", () => {
-    const event: EventInfo = { id: "1", time_us: 5, kind: "stop pressed", device: "base", who: "ada", message: "", good: true };
+    const event: EventShape = { id: "1", time_us: 5, kind: "stop pressed", device: "base", who: "ada", message: "", good: true };
     const marks = eventMarks([event, { ...event, time_us: 3, device: "gone" }], new Map([["base", "Vehicle base"]]));
     expect(marks.map(({ timeUs, device }) => [timeUs, device])).toEqual([[3, "gone"], [5, "Vehicle base"]]);
   });

@@ -1,14 +1,14 @@
 import { describe, expect, it } from "vitest";
 import { firstChoice, channelRows, groupChannels } from "../../../../src/pages/history/data/channel-rows.js";
-import type { SignalInfo, SiteDetail, StoredInfo } from "../../../../src/wire/api-types.js";
+import type { SignalShape, SiteShape, StoredShape } from "../../../../src/generated/api.js";
 
-function signal(id: string, change: Partial<SignalInfo> = {}): SignalInfo {
+function signal(id: string, change: Partial<SignalShape> = {}): SignalShape {
   return {
     id, address: `base/${id}`, name: id, type: "number", role: "none", unit: "m", decimals: -1, minimum: null, maximum: null,
     states: [], meanings: [], frame: "local", max_age: 5, primary: true, public: false, channels: [`base/${id}`], ...change,
   };
 }
-const DETAIL: SiteDetail = {
+const DETAIL: SiteShape = {
   site: "agv", name: "A", zone: "UTC", online: true, catalogue: "1", since_us: 0, place: null, rules: [], enclosures: [], last_seen_us: 0,
   devices: [
     {
@@ -48,7 +48,7 @@ describe("rows of the history page", () => {
 
   it("show last what is no longer described, as what it was, and nothing twice", () => {
     const was = { described: false, samples: 3, first_us: 1, last_us: 3, decimals: -1 };
-    const former: StoredInfo[] = [
+    const former: StoredShape[] = [
       { ...was, address: "base/left", name: "left", type: "number", unit: "m", states: [] },
       { ...was, address: "base/gear", name: "Gear", type: "state", unit: "", states: ["low", "high"] },
       { ...was, address: "arm/place.yaw", name: "Place", type: "position", unit: "", states: [] },

@@ -1,26 +1,26 @@
 import { describe, expect, it } from "vitest";
 import { HistoryLoader, type WindowQuestion } from "../../../../src/pages/history/data/history-loader.js";
-import type { History } from "../../../../src/wire/api-types.js";
+import type { HistoryAnswer } from "../../../../src/generated/api.js";
 import type { HistoryQuery } from "../../../../src/wire/hub-api.js";
 
 interface Asked {
   readonly query: HistoryQuery;
   readonly signal: AbortSignal | undefined;
-  readonly answer: (history: History) => Promise<void>;
+  readonly answer: (history: HistoryAnswer) => Promise<void>;
   readonly fail: () => Promise<void>;
 }
 
 /** A hub that answers when it is told to. */
 function hub(): { loader: HistoryLoader; asked: Asked[] } {
   const asked: Asked[] = [];
-  const history = (_site: string, query: HistoryQuery, signal?: AbortSignal): Promise<History> =>
+  const history = (_site: string, query: HistoryQuery, signal?: AbortSignal): Promise<HistoryAnswer> =>
     new Promise((resolve, reject) => {
       const later = async (act: () => void): Promise<void> => {
         act();
         // What follows an answer is done in a few turns of the loop.
         for (let turn = 0; turn < 5; turn += 1) await Promise.resolve();
       };
-      const answer = (said: History): Promise<void> => later(() => {
+      const answer = (said: HistoryAnswer): Promise<void> => later(() => {
         resolve(said);
       });
       const fail = (): Promise<void> => later(() => {
@@ -31,7 +31,7 @@ function hub(): { loader: HistoryLoader; asked: Asked[] } {
   return { loader: new HistoryLoader({ history }, () => undefined), asked };
 }
 
-const ONE: History = { series: [{ address: "a", t_us: [1, 2], v: [1, 2], kind: "exact", gaps: [] }] };
+const ONE: HistoryAnswer = { series: [{ address: "a", t_us: [1, 2], v: [1, 2], kind: "exact", gaps: [] }] };
 
 function question(fromUs: number, address = "a", length = 1000): WindowQuestion {
   return { site: "agv", channels: [{ address, maxAge: 5 }], span: { fromUs, toUs: fromUs + length }, width: 100 };

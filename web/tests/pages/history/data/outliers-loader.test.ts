@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { OutliersLoader } from "../../../../src/pages/history/data/outliers-loader.js";
-import type { OutlierList } from "../../../../src/wire/api-types.js";
+import type { OutlierList } from "../../../../src/generated/api.js";
 
 const SPAN = { fromUs: 0, toUs: 1000 };
 

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { comparedDaysText, ghostUs } from "../../../../src/pages/history/history-query.js";
 import { StatisticsLoader } from "../../../../src/pages/history/data/statistics-loader.js";
 import { ZoneClock } from "../../../../src/series/zone-clock.js";
-import type { StatisticsInfo, StatisticsList } from "../../../../src/wire/api-types.js";
+import type { StatisticsList, StatisticsShape } from "../../../../src/generated/api.js";
 
 const madrid = new ZoneClock("Europe/Madrid");
 const HOUR = 3600e6;
@@ -27,7 +27,7 @@ describe("another day to compare with", () => {
 });
 
 describe("statistics of the window", () => {
-  const entry: StatisticsInfo = { address: "a", count: 3, numbers: 3, low: null, high: null, mean: 1, deviation: 0, first: null, last: null, gap_us: 0 };
+  const entry: StatisticsShape = { address: "a", count: 3, numbers: 3, low: null, high: null, mean: 1, deviation: 0, first: null, last: null, gap_us: 0 };
 
   function hub(): { loader: StatisticsLoader; asked: number[]; answer: () => Promise<void> } {
     const asked: number[] = [];

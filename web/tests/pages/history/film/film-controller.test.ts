@@ -1,17 +1,17 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { FilmController } from "../../../../src/pages/history/film/film-controller.js";
-import type { FilmList, FilmRow } from "../../../../src/wire/films-api.js";
+import type { FilmListShape, FilmShape } from "../../../../src/generated/api.js";
 
 const NAMES = new Map([["cam/front", "Front"]]);
 const SPAN = { fromUs: 100e6, toUs: 160e6 };
 
-function film(id: string, begin_us: number, end_us: number): FilmRow {
+function film(id: string, begin_us: number, end_us: number): FilmShape {
   return { id, stream: "cam/front", state: "complete", why: "", who: "", note: "", begin_us, end_us, size: 1, have: 1, pictures: 3 };
 }
 
 /** A page with these films in its window; what left the window is told in `left`. */
-async function page(...films: readonly FilmRow[]): Promise<{ control: FilmController; left: number[] }> {
-  const list: FilmList = { films: [...films], more: false, unfilmed: [], filming: [], may_film: false, why_not: "" };
+async function page(...films: readonly FilmShape[]): Promise<{ control: FilmController; left: number[] }> {
+  const list: FilmListShape = { films: [...films], more: false, unfilmed: [], filming: [], may_film: false, why_not: "" };
   const left: number[] = [];
   const host = { addController: () => undefined, removeController: () => undefined, requestUpdate: () => undefined, updateComplete: Promise.resolve(true) };
   const control = new FilmController(host, () => ({ listFilms: () => Promise.resolve(list) }), (us) => left.push(us));

@@ -1,19 +1,19 @@
 import { describe, expect, it } from "vitest";
 import { firstFilmMoment, isFilmed, nextFilmStart, pictureAt, filmsByCamera, filmStateAt, stepTime, type CameraFilms } from "../../../../src/pages/history/film/film-search.js";
 import { nextSpeed, Playhead, SPEEDS } from "../../../../src/pages/history/film/playhead.js";
-import type { FilmList, FilmRow } from "../../../../src/wire/films-api.js";
+import type { FilmListShape, FilmShape } from "../../../../src/generated/api.js";
 
-function film(id: string, begin_us: number, end_us: number, more: Partial<FilmRow> = {}): FilmRow {
+function film(id: string, begin_us: number, end_us: number, more: Partial<FilmShape> = {}): FilmShape {
   return { id, stream: "cam/front", state: "complete", why: "", who: "", note: "", begin_us, end_us, size: 1, have: 1, pictures: 3, ...more };
 }
 
-function list(films: readonly FilmRow[], more: Partial<FilmList> = {}): FilmList {
+function list(films: readonly FilmShape[], more: Partial<FilmListShape> = {}): FilmListShape {
   return { films: [...films], more: false, unfilmed: [], filming: [], may_film: false, why_not: "", ...more };
 }
 
 const NAMES = new Map([["cam/front", "Front"], ["gate/road", "Road"]]);
 
-function only(films: readonly FilmRow[], more: Partial<FilmList> = {}): CameraFilms {
+function only(films: readonly FilmShape[], more: Partial<FilmListShape> = {}): CameraFilms {
   const [reel] = filmsByCamera(list(films, more), NAMES);
   if (reel === undefined) throw new Error("no reel");
   return reel;
