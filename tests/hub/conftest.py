@@ -50,6 +50,7 @@ from .databases import (  # noqa: F401 - fixtures of every test of the hub
     origin_of,
 )
 from .everyone.world import World
+from .kept_routes import _routes_are_read_once  # noqa: F401 - a fixture of every test of the hub
 
 EXAMPLE = (Path(__file__).parents[2] / "examples" / "agv" / "site.yaml").read_text()
 # Less what watches it: each test says for itself what is watched.
