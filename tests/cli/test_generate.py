@@ -62,6 +62,18 @@ def test_compose_itself_accepts_the_project(database: DatabaseKind, tmp_path: Pa
     assert all(each["restart"] for each in kept["services"].values())
 
 
+def test_php_my_admin_is_part_of_it_only_where_it_is_asked_for(tmp_path: Path) -> None:
+    words = ["generate", str(EXAMPLE), "--to"]
+    for folder, more in (("without", []), ("with", ["--phpmyadmin"])):
+        assert main([*words, str(tmp_path / folder), *more]) == 0
+        services = yaml.safe_load((tmp_path / folder / "compose.yaml").read_text())["services"]
+        readme = (tmp_path / folder / "README.md").read_text()
+        assert ("phpmyadmin" in services) == ("phpMyAdmin" in readme) == bool(more)
+    refused = [*words, str(tmp_path / "no"), "--database", "sqlite", "--phpmyadmin"]
+    assert main(refused) == 2
+    assert not (tmp_path / "no").exists()
+
+
 def test_systemd_itself_accepts_the_units(tmp_path: Path) -> None:
     analyze = shutil.which("systemd-analyze")
     if analyze is None:

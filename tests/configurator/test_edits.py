@@ -52,6 +52,16 @@ def test_a_sensor_of_ones_own_has_an_address_whatever_it_is_called(name: str, nu
     assert all(each.where.endswith(".name") for each in check(site))
 
 
+def test_a_sensor_of_ones_own_is_heard_under_the_name_as_it_was_typed() -> None:
+    new = edits.NewSensor(OTHERS, 1, " Accelerometer ", "m/s²")
+    site = edits.with_sensor(EMPTY, new)
+    (signal,) = site.devices["sensors"].signals.items()
+    assert signal[0] == "accelerometer1"
+    assert signal[1].source.name == "Accelerometer1"
+    # Its letters are the node's own: another spelling is another sensor, at a free address.
+    assert edits.free_number(site, OTHERS, "ACCELEROMETER") == 2
+
+
 def test_the_three_services_stand_together_and_see_each_other() -> None:
     site = edits.with_gps(edits.with_camera(edits.with_drive(EMPTY)))
     assert check(site) == []

@@ -168,7 +168,7 @@ def test_a_site_that_stops_by_itself_has_failed_and_one_that_was_stopped_has_not
 
 def test_a_deployment_is_written_by_a_command_that_ends() -> None:
     run = ProgramRun()
-    words = deploy_command(HERE, "site.yaml", "to", "postgresql", over=False)
+    words = deploy_command(HERE, "site.yaml", "to", "postgresql", tables=False, over=False)
     assert words == [*HERE, "generate", "site.yaml", "--to", "to", "--database", "postgresql"]
     run.start(words)
     run.line("to: 14 files")

@@ -38,6 +38,11 @@ def main(argv: Sequence[str]) -> int:
         help="write the gateway's key file; an existing, valid one is kept",
     )
     parser.add_argument("--hub", metavar="URL", help="with --to: wss://host:port of this hub")
+    parser.add_argument(
+        "--allow-plain",
+        action="store_true",
+        help="with --to: let --hub be ws:// on this machine (no encryption)",
+    )
     options = parser.parse_args(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from())
     # The key alone on standard output, for a script that stores it.
@@ -51,14 +56,14 @@ def main(argv: Sequence[str]) -> int:
 
 def _write_key_file(settings: Settings, options: argparse.Namespace) -> int:
     now = dt.datetime.now(dt.UTC)
-    address = HubAddress.checked(options.hub)
+    address = HubAddress.checked(options.hub, allow_plain=options.allow_plain)
     # Safe to run at each start of a container: a key that works is not replaced.
     if asyncio.run(is_good(settings, options.to, options.site)):
         print(f"{options.to} is valid already", file=sys.stderr)
         return 0
     # The gateway knows the hub by this key, so nobody else can pose as it, and no authority is
-    # needed.
-    pin = key_hash(own_certificate(settings, now).cert)
+    # needed. Without encryption there is none to know it by.
+    pin = "" if address.plain else key_hash(own_certificate(settings, now).cert)
     content = KeyFile(key="", site=options.site, hub=address.url, fingerprint=pin)
     asyncio.run(make_key(settings, options.to, content))
     print(f"{options.to}: the key of the gateway of {options.site}", file=sys.stderr)

@@ -35,10 +35,13 @@ def main(argv: Sequence[str]) -> int:
             raise CliError(f"{where}: expected an absolute path, found {path!r}")
     if not 1 <= options.port <= 65535:
         raise CliError(f"--port: expected 1 to 65535, found {options.port}")
+    if options.phpmyadmin and options.database != DatabaseKind.MARIADB:
+        raise CliError(f"--phpmyadmin: knows mariadb only, not {options.database}")
     if options.wheel is not None and not options.wheel.is_file():
         raise CliError(f"--wheel {options.wheel}: there is no such file")
     choice = DeployOptions(
         database=DatabaseKind(options.database),
+        phpmyadmin=options.phpmyadmin,
         port=options.port,
         hosts=tuple(options.allow_host),
         version=__version__,
@@ -68,7 +71,12 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
         "--database",
         choices=[database.value for database in DatabaseKind],
         default=DatabaseKind.MARIADB.value,
-        help="where accounts and history are kept (mariadb, with phpMyAdmin)",
+        help="where accounts and history are kept (mariadb)",
+    )
+    parser.add_argument(
+        "--phpmyadmin",
+        action="store_true",
+        help="with mariadb: a page to look at the tables, on that machine only",
     )
     parser.add_argument("--port", type=int, default=8443, help="of the dashboard (8443)")
     parser.add_argument(

@@ -94,10 +94,18 @@ class NewSensor(NamedTuple):
 
     @property
     def word(self) -> str:
-        """The last part of its address, and its name on ``/metric``: ``temperature1``."""
+        """The last part of its address: ``temperature1``."""
         tail = str(self.number)
         # Cut so that word and number together stay within the 63 letters of a name.
         return (self.kind.word or word_of(self.name))[: 63 - len(tail)] + tail
+
+    @property
+    def wire_name(self) -> str:
+        """What the robot calls it on ``/metric``; for *Others* letter for letter as it was typed.
+
+        A node of one's own may say ``CO2 level1`` or ``Accelerometer1``; an address may not.
+        """
+        return f"{self.kind.word or self.name.strip()}{self.number}"
 
 
 def new_site(word: str, name: str, zone: str) -> Site:
@@ -127,9 +135,13 @@ def free_number(site: Site, kind: SensorKind, name: str = "") -> int:
     """Give the lowest number that no sensor of this kind has."""
     taken = _taken_addresses(site)
     number = 1
-    while NewSensor(kind, number, name).word in taken:
+    while not taken.keys().isdisjoint(_names_of(NewSensor(kind, number, name))):
         number += 1
     return number
+
+
+def _names_of(new: NewSensor) -> set[str]:
+    return {new.word, new.wire_name}
 
 
 def _taken_addresses(site: Site) -> dict[str, str]:
@@ -159,7 +171,8 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
     """
     if not new.kind.word and not new.name.strip():
         raise ConfiguratorError("a custom sensor needs a name")
-    if there := _taken_addresses(site).get(new.word):
+    taken = _taken_addresses(site)
+    if there := taken.get(new.word) or taken.get(new.wire_name):
         raise WordTaken(
             f"{there} is there already; number {free_number(site, new.kind, new.name)} is free"
         )
@@ -174,7 +187,7 @@ def with_sensor(site: Site, new: NewSensor) -> Site:
         # A usual range is in the kind's own unit; with another unit it would be wrong.
         minimum=new.kind.minimum if usual else None,
         maximum=new.kind.maximum if usual else None,
-        source=RosSource(topic=METRIC, type=TEXT, name=new.word),
+        source=RosSource(topic=METRIC, type=TEXT, name=new.wire_name),
     )
     return with_value(site, ("devices", place, "signals", new.word), signal)
 

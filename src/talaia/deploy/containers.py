@@ -68,7 +68,13 @@ ENTRYPOINT ["talaia"]
 
 
 def write_compose_file(
-    site: str, *, database: DatabaseKind, port: int, hosts: Iterable[str], ros_domain: int | None
+    site: str,
+    *,
+    database: DatabaseKind,
+    port: int,
+    hosts: Iterable[str],
+    ros_domain: int | None,
+    phpmyadmin: bool = False,
 ) -> str:
     """Write ``compose.yaml``.
 
@@ -78,6 +84,7 @@ def write_compose_file(
         port: of the dashboard, on the host.
         hosts: names under which the dashboard is reached, beside the machine's own.
         ros_domain: the ROS domain; none leaves it to the description.
+        phpmyadmin: with MariaDB, a page that shows its tables.
 
     """
     services: dict[str, object] = {}
@@ -107,6 +114,8 @@ def write_compose_file(
     if database is not DatabaseKind.SQLITE:
         added = _mariadb_services() if database is DatabaseKind.MARIADB else _postgresql_services()
         services |= added
+        if phpmyadmin:
+            services["phpmyadmin"] = _phpmyadmin_service()
         volumes["database"] = {}
         secrets = {name: {"file": f"./secrets/{name}"} for name in _secret_files(database)}
         # Both open the database.
@@ -211,17 +220,20 @@ def _mariadb_services() -> dict[str, object]:
                     "retries": 24,
                 },
             }
-        ),
-        # On this machine only; whoever signs in there gives the database's own name and password.
-        "phpmyadmin": _base_service(
-            {
-                "image": IMAGES["phpmyadmin"],
-                "environment": {"PMA_HOST": "database"},
-                "ports": ["127.0.0.1:8081:80"],
-                "depends_on": {"database": {"condition": "service_healthy"}},
-            }
-        ),
+        )
     }
+
+
+def _phpmyadmin_service() -> dict[str, object]:
+    """On this machine only; whoever signs in there gives the database's own name and password."""
+    return _base_service(
+        {
+            "image": IMAGES["phpmyadmin"],
+            "environment": {"PMA_HOST": "database"},
+            "ports": ["127.0.0.1:8081:80"],
+            "depends_on": {"database": {"condition": "service_healthy"}},
+        }
+    )
 
 
 def _postgresql_services() -> dict[str, object]:

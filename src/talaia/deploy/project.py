@@ -46,6 +46,7 @@ class DeployOptions(NamedTuple):
         version: of Talaia, for the images.
         program: absolute path of ``talaia`` on a robot's own computer.
         setup: absolute path of a ROS installation's ``setup.bash``; empty for none.
+        phpmyadmin: with MariaDB, its tables can be looked at on a page.
 
     """
 
@@ -55,6 +56,7 @@ class DeployOptions(NamedTuple):
     version: str
     program: str
     setup: str = ""
+    phpmyadmin: bool = False
 
 
 def make_deployment(
@@ -79,7 +81,9 @@ def make_deployment(
     if any(detect is not None and detect.at is DetectAt.HUB for detect in looks):
         extras.append("objects")
     files = {
-        "README.md": File(write_readme(site, choice.database, choice.port, choice.setup)),
+        "README.md": File(
+            write_readme(site, database, choice.port, choice.setup, tables=choice.phpmyadmin)
+        ),
         "site.yaml": File(description),
         "compose.yaml": File(
             write_compose_file(
@@ -88,6 +92,7 @@ def make_deployment(
                 port=choice.port,
                 hosts=choice.hosts,
                 ros_domain=domain,
+                phpmyadmin=choice.phpmyadmin,
             )
         ),
         "hub.Dockerfile": File(write_dockerfile(extras, choice.version)),

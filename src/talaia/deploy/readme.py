@@ -22,18 +22,18 @@ def _plain_text(text: str) -> str:
     return _MARKS.sub(r"\\\1", shown)
 
 
-def write_readme(site: Site, database: DatabaseKind, port: int, setup: str) -> str:
-    """Write the page of one deployment."""
+def write_readme(site: Site, database: DatabaseKind, port: int, setup: str, *, tables: bool) -> str:
+    """Write the page of one deployment; ``tables``: phpMyAdmin is part of it."""
     secrets = (
         ""
         if database is DatabaseKind.SQLITE
         else "\n`secrets/` holds random passwords that were made for you. Keep them out of version "
         "control (`.gitignore` does) and out of chats.\n"
     )
-    tables = (
+    table_note = (
         "\nThe tables can be looked at with phpMyAdmin on http://127.0.0.1:8081 (user `talaia`, "
         "password in `secrets/database_password`): each sensor is a view of its own name.\n"
-        if database is DatabaseKind.MARIADB
+        if tables
         else ""
     )
     ros = (
@@ -60,7 +60,7 @@ docker compose logs hub          # shows the link with which the first admin is 
 The dashboard is at https://localhost:{port}. Its certificate is its own: compare the \
 fingerprint your browser shows with the one in the hub's log, or give it yours (`--tls-cert`, \
 `--tls-key`).
-{secrets}{tables}
+{secrets}{table_note}
 The gateway runs in the host's network, where DDS finds the robot. Its key is made at the \
 first start, by the service `enrol`, and kept in the volume `link`. To make another, remove \
 that volume. `hub.Dockerfile` fetches Talaia by its version; to use a wheel of your own, put \

@@ -30,7 +30,7 @@ class Founding(Node):
         for name, value in (
             ("temperature1", 21 + turn),
             ("voltage1", 12 + turn / 10),
-            ("radiation1", 0.1),
+            ("Radiation1", 0.1),
         ):
             text = json.dumps({"name": name, "magnitude": round(value, 3)})
             self.metric.publish(String(data=text))

@@ -10,7 +10,9 @@ from typing import Any
 
 import msgspec
 import pytest
+from sqlalchemy import make_url
 
+from talaia.configurator.program_run import ProgramPhase
 from talaia.configurator.robot_discovery import DiscoveryPhase
 from talaia.model.checks.site_checks import check
 from talaia.model.discovery.probe_report import FieldFound, Found, TopicFound
@@ -142,6 +144,47 @@ def test_a_start_that_fails_says_why_and_leaves_the_log(
     assert (tmp_path / "site.yaml").exists()
 
 
+def test_this_machine_offers_a_file_or_a_database_server_and_asks_where_it_is(
+    window: Any, tmp_path: Path
+) -> None:
+    window.sensors.add_button.click()
+    window.editor.file = tmp_path / "site.yaml"
+    page = window.generate
+    choice = page.local_database
+    assert choice.environment() == {"TALAIA_DATABASE_URL": "", "TALAIA_DATABASE_URL_FILE": ""}
+    for kind in ("mariadb", "postgresql"):
+        choice.kind.setCurrentIndex(choice.kind.findData(kind))
+        choice.address.setText("here")
+        page.start_button.click()
+        assert page.run.phase is ProgramPhase.IDLE
+        assert "user@host/database" in page.problem.text()
+        choice.address.setText(" talaia@db.example:4711/rover ")
+        choice.password.setText("p@ss/word")
+        url = f"{kind}://talaia:p%40ss%2Fword@db.example:4711/rover"
+        assert choice.environment() == {"TALAIA_DATABASE_URL": url}
+        # The hub reads it as it was meant.
+        assert make_url(url).render_as_string(hide_password=False) == url
+
+
+def test_the_started_hub_keeps_its_data_where_it_was_chosen(
+    window: Any, qt: Any, tmp_path: Path
+) -> None:
+    window.sensors.add_button.click()
+    window.editor.file = tmp_path / "site.yaml"
+    page = window.generate
+    choice = page.local_database
+    choice.kind.setCurrentIndex(choice.kind.findData("postgresql"))
+    # Nobody listens there: the hub itself says so, with the place and without the password.
+    choice.address.setText("talaia@127.0.0.1:9/rover")
+    choice.password.setText("secret-word")
+    page.start_button.click()
+    wait(qt, lambda: not page.run.is_alive, 60)
+    said = page.log.toPlainText()
+    assert page.run.phase is ProgramPhase.FAILED
+    assert "127.0.0.1" in said
+    assert "secret-word" not in said
+
+
 def test_a_deployment_is_written_by_the_real_generator(
     window: Any, qt: Any, tmp_path: Path
 ) -> None:
@@ -157,6 +200,8 @@ def test_a_deployment_is_written_by_the_real_generator(
     assert page.made_problem.text() == ""
     assert "README.md" in page.made_state.text()
     assert (tmp_path / "out/README.md").exists()
+    # phpMyAdmin knows MariaDB only.
+    assert not page.tables.isEnabled()
     page.make_button.click()
     wait(qt, lambda: not page.made.is_alive, 60)
     assert "--force" in page.made_problem.text()

@@ -122,7 +122,7 @@ def test_a_sensor_of_ones_own_has_the_name_number_and_unit_that_were_written(win
     page.unit.setCurrentIndex(page.unit.findData("ppm"))
     page.add_button.click()
     signal = window.editor.site.devices["sensors"].signals["radiation7"]
-    assert (signal.name, signal.unit, signal.source.name) == ("Radiation 7", "ppm", "radiation7")
+    assert (signal.name, signal.unit, signal.source.name) == ("Radiation 7", "ppm", "Radiation7")
     assert not window.notice.isVisible()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,7 @@ from talaia.configurator.program_run import (
     deploy_command,
     up_command,
 )
+from talaia.configurator.qt.database_choice import DATABASE_NAMES, DatabaseChoice
 from talaia.configurator.qt.palette import SPACE
 from talaia.configurator.qt.process import Process
 from talaia.configurator.qt.widgets import (
@@ -37,17 +39,11 @@ from talaia.configurator.qt.widgets import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from talaia.configurator.qt.editor import Editor
 
 __all__ = ["GeneratePage"]
-
-# As `talaia generate` knows them.
-_DATABASES = {
-    "mariadb": "MariaDB, with phpMyAdmin",
-    "postgresql": "PostgreSQL",
-}
 
 
 class GeneratePage(Page):
@@ -112,6 +108,8 @@ class GeneratePage(Page):
         self.start_button = make_button("&Generate", self.start, "main")
         self.stop_button = make_button("S&top", self.stop)
         self.open_button = make_button("Open &dashboard", self.open_dashboard)
+        self.local_database = DatabaseChoice(os.environ)
+        card.body.addWidget(self.local_database)
         card.body.addLayout(make_row(self.start_button, self.open_button, self.stop_button, 1))
         self.bar = QProgressBar(textVisible=False, maximum=0)
         self.bar.setAccessibleName("Starting")
@@ -135,9 +133,12 @@ class GeneratePage(Page):
         self.folder = QLineEdit(placeholderText="a new folder")
         self.folder.setAccessibleName("Folder of the deployment")
         self.database = ComboBox()
-        for word, name in _DATABASES.items():
+        for word, name in DATABASE_NAMES.items():
             self.database.addItem(name, word)
         self.database.setAccessibleName("Database of the deployment")
+        self.tables = QCheckBox("with &phpMyAdmin")
+        self.tables.setToolTip("a page to look at the tables, on that machine only")
+        self.database.currentIndexChanged.connect(lambda _: self._offer_tables())
         self.over = QCheckBox("&Overwrite existing files")
         self.over.setToolTip("secrets are kept")
         self.make_button = make_button("&Make deployment", self.make)
@@ -153,6 +154,8 @@ class GeneratePage(Page):
         grid.addWidget(make_button("&Choose …", self._choose_folder), 1, 1)
         grid.addWidget(self.make_button, 1, 3)
         grid.addWidget(self.over, 2, 0, 1, 2)
+        grid.addWidget(self.tables, 2, 2)
+        self._offer_tables()
         card.body.addLayout(grid)
         self.made_state = make_label("", "ok", wrap=True)
         card.body.addWidget(self.made_state)
@@ -165,11 +168,17 @@ class GeneratePage(Page):
     def start(self) -> None:
         """Save, and start hub and gateway; what runs already is started anew."""
         # In this order: a dialog for the file is opened only when it can start.
+        environment = self.local_database.environment()
+        if environment is None and not self.run.is_alive:
+            self.problem.setText("write the database server as user@host/database")
+            self.problem.show()
+            self.local_database.address.setFocus()
+            return
         if self._editor.document.problems or self.run.is_alive or not self._save():
             self.show_state()
             return
         words = up_command(self._talaia, str(self._editor.file), self._data)
-        self._begin_run(self.run, self._site, words)
+        self._begin_run(self.run, self._site, words, environment)
 
     def stop(self) -> None:
         """End hub and gateway; stored data is kept."""
@@ -205,6 +214,7 @@ class GeneratePage(Page):
             str(self._editor.file),
             str(Path(folder).expanduser()),
             self.database.currentData(),
+            tables=self.tables.isChecked() and self.tables.isEnabled(),
             over=self.over.isChecked(),
         )
         self._begin_run(self.made, self._deploy, words)
@@ -214,11 +224,17 @@ class GeneratePage(Page):
         if self.run.phase is ProgramPhase.UP:
             self._open_page(self.run.page)
 
-    def _begin_run(self, run: ProgramRun, process: Process, words: list[str]) -> None:
+    def _begin_run(
+        self,
+        run: ProgramRun,
+        process: Process,
+        words: list[str],
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
         # Before the process: it may fail to start at once, and that must find a run that starts.
         run.start(words)
         self.log.appendPlainText(f"$ {run.lines[0]}")
-        process.start(words)
+        process.start(words, environment)
         self.show_state()
 
     def _show_line(self, run: ProgramRun, line: str) -> None:
@@ -240,6 +256,10 @@ class GeneratePage(Page):
     def _not_started(self, run: ProgramRun) -> None:
         run.not_started(self._talaia[0])
         self.show_state()
+
+    def _offer_tables(self) -> None:
+        """PhpMyAdmin knows MariaDB only."""
+        self.tables.setEnabled(self.database.currentData() == "mariadb")
 
     def _choose_folder(self) -> None:
         folder = QFileDialog.getExistingDirectory(self, "Folder of the deployment")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, QProcess, QProcessEnvironment, QTimer, Signal
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 __all__ = ["Process"]
 
@@ -36,10 +36,6 @@ class Process(QObject):
         self._together = together
         # The same object for every run; Qt's signals come on the window's thread.
         self._process = QProcess(self)
-        environment = QProcessEnvironment.systemEnvironment()
-        # Python holds output to a pipe back otherwise, and the log would come in blocks.
-        environment.insert("PYTHONUNBUFFERED", "1")
-        self._process.setProcessEnvironment(environment)
         if together:
             self._process.setProcessChannelMode(QProcess.ProcessChannelMode.MergedChannels)
             self._process.readyReadStandardOutput.connect(self._read_output)
@@ -54,8 +50,13 @@ class Process(QObject):
         """Whether there is a process."""
         return self._process.state() is not QProcess.ProcessState.NotRunning
 
-    def start(self, words: Sequence[str]) -> None:
-        """Start it; the first word is the program."""
+    def start(self, words: Sequence[str], more: Mapping[str, str] | None = None) -> None:
+        """Start it; the first word is the program, ``more`` what its environment has besides."""
+        environment = QProcessEnvironment.systemEnvironment()
+        # Python holds output to a pipe back otherwise, and the log would come in blocks.
+        for name, value in {"PYTHONUNBUFFERED": "1", **(more or {})}.items():
+            environment.insert(name, value)
+        self._process.setProcessEnvironment(environment)
         # Nothing may wait for an answer that nobody can type.
         self._process.setStandardInputFile(QProcess.nullDevice())
         self._process.start(words[0], list(words[1:]))
