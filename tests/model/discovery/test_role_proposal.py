@@ -265,7 +265,8 @@ def test_a_state_of_any_signal_that_is_called_an_error_means_one() -> None:
     expected = ("normal", "warning", "error", "unknown", "normal")
     for role in (None, SignalRole.DOME_PARKED):
         assert meanings_of(mode, role) == expected
-    calm = device_of("other", signals(it="type: state, states: [shut, ajar, unknown]")).signals["it"]
+    states = "type: state, states: [shut, ajar, unknown]"
+    calm = device_of("other", signals(it=states)).signals["it"]
     assert meanings_of(calm, None) == ()
 
 

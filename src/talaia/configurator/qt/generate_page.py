@@ -1,4 +1,7 @@
-"""Last page: start everything here and open the dashboard, or write a deployment."""
+"""Last page: start everything here and open the dashboard, or write a deployment.
+
+Long, because both cards start a process, and share its phases, its problem and one log.
+"""
 
 from __future__ import annotations
 
