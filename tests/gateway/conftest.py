@@ -75,10 +75,10 @@ async def peer(ros_domain: int) -> AsyncIterator[Peer]:
 
 
 @asynccontextmanager
-async def peer_in(domain: int) -> AsyncIterator[Peer]:
+async def peer_in(domain: int, script: Path = HERE / "robot_peer.py") -> AsyncIterator[Peer]:
     process = await asyncio.create_subprocess_exec(
         sys.executable,
-        str(HERE / "robot_peer.py"),
+        str(script),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         env={**os.environ, "ROS_DOMAIN_ID": str(domain)},

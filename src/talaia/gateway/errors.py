@@ -55,17 +55,19 @@ class FieldError(GatewayError):
 class TypeMissing(GatewayError):
     """A message or service type that this machine does not know."""
 
-    def __init__(self, name: str, used_by: str) -> None:
-        """Keep the type's name and who needs it."""
-        super().__init__(name, used_by)
+    def __init__(self, name: str, used_by: str, why: str = "") -> None:
+        """Keep the type's name, who needs it, and why it cannot be read without its package."""
+        super().__init__(name, used_by, why)
         self.name = name
         self.used_by = used_by
+        self.why = why
 
     def __str__(self) -> str:
         package = self.name.split("/", 1)[0]
+        why = f" ({self.why})" if self.why else ""
         return (
             f"{self.used_by} is of type {self.name}, which this machine does not know; "
-            f"install the ROS package {package} where the gateway runs"
+            f"install the ROS package {package} where the gateway runs{why}"
         )
 
 

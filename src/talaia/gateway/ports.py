@@ -210,7 +210,14 @@ class RawSink(Protocol):
     topics: frozenset[str]
 
     def offer(
-        self, topic: str, type_name: str, data: bytes, time_ns: int, *, definition: str = ""
+        self,
+        topic: str,
+        type_name: str,
+        data: bytes,
+        time_ns: int,
+        *,
+        definition: str = "",
+        encoding: str = "cdr",
     ) -> None:
         """Take one message of one of ``topics``, with the time at which it came (wall, ns).
 
@@ -219,7 +226,9 @@ class RawSink(Protocol):
             type_name: ``package/msg/Name``.
             data: CDR, or ROS 1's own form.
             time_ns: see above.
-            definition: of the type, as a ROS 1 publisher tells it; empty for ROS 2.
+            definition: of the type, as its publisher tells it; empty for ROS 2 where the type's
+                package is installed here.
+            encoding: of ``data``: ``cdr`` or ``ros1``.
 
         """
         ...

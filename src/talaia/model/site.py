@@ -372,7 +372,9 @@ class Site(Shape, frozen=True, kw_only=True):
         """Give every connection by name, ``ros2: {}`` among them."""
         if self.ros2 is None:
             return self.connections
-        short = Ros2Connection(domain=self.ros2.domain, node=self.ros2.node)
+        short = Ros2Connection(
+            domain=self.ros2.domain, node=self.ros2.node, definitions=self.ros2.definitions
+        )
         # A connection of the same name wins; `check` says that it stands there twice.
         return {"ros2": short, **self.connections}
 

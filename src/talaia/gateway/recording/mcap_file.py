@@ -43,8 +43,9 @@ class McapFileWriter:
         # Begun by the first message, which tells the profile.
         self._begun: Writer | None = None
         self._definition = definition
-        self._schemas: dict[str, int] = {}
-        self._channels: dict[tuple[str, str], int] = {}
+        # By type and text: a topic's publisher may come back with another version.
+        self._schemas: dict[tuple[str, str], int] = {}
+        self._channels: dict[tuple[str, str, str], int] = {}
         self.messages = 0
 
     @property
@@ -55,7 +56,7 @@ class McapFileWriter:
     @property
     def topics(self) -> list[str]:
         """The topics that have messages in it."""
-        return sorted({topic for topic, _ in self._channels})
+        return sorted({topic for topic, _, _ in self._channels})
 
     def add(self, raw: RawMessage) -> None:
         """Write a message.
@@ -65,7 +66,7 @@ class McapFileWriter:
             NoDefinition: nothing is known of its type.
 
         """
-        key = (raw.topic, raw.type_name)
+        key = (raw.topic, raw.type_name, raw.definition)
         channel = self._channels.get(key)
         if channel is None:
             channel = self._channels[key] = self._channel(raw)
@@ -94,18 +95,17 @@ class McapFileWriter:
         self._stream.close()
 
     def _channel(self, raw: RawMessage) -> int:
-        writer = self._writer("ros1" if raw.definition else "ros2")
-        if not raw.definition:
-            schema = self._schemas.get(raw.type_name)
-            if schema is None:
-                text = self._definition(raw.type_name)
-                schema = writer.register_schema(raw.type_name, "ros2msg", text.encode())
-                self._schemas[raw.type_name] = schema
-            about = {"offered_qos_profiles": ""}
-            return writer.register_channel(raw.topic, "cdr", schema, about)
-        package, _, name = raw.type_name.split("/")
-        schema = writer.register_schema(f"{package}/{name}", "ros1msg", raw.definition.encode())
-        return writer.register_channel(raw.topic, "ros1", schema)
+        writer = self._writer("ros1" if raw.encoding == "ros1" else "ros2")
+        if raw.encoding == "ros1":
+            package, _, name = raw.type_name.split("/")
+            schema = writer.register_schema(f"{package}/{name}", "ros1msg", raw.definition.encode())
+            return writer.register_channel(raw.topic, "ros1", schema)
+        known = self._schemas.get((raw.type_name, raw.definition))
+        if known is None:
+            text = raw.definition or self._definition(raw.type_name)
+            known = writer.register_schema(raw.type_name, "ros2msg", text.encode())
+            self._schemas[raw.type_name, raw.definition] = known
+        return writer.register_channel(raw.topic, "cdr", known, {"offered_qos_profiles": ""})
 
     def _writer(self, profile: str = "ros2") -> Writer:
         if self._begun is None:

@@ -17,7 +17,8 @@ class RawMessage(NamedTuple):
     Attributes:
         time_ns: when it came (wall, UTC).
         mono_ns: the same by the monotonic clock, which decides how long it is held.
-        definition: of its type, for ROS 1; empty for ROS 2.
+        definition: of its type; empty for ROS 2 where its package is installed here.
+        encoding: of its bytes: ``cdr`` or ``ros1``.
 
     """
 
@@ -27,6 +28,7 @@ class RawMessage(NamedTuple):
     mono_ns: int
     data: bytes
     definition: str = ""
+    encoding: str = "cdr"
 
 
 class MessageRing:

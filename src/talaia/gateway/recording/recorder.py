@@ -105,11 +105,18 @@ class Recorder:
             self._thread.join()
 
     def offer(
-        self, topic: str, type_name: str, data: bytes, time_ns: int, *, definition: str = ""
+        self,
+        topic: str,
+        type_name: str,
+        data: bytes,
+        time_ns: int,
+        *,
+        definition: str = "",
+        encoding: str = "cdr",
     ) -> None:
         """See `RawSink.offer`."""
         mono_ns = self._clock.monotonic_ns()
-        raw = RawMessage(topic, type_name, time_ns, mono_ns, bytes(data), definition)
+        raw = RawMessage(topic, type_name, time_ns, mono_ns, bytes(data), definition, encoding)
         with self._changed:
             if not self._open:
                 self._ring.add(raw)

@@ -24,11 +24,14 @@ class Ros2Settings(Shape, frozen=True, kw_only=True):
     Attributes:
         domain: the ROS domain id; none takes ROS_DOMAIN_ID or 0.
         node: the gateway's node name.
+        definitions: a folder with ``.msg`` files, or a recording, for message types that neither
+            this machine nor the robot's nodes describe; relative to the description's folder.
 
     """
 
     domain: int | None = None
     node: str = "talaia_gateway"
+    definitions: str = ""
 
 
 class Ros2Connection(Ros2Settings, frozen=True, kw_only=True, tag_field="kind", tag="ros2"):
@@ -37,6 +40,8 @@ class Ros2Connection(Ros2Settings, frozen=True, kw_only=True, tag_field="kind", 
     Attributes:
         domain: the ROS domain id; none takes ROS_DOMAIN_ID or 0.
         node: the gateway's node name.
+        definitions: a folder with ``.msg`` files, or a recording, for message types that neither
+            this machine nor the robot's nodes describe; relative to the description's folder.
 
     """
 

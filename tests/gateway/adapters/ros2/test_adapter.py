@@ -96,14 +96,19 @@ async def test_a_parameter_is_read_and_set(hub: FakeHub, peer: Peer) -> None:
     await hub.until(lambda: 2.5 in hub.values("base/gain"), "the new value")
 
 
-async def test_type_that_is_not_installed_is_named_once_and_the_rest_runs(
-    hub: FakeHub, peer: Peer
+async def test_a_command_whose_type_is_not_installed_is_named_and_the_rest_runs(
+    peer: Peer, tmp_path: Path
 ) -> None:
-    event = await hub.next(Event, lambda each: each.kind == "type_missing")
-    assert "/odd" in event.message
-    assert "nowhere_msgs/msg/Odd" in event.message
-    await peer.do("count", **{"from": 0, "to": 3, "hz": 100})
-    await hub.until(lambda: len(hub.values("base/number")) == 3, "numbers")
+    text = SITE.replace(
+        "type: std_srvs/srv/Trigger}\n      count", "type: nowhere_msgs/srv/Odd}\n      count"
+    )
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path, text):
+        event = await hub.next(Event, lambda each: each.kind == "type_missing")
+        assert "/absent" in event.message
+        assert "nowhere_msgs/srv/Odd" in event.message
+        await peer.until_heard_by(1)
+        await peer.do("count", **{"from": 0, "to": 3, "hz": 100})
+        await hub.until(lambda: len(hub.values("base/number")) == 3, "numbers")
 
 
 async def test_drive_frame_becomes_cmd_vel_then_zeros_then_silence(
@@ -311,7 +316,7 @@ async def test_device_that_is_connected_anew_says_what_is_not_there_and_works_on
         "device not reconnected", "base", "Ada", False
     )  # fmt: skip
     assert "9 of 12" in told.message
-    assert "/odd (its type is not known here)" in told.message
+    assert "/odd (nobody publishes it)" in told.message
     assert "/absent (no such service now)" in told.message
     assert "/nowhere (no such action now)" in told.message
     await peer.until_heard_by(1)

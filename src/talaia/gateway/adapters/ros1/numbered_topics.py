@@ -284,4 +284,11 @@ class NumberedTopics:
         """Give a message to who records, if it is one of those and its type is known."""
         topic, told = self._topics[number].name, self._told.get(number)
         if self._raw is not None and told is not None and topic in self._raw.topics:
-            self._raw.offer(topic, told[0], heard.raw, heard.time_us * 1000, definition=told[1])
+            self._raw.offer(
+                topic,
+                told[0],
+                heard.raw,
+                heard.time_us * 1000,
+                definition=told[1],
+                encoding="ros1",
+            )

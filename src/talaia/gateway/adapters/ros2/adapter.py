@@ -30,13 +30,14 @@ from talaia.gateway.adapters.ros2.motion import Ros2Motion
 from talaia.gateway.adapters.ros2.parameters import Ros2Parameters
 from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, domain_of
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
-from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
+from talaia.gateway.adapters.ros2.topic_types import TopicTypes
+from talaia.gateway.adapters.ros2.type_definitions.robot_questions import RobotDescriptions
 from talaia.gateway.adapters.ros2.waitset import WaitThread
 from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
-from talaia.gateway.errors import AdapterLost, TypeMissing
+from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
 from talaia.gateway.video.worker import PictureWorker
 from talaia.model.connection import Ros2Connection
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.errors import TypeMissing
     from talaia.gateway.ports import (
         AdapterContext,
         AdapterStatus,
@@ -79,6 +81,7 @@ class Ros2Adapter:
         self._unreadable = UnreadableReports(context.events)
         self._domain = settings.domain if context.domain is None else context.domain
         self._node_name = settings.node
+        self._definitions = context.folder / settings.definitions if settings.definitions else None
         self._raw = context.raw
         self._files = context.files
         # Newest readings of guarded signals by address: written by the thread, read by the loop.
@@ -97,6 +100,8 @@ class Ros2Adapter:
         self._commands: Ros2Commands | None = None
         self._parameters: Ros2Parameters | None = None
         self._presence: Ros2Presence | None = None
+        self._descriptions: RobotDescriptions | None = None
+        self._types: TopicTypes | None = None
         self._thread: WaitThread | None = None
         self._worker: PictureWorker | None = None
         self._node: Any = None
@@ -220,11 +225,21 @@ class Ros2Adapter:
             deafness=self._deafness,
             rejoin=lambda why: fail(AdapterLost(why)),
         )
+        self._descriptions = RobotDescriptions(self._node, thread, self._clock)
+        self._types = TopicTypes(
+            named=self._definitions,
+            descriptions=self._descriptions,
+            soon=thread.run_soon,
+            missing=self._tell_missing,
+            mismatched=self._unreadable.report_once,
+        )
         self._listening = Ros2Listening(
             scope=self._scope,
             plans=self._plans,
-            subscriptions=Ros2Subscriptions(self._node, thread),
-            find_class=self._class,
+            subscriptions=Ros2Subscriptions(
+                self._node, thread, self._types.class_for, self._unreadable.report_once
+            ),
+            types=self._types,
             clock=self._clock,
             gathered=self._gathered,
             heard_ns=heard_ns,
@@ -248,7 +263,9 @@ class Ros2Adapter:
         self._rejoining.end()
         if self._worker is not None:
             self._worker.close()
-        self._listening = None
+        if self._types is not None:
+            self._types.close()
+        self._listening = self._types = self._descriptions = None
         self._latest.clear()
         if self._node is not None:
             self._node.destroy_node()
@@ -270,13 +287,6 @@ class Ros2Adapter:
         if self._motion is not None:
             self._motion.redescribe(scope)
         self._update_subscriptions()
-
-    def _class(self, type_name: str, used_by: str) -> Any:  # noqa: ANN401
-        try:
-            return class_of(type_name, used_by)
-        except TypeMissing as error:
-            self._tell_missing(error)
-            return None
 
     def _tell_missing(self, error: TypeMissing) -> None:
         if str(error) not in self._missing:
@@ -304,6 +314,8 @@ class Ros2Adapter:
             self._number.mark_used()
         if self._parameters is not None and self._turn % 4 == 0:
             self._parameters.ask()
+        if self._descriptions is not None:
+            self._descriptions.ask_again()
         if self._turn % 2 == 0:
             self._update_subscriptions(everything=self._turn % 8 == 0)
             self._rejoining.report_finished()

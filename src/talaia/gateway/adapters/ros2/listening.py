@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 from rclpy.serialization import deserialize_message
 
 from talaia.gateway.adapters.ros2.decode import decoder_for
+from talaia.gateway.adapters.ros2.typed_topic import TypedTopic
 from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, file_in
+from talaia.gateway.errors import FieldError
 from talaia.gateway.video.camera import PictureStream
 from talaia.model.connection import RosSource, source_as
 
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.arrival_times import Arrivals
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
+    from talaia.gateway.adapters.ros2.topic_types import TopicType, TopicTypes
     from talaia.gateway.adapters.unreadable_reports import UnreadableReports
     from talaia.gateway.ports import FileSink, RawSink
     from talaia.gateway.video.worker import PictureWorker
@@ -50,7 +53,7 @@ class Ros2Listening:
         scope: ConnectionScope,
         plans: list[TopicPlan],
         subscriptions: Ros2Subscriptions,
-        find_class: Callable[[str, str], Any],
+        types: TopicTypes,
         clock: Clock,
         gathered: SampleBuffer,
         heard_ns: dict[str, int],
@@ -66,8 +69,7 @@ class Ros2Listening:
             scope: what is described.
             plans: of its topics.
             subscriptions: of the node.
-            find_class: gives a message's class by its name and who uses it; None if it is not
-                known here, which it reports.
+            types: finds how topics are read.
             clock: for times of arrival.
             gathered: where samples go.
             heard_ns: when a message came last, monotonic, by topic; written here.
@@ -82,7 +84,7 @@ class Ros2Listening:
         # One for each topic and type that signals are read from; they hold what is held back.
         self._plans = plans
         self._subscriptions = subscriptions
-        self._find_class = find_class
+        self._types = types
         self._clock = clock
         self._gathered = gathered
         self._heard_ns = heard_ns
@@ -155,22 +157,36 @@ class Ros2Listening:
 
     def _want_plan(self, plan: TopicPlan) -> None:
         """Let a plan read its topic's messages; a subscription that is there already stays."""
-        kind = self._find_class(plan.type_name, plan.topic)
-        if kind is None:
-            return
-        decode = decoder_for(plan.type_name, lambda data: deserialize_message(data, kind))
         recorded = self._raw if self._raw is not None and plan.topic in self._raw.topics else None
+
+        def deliver(kind: TopicType, raw: bytes, time_us: int, mono_ns: int) -> None:
+            if recorded is not None:
+                recorded.offer(
+                    plan.topic, plan.type_name, raw, time_us * 1000, definition=kind.schema
+                )
+            try:
+                message = kind.decode(raw)
+            except FieldError as error:
+                self._unreadable.report_once(plan.topic, error.problem)
+                return
+            plan.read_message(message, time_us, mono_ns, self._gathered)
+
+        reader = self._reader(plan.topic, plan.type_name, deliver)
+        key = _key(plan.topic, plan.type_name)
+        self._subscriptions.want(key, plan.topic, plan.type_name, depth=_DEPTH, reader=reader)
+
+    def _reader(
+        self, topic: str, type_name: str, deliver: Callable[[TopicType, bytes, int, int], None]
+    ) -> _TimedReader:
+        typed = TypedTopic(topic, type_name, self._types, deliver)
 
         def read_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
             now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
             time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
-            if recorded is not None:
-                recorded.offer(plan.topic, plan.type_name, raw, time_us * 1000)
-            self._heard_ns[plan.topic] = now_ns
-            plan.read_message(decode(raw), time_us, now_ns, self._gathered)
+            self._heard_ns[topic] = now_ns
+            typed.read_message(raw, time_us, now_ns)
 
-        key = _key(plan.topic, plan.type_name)
-        self._subscriptions.want(key, plan.topic, kind, depth=_DEPTH, read=read_message)
+        return _TimedReader(typed.set_publishers, read_message)
 
     def _update_streams(self, watched: Collection[str]) -> None:
         for device_id, device in self._scope.devices.items():
@@ -184,7 +200,7 @@ class Ros2Listening:
 
     def _want_stream(self, key: str, address: str, stream: Stream) -> None:
         source = source_as(stream.source, RosSource)
-        kind = self._find_class(source.type, source.topic)
+        kind = self._types.installed_class(source.type, source.topic)
         if kind is None:
             return
         decode = decoder_for(source.type, lambda data: deserialize_message(data, kind))
@@ -193,7 +209,10 @@ class Ros2Listening:
         def offer_picture(raw: bytes, _: Any) -> None:  # noqa: ANN401
             self._worker.offer(pictures, raw)
 
-        self._subscriptions.want(key, source.topic, kind, depth=_PICTURE_DEPTH, read=offer_picture)
+        reader = _TimedReader(_any_version, offer_picture)
+        self._subscriptions.want(
+            key, source.topic, source.type, depth=_PICTURE_DEPTH, reader=reader
+        )
 
     def _want_frames(self) -> None:
         files = self._files
@@ -201,7 +220,7 @@ class Ros2Listening:
             source, key = _frames_of(self._scope, device_id), f"frames {device_id}"
             if source is None or key in self._subscriptions.wanted or files is None:
                 continue
-            kind = self._find_class(source.type, source.topic)
+            kind = self._types.installed_class(source.type, source.topic)
             if kind is None:
                 continue
             decode = decoder_for(source.type, partial(deserialize_message, message_type=kind))
@@ -216,29 +235,48 @@ class Ros2Listening:
             ) -> None:
                 files.keep_file(device, lambda: file_in(decode(raw)))
 
-            self._subscriptions.want(key, source.topic, kind, depth=_FILE_DEPTH, read=keep_file)
+            reader = _TimedReader(_any_version, keep_file)
+            self._subscriptions.want(
+                key, source.topic, source.type, depth=_FILE_DEPTH, reader=reader
+            )
 
     def _want_recorded(self, sink: RawSink) -> None:
         """Hear topics that are recorded and that nothing else reads; the graph tells their type."""
         for topic in sink.topics - self._subscriptions.topics(without=_APART):
             type_name = self._subscriptions.offered_type(topic)
-            kind = self._find_class(type_name, topic) if type_name else None
-            if type_name and kind is not None:
-                self._subscriptions.want(
-                    f"raw {topic}",
-                    topic,
-                    kind,
-                    depth=_DEPTH,
-                    read=self._recording(sink, topic, type_name),
-                )
+            if not type_name:
+                continue
 
-    def _recording(self, sink: RawSink, topic: str, type_name: str) -> Callable[[bytes, Any], None]:
-        def record_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
-            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
-            time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
-            sink.offer(topic, type_name, raw, time_us * 1000)
+            def record_message(
+                kind: TopicType,
+                raw: bytes,
+                time_us: int,
+                _: int,
+                *,
+                topic: str = topic,
+                type_name: str = type_name,
+            ) -> None:
+                sink.offer(topic, type_name, raw, time_us * 1000, definition=kind.schema)
 
-        return record_message
+            reader = self._reader(topic, type_name, record_message)
+            self._subscriptions.want(f"raw {topic}", topic, type_name, depth=_DEPTH, reader=reader)
+
+
+class _TimedReader:
+    """A `TopicReader` of two functions."""
+
+    def __init__(
+        self,
+        set_publishers: Callable[[frozenset[str]], None],
+        read_message: Callable[[bytes, Any], None],
+    ) -> None:
+        # As attributes, for each message goes through them.
+        self.set_publishers = set_publishers
+        self.read_message = read_message
+
+
+def _any_version(_: frozenset[str]) -> None:
+    """Stand where the versions of a type are no question: pictures and files say what they are."""
 
 
 def _frames_of(scope: ConnectionScope, device: str) -> RosSource | None:

@@ -1,0 +1,1 @@
+"""Message classes for types whose Python package is not installed here."""

@@ -1,0 +1,1 @@
+"""Definitions of ROS 2 types: read, compared by hash, and made into decoders."""

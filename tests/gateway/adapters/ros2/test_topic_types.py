@@ -1,0 +1,229 @@
+"""Topics whose message packages the gateway does not have, between a real robot and a hub."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import pytest
+import pytest_asyncio
+from conftest import peer_in
+from fake_hub import FakeHub, fake_hub
+from gateway_bench import Peer, addresses_of, running
+from patience import PATIENCE_S
+from rosbags.highlevel import AnyReader
+
+from talaia.wire.frames import Event, FileOffer, RecorderState, RecordingRequest
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+pytestmark = [pytest.mark.robot, pytest.mark.asyncio(loop_scope="module")]
+WRONG_HASH = "RIHS01_" + "ab" * 32
+MISSING = ("diagnostic_msgs", "trajectory_msgs", "test_msgs")
+SITE = """
+talaia: 1
+site: test
+name: Test robot
+ros2: {node: gateway_without_packages}
+recording: {before: 60, after: 1, upload: 5000, topics: [/arm/trajectory, /own/nested, /own/words]}
+devices:
+  arm:
+    name: Arm
+    signals:
+      shoulder:
+        name: Shoulder
+        source:
+          topic: /arm/trajectory
+          type: trajectory_msgs/msg/JointTrajectory
+          field: points[1].positions[0]
+      level:
+        name: Level
+        type: state
+        states: [ok, warning, error, stale]
+        source:
+          topic: /diagnostics
+          type: diagnostic_msgs/msg/DiagnosticArray
+          field: status[0].level
+      words:
+        name: Words
+        type: text
+        source: {topic: /own/words, type: test_msgs/msg/WStrings, field: wstring_value}
+      inner:
+        name: Inner
+        source:
+          topic: /own/nested
+          type: test_msgs/msg/MultiNested
+          field: bounded_sequence_of_bounded_sequences[0].int16_values[1]
+      undescribed:
+        name: Undescribed
+        source:
+          topic: /own/undescribed
+          type: test_msgs/msg/BoundedSequences
+          field: alignment_check
+      changed:
+        name: Changed
+        source:
+          topic: /own/changed
+          type: test_msgs/msg/Nested
+          field: basic_types_value.int32_value
+      other:
+        name: Other
+        source: {topic: /mode, type: nowhere_msgs/msg/Odd, field: data}
+"""
+
+
+class _WithoutPackages:
+    """An import hook that finds no message package of `MISSING`."""
+
+    @staticmethod
+    def find_spec(name: str, *_: object) -> None:
+        if name.partition(".")[0] in MISSING:
+            raise ModuleNotFoundError(f"{name} is kept from this test")
+
+
+@pytest.fixture(scope="module")
+def without_packages() -> Iterator[None]:
+    """Let nobody in this process import the packages that only the robot has."""
+    kept = {
+        name: sys.modules.pop(name)
+        for name in list(sys.modules)
+        if name.partition(".")[0] in MISSING
+    }
+    sys.meta_path.insert(0, _WithoutPackages)
+    yield
+    sys.meta_path.remove(_WithoutPackages)
+    sys.modules.update(kept)
+
+
+def definition_hash(name: str) -> str:
+    """Give the hash that ROS's own generator installed for a type."""
+    package, middle, short = name.split("/")
+    told = json.loads(Path(sys.prefix, "share", package, middle, f"{short}.json").read_bytes())
+    return next(each["hash_string"] for each in told["type_hashes"] if each["type_name"] == name)
+
+
+class Bench(NamedTuple):
+    """A robot, and the hub of a gateway that hears it."""
+
+    peer: Peer
+    hub: FakeHub
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def bench(
+    own_domain: int, without_packages: None, tmp_path_factory: pytest.TempPathFactory
+) -> AsyncIterator[Bench]:
+    pytest.importorskip("rclpy", reason="needs ROS 2")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(own_domain))
+        patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        folder = tmp_path_factory.mktemp("gateway")
+        async with (
+            peer_in(own_domain, Path(__file__).with_name("types_peer.py")) as peer,
+            fake_hub(addresses_of) as hub,
+            running(hub.url, folder, SITE),
+        ):
+            await hub.until(lambda: hub.hellos, "a hello")
+            # Once, before or after the gateway listens: their publishers keep them.
+            await peer.do("words", text="añ✓😀")
+            await peer.do("nested", text="q")
+            await peer.do("trajectory", points=[[1, 2], [3.5, 4]])
+            await peer.do("undescribed", check=7)
+            yield Bench(peer, hub)
+
+
+async def test_latched_messages_of_types_that_only_the_robot_has_are_read(bench: Bench) -> None:
+    hub = bench.hub
+    await hub.until(lambda: hub.values("arm/inner") and hub.values("arm/words"), "own types")
+    await hub.until(lambda: hub.values("arm/shoulder"), "the arm's plan")
+    assert hub.values("arm/words") == ["añ✓😀"]
+    assert hub.values("arm/inner") == [-4.0]
+    assert hub.values("arm/shoulder") == [3.5]
+
+
+async def test_a_type_that_its_node_does_not_describe_is_read_by_a_file(bench: Bench) -> None:
+    await bench.hub.until(lambda: bench.hub.values("arm/undescribed"), "it")
+    assert bench.hub.values("arm/undescribed") == [7.0]
+
+
+async def test_messages_go_on_coming_in_order(bench: Bench) -> None:
+    peer, hub = bench
+    async with asyncio.timeout(PATIENCE_S):
+        while not hub.values("arm/level"):
+            await peer.do("diagnostics", levels={"motor": 2})
+            await peer.until(lambda: peer.heard("did")[-1:] == ["diagnostics"])
+    before = len(hub.values("arm/level"))
+    for level in (0, 1, 2, 3) * 10:
+        await peer.do("diagnostics", levels={"motor": level})
+    await hub.until(lambda: hub.values("arm/level")[before:].count(3.0) == 10, "all")
+    assert hub.values("arm/level")[before:][-40:] == [0.0, 1.0, 2.0, 3.0] * 10
+
+
+async def test_a_topic_of_another_type_than_described_is_named(bench: Bench) -> None:
+    event = await bench.hub.next(Event, lambda each: "/mode" in each.message)
+    assert "std_msgs/msg/String" in event.message
+    assert "nowhere_msgs/msg/Odd" in event.message
+
+
+async def test_another_version_of_a_type_is_named_with_both_hashes_and_not_read(
+    bench: Bench,
+) -> None:
+    peer, hub = bench
+    installed = definition_hash("test_msgs/msg/Nested")
+    await peer.do("begin_other_version", topic="/own/changed", type="test_msgs/msg/Nested")
+    event = await hub.next(Event, lambda each: "/own/changed" in each.message)
+    assert f"its publisher's test_msgs/msg/Nested is {WRONG_HASH}" in event.message
+    assert installed in event.message
+    assert hub.values("arm/changed") == []
+
+
+async def test_a_topic_in_two_versions_is_read_again_when_one_has_ended(bench: Bench) -> None:
+    peer, hub = bench
+    await hub.until(lambda: hub.values("arm/inner"), "the first")
+    before = len(hub.values("arm/inner"))
+    other = {"topic": "/own/nested", "type": "test_msgs/msg/MultiNested"}
+    await peer.do("begin_other_version", **other)
+    event = await hub.next(Event, lambda each: "/own/nested" in each.message)
+    assert "published in two versions" in event.message
+    assert WRONG_HASH in event.message
+    assert len(hub.values("arm/inner")) == before
+    await peer.do("end_other_version", **other)
+    async with asyncio.timeout(PATIENCE_S):
+        while len(hub.values("arm/inner")) == before:
+            await peer.do("nested", text="again")
+            await asyncio.sleep(0.1)
+    assert set(hub.values("arm/inner")) == {-4.0}
+
+
+async def test_they_are_recorded_with_definitions_that_others_read_them_by(
+    bench: Bench, tmp_path: Path
+) -> None:
+    hub = bench.hub
+    await hub.until(lambda: hub.values("arm/inner") and hub.values("arm/shoulder"), "messages")
+    await hub.send(RecordingRequest(on=True, who="ada", why="to look at"))
+    await hub.next(RecorderState, lambda state: state.on)
+    await hub.send(RecordingRequest(on=False, who="ada"))
+    await hub.until(lambda: hub.offers, "an offer")
+    offer = hub.offers[-1]
+    assert isinstance(offer, FileOffer)
+    await hub.until(lambda: len(hub.files[offer.id]) == offer.size, "the file")
+    path = tmp_path / "robot.mcap"
+    path.write_bytes(hub.files[offer.id])
+    with AnyReader([path]) as reader:
+        types = {each.topic: each.msgtype for each in reader.connections}
+        texts = {each.topic: each.msgdef.data for each in reader.connections}
+        plan = next(
+            reader.deserialize(data, connection.msgtype)
+            for connection, _, data in reader.messages()
+            if connection.topic == "/arm/trajectory"
+        )
+    assert types["/own/nested"] == "test_msgs/msg/MultiNested"
+    assert "wstring[<=3] bounded_sequence_of_wstrings" in texts["/own/words"]
+    # With the authors' comments, which only the sources tell.
+    assert "# Bounded sequences of different types" in texts["/own/nested"]
+    assert plan.joint_names == ["shoulder", "elbow"]
+    assert list(plan.points[1].positions) == [3.5, 4.0]

@@ -1,0 +1,141 @@
+"""A robot with message packages that the gateway lacks: JSON lines in, JSON lines out.
+
+Started as a script, with every package there; the test keeps some of them from the gateway.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from nav_msgs.msg import Path
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from sensor_msgs.msg import Temperature
+from std_msgs.msg import String
+from test_msgs.msg import BoundedSequences, MultiNested, WStrings
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, made_class
+
+# Of no version of any type.
+WRONG_HASH = "RIHS01_" + "ab" * 32
+
+
+def say(**row: object) -> None:
+    sys.stdout.write(json.dumps(row) + "\n")
+    sys.stdout.flush()
+
+
+class Peer:
+    """Two nodes: one that describes its types, and one that does not."""
+
+    def __init__(self) -> None:  # noqa: D107
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.node = Node("types_peer", enable_rosout=False)
+        silent = Parameter("start_type_description_service", value=False)
+        self.silent = Node("silent_peer", enable_rosout=False, parameter_overrides=[silent])
+        make = self.node.create_publisher
+        self.publishers = {
+            "diagnostics": make(DiagnosticArray, "/diagnostics", 10),
+            "trajectory": make(JointTrajectory, "/arm/trajectory", latched),
+            "words": make(WStrings, "/own/words", latched),
+            "nested": make(MultiNested, "/own/nested", latched),
+            "temperature": make(Temperature, "/temperature", 10),
+            "mode": make(String, "/mode", latched),
+            "plan": make(Path, "/plan", latched),
+            "undescribed": self.silent.create_publisher(
+                BoundedSequences, "/own/undescribed", latched
+            ),
+        }
+
+    def obey(self, order: dict[str, object]) -> None:
+        match order["do"]:
+            case "begin_other_version":
+                self.begin_other_version(str(order["topic"]), str(order["type"]))
+            case "end_other_version":
+                self.node.destroy_publisher(self.publishers.pop(str(order["topic"])))
+            case _:
+                self.publish(order)
+
+    def begin_other_version(self, topic: str, type_name: str) -> None:
+        """Publish bytes as another version of a type, as its hash has it."""
+        kind = made_class(type_name, WRONG_HASH)
+        publisher = self.publishers[topic] = self.node.create_publisher(kind, topic, 10)
+        forget_error()
+        publisher.publish(b"\x00\x01\x00\x00" + bytes(64))
+
+    def publish(self, order: dict[str, object]) -> None:
+        message = getattr(self, str(order["do"]))(order)
+        self.publishers[str(order["do"])].publish(message)
+        say(did=order["do"])
+
+    def diagnostics(self, order: dict[str, object]) -> DiagnosticArray:
+        levels: dict[str, int] = order["levels"]
+        return DiagnosticArray(
+            status=[
+                DiagnosticStatus(
+                    level=bytes([level]), name=name, values=[KeyValue(key="temp", value="81.5")]
+                )
+                for name, level in levels.items()
+            ]
+        )
+
+    def trajectory(self, order: dict[str, object]) -> JointTrajectory:
+        points = [JointTrajectoryPoint(positions=place) for place in order["points"]]
+        return JointTrajectory(joint_names=["shoulder", "elbow"], points=points)
+
+    def words(self, order: dict[str, object]) -> WStrings:
+        return WStrings(wstring_value=str(order["text"]), unbounded_sequence_of_wstrings=["a", "✓"])
+
+    def nested(self, order: dict[str, object]) -> MultiNested:
+        inner = BoundedSequences(string_values=["x", str(order["text"])], int16_values=[3, -4])
+        return MultiNested(bounded_sequence_of_bounded_sequences=[inner])
+
+    def undescribed(self, order: dict[str, object]) -> BoundedSequences:
+        return BoundedSequences(alignment_check=int(order["check"]))
+
+    def temperature(self, order: dict[str, object]) -> Temperature:
+        """Publish a value with a stamp so many seconds before now."""
+        message = Temperature(temperature=float(order["value"]))
+        now = self.node.get_clock().now().nanoseconds - round(float(order["late"]) * 1e9)
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, 10**9)
+        say(stamp=now)
+        return message
+
+    def mode(self, order: dict[str, object]) -> String:
+        return String(data=str(order["text"]))
+
+    def plan(self, order: dict[str, object]) -> Path:
+        return Path()
+
+
+def main() -> None:
+    rclpy.init()
+    peer = Peer()
+    executor = SingleThreadedExecutor()
+    executor.add_node(peer.node)
+    executor.add_node(peer.silent)
+
+    def spin() -> None:
+        try:
+            executor.spin()
+        except ExternalShutdownException:
+            return
+
+    spinning = threading.Thread(target=spin)
+    spinning.start()
+    say(ready=True)
+    for line in sys.stdin:
+        peer.obey(json.loads(line))
+    executor.shutdown()
+    spinning.join()
+    rclpy.try_shutdown()
+
+
+main()
