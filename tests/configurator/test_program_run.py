@@ -166,6 +166,18 @@ def test_a_site_that_stops_by_itself_has_failed_and_one_that_was_stopped_has_not
         run.stop()
 
 
+def test_what_could_not_be_started_and_was_stopped_meanwhile_has_ended() -> None:
+    run = started()
+    run.stop()
+    run.not_started("talaia")
+    assert (run.phase, run.problem) == (ProgramPhase.ENDED, "")
+    look = RobotDiscovery()
+    look.start("")
+    look.cancel()
+    look.not_started("ssh")
+    assert (look.phase, look.problem) == (DiscoveryPhase.CANCELLED, "")
+
+
 def test_a_deployment_is_written_by_a_command_that_ends() -> None:
     run = ProgramRun()
     words = deploy_command(HERE, "site.yaml", "to", "postgresql", tables=False, over=False)

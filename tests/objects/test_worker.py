@@ -193,6 +193,16 @@ async def test_file_that_is_none_is_said_once_with_what_to_do(
         assert await bench.worker.seen("red", RED, 0.5)
 
 
+def test_a_detector_that_prints_where_its_answer_belongs_is_ended_and_named() -> None:
+    child = module._Child({})
+    words = [sys.executable, "-c", "print('Downloading weights …'); input()"]
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+        child._process = process
+        with pytest.raises(DetectorError, match=r"Downloading weights .* instead of an answer"):
+            child._read_answer(process)
+        assert process.returncode is not None
+
+
 async def test_runtime_that_is_missing_is_said_with_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -136,6 +136,10 @@ class ProgramRun:
 
     def not_started(self, program: str) -> None:
         """Take in that the process could not be started at all."""
+        if self.phase is ProgramPhase.STOPPING:
+            # Stopped before it began: it has ended, as was wished.
+            self._set_phase(ProgramPhase.ENDED)
+            return
         self.problem = f"{program} could not be started; is it still there?"
         self._set_phase(ProgramPhase.FAILED)
 

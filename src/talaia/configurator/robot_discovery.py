@@ -153,6 +153,10 @@ class RobotDiscovery:
 
     def not_started(self, program: str) -> None:
         """Take in that the process could not be started at all."""
+        if self.phase is DiscoveryPhase.CANCELLING:
+            # Cancelled before it began: a person has no more use for the reason.
+            self._set_state(DiscoveryPhase.CANCELLED)
+            return
         remedy = "install OpenSSH's client" if program == "ssh" else "is the program still there?"
         self.problem = f"{program} could not be started; {remedy}"
         self._set_state(DiscoveryPhase.FAILED)

@@ -7,7 +7,7 @@ GatewayError
 ├── ChannelNumbersFull  too many channels have been described since the start
 ├── SpoolError          the data folder cannot be used
 ├── SettingsError       the gateway was started with settings that do not fit
-├── CameraRefused       a camera leads where no camera may be (adapters.video_relay)
+├── CameraRefused       a camera leads where no camera may be (adapters.video.relay)
 ├── EnrolRefused        the hub does not take the one-time code
 └── LinkLost            the hub cannot be reached
     ├── HubUnreachable    it could not be asked, when enrolling

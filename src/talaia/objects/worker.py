@@ -347,7 +347,14 @@ class _Child:
         # Half a line, or none: it ended while it answered.
         if not line.endswith(b"\n"):
             raise DetectorError(self._ended())
-        told: dict[str, Any] = json.loads(line)
+        try:
+            told = json.loads(line)
+        except ValueError:
+            told = None
+        if not isinstance(told, dict):
+            # A library that prints to standard output, say. What it meant nobody can know.
+            self.end()
+            raise DetectorError(f"the detector's process said {line[:60]!r} instead of an answer")
         return told
 
     def _listen_to_child(self, process: subprocess.Popen[bytes]) -> None:

@@ -16,11 +16,14 @@ import pytest
 import sqlalchemy as sa
 from patience import PATIENCE_S
 
+from talaia.cli.errors import CliError
+from talaia.cli.importing.delivery import deliver_parcels
 from talaia.cli.main import main
 from talaia.clock import SystemClock
 from talaia.hub.history.import_file import FOLDER, READY
 from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
 from talaia.hub.history.store import HistoryStore
+from talaia.hub.live.files.import_inbox import BAD
 from talaia.hub.lock import hub_lock
 from talaia.hub.settings import Settings
 from talaia.hub.store import history_tables as tables
@@ -395,6 +398,15 @@ async def test_a_damaged_parcel_is_set_aside_and_the_hub_goes_on(data) -> None:
     hub.send_signal(signal.SIGTERM)
     assert await asyncio.wait_for(hub.wait(), PATIENCE_S) == 0
     assert {each.name for each in (data / FOLDER).iterdir()} == {"a.bad"}
+
+
+async def test_an_import_that_the_hub_set_aside_is_an_error_and_not_there_already(data) -> None:
+    (data / FOLDER).mkdir()
+    parcel = data / FOLDER / f"a{READY}"
+    # As a hub leaves it that could not read it.
+    parcel.with_suffix(BAD).write_bytes(b"damaged on its way")
+    with hub_lock(data), pytest.raises(CliError, match=r"a\.bad and set it aside"):
+        deliver_parcels(Settings(data=data), [parcel], lambda _: None)
 
 
 async def test_two_hubs_never_share_a_data_folder(data) -> None:

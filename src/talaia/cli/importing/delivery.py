@@ -12,7 +12,7 @@ from talaia.hub.accounts import append_audit_record
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.live.files.import_inbox import ImportInbox, ImportResult, answer_of
+from talaia.hub.live.files.import_inbox import BAD, ImportInbox, ImportResult, answer_of
 from talaia.hub.lock import HubRuns, hub_lock
 from talaia.hub.store.database import Database
 from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -35,6 +35,7 @@ def deliver_parcels(
     """Wait until parcels are in the history, or bring them there when no hub runs.
 
     Raises:
+        CliError: the hub set one aside, for it could not read it.
         HubError: the database cannot be opened, or does not take them; they stay where they are.
 
     """
@@ -89,6 +90,11 @@ def _fetch_results(paths: Sequence[Path]) -> list[ImportResult] | None:
     # All or none: an answer is removed when it is read, and would be lost with a partial list.
     if any(path.exists() for path in paths):
         return None
+    if aside := [path for path in paths if path.with_suffix(BAD).exists()]:
+        raise CliError(
+            f"the hub could not read {aside[0].with_suffix(BAD)} and set it aside; its log says "
+            "why. Import the file again"
+        )
     return [answer_of(path) or ImportResult(0, 0) for path in paths]
 
 

@@ -6,6 +6,7 @@ import logging
 import os
 from typing import TYPE_CHECKING
 
+from talaia.gateway.persistence import write_whole
 from talaia.gateway.spool.files import unlinked
 from talaia.gateway.spool.packing import packed
 from talaia.gateway.spool.segment import pack_record, records
@@ -23,23 +24,16 @@ def pack_segment(segment: Segment) -> None:
 
     Either is forced to disk: nobody else forces a segment that is closed.
     """
-    beside = segment.path.with_suffix(".new")
     try:
         # Into memory whole: a segment is bounded by its size, and only one is packed at a time.
         kept = [record for _, record in records(segment.path.read_bytes())]
         # The head goes first and unpacked: without it nobody knows whose the rest is.
         whole = b"".join(pack_record(record) for record in [kept[0], *packed(kept[1:])])
-        with beside.open("wb") as file:
-            file.write(whole)
-            file.flush()
-            # Forced before it takes the old one's place: else a power cut could leave an empty
-            # file.
-            os.fdatasync(file.fileno())
-        beside.replace(segment.path)
+        write_whole(segment.path, whole)
     # IndexError: not even the head could be read. Packing only saves room, so nothing is lost.
     except (OSError, IndexError) as error:
         log.debug("%s stays as it is: %s", segment.path, error)
-        unlinked(beside)
+        unlinked(segment.path.with_name(segment.path.name + ".new"))
         _force_to_disk(segment)
         return
     # After the file is in its place, on the same thread as all readers.
