@@ -7,6 +7,7 @@ from fastapi.routing import iter_route_contexts
 
 from talaia.hub.auth.permissions import Grants, Permission, Right
 from talaia.hub.policy import (
+    CLIENT_SOCKETS,
     FROM_BROWSER,
     FROM_GATEWAY,
     ROUTES,
@@ -91,7 +92,7 @@ def test_every_socket_has_a_line_and_no_line_is_left_over(hub_parts) -> None:
         for route in hub_parts.app.router.routes
         if type(route).__name__ == "APIWebSocketRoute"
     }
-    assert found == set(SOCKETS)
+    assert found == {*SOCKETS, *CLIENT_SOCKETS}
 
 
 @pytest.mark.parametrize(

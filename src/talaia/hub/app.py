@@ -11,6 +11,8 @@ from talaia.hub.features.alarms import AlarmsFeature
 from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
+from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
+from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
 from talaia.hub.features.extensions import ExtensionsFeature
@@ -119,14 +121,16 @@ class Hub:
         )
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=store)
+        self.connections = ConnectionsFeature(
+            core, seats=seats, reporting=reporting, sightings=self.sightings, audit=log
+        )
+        service = self.connections.service
+        self.client_protocols = ClientProtocolsFeature(
+            core, people=self.people, service=service, audit=log
+        )
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
-            core,
-            admission=admission,
-            seats=seats,
-            reporting=reporting,
-            sightings=self.sightings,
-            audit=log,
+            core, admission=admission, service=service, sightings=self.sightings, audit=log
         )
         # In the order in which they are built above: no feature can be forgotten.
         self.features = tuple(

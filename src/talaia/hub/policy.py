@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BY_SCRIPT",
+    "CLIENT_SOCKETS",
     "FROM_BROWSER",
     "FROM_GATEWAY",
     "ROUTES",
@@ -190,6 +191,11 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/tiles"): AccessNeed.SESSION,
         ("GET", "/extensions/{tile}/{path:path}"): AccessNeed.SESSION,
     },
+    "client_protocols": {
+        ("GET", "/api/client-protocols"): AccessNeed.ADMIN,
+        ("PUT", "/api/client-protocols/{protocol}"): AccessNeed.ADMIN,
+        ("PUT", "/api/client-drivers"): AccessNeed.ADMIN,
+    },
     "storage": {
         ("GET", "/api/storage"): AccessNeed.ADMIN,
         ("GET", "/api/storage/outlook"): AccessNeed.ADMIN,
@@ -221,6 +227,10 @@ SOCKETS: Mapping[str, AccessNeed] = {
     "/gateway/media": AccessNeed.GATEWAY,
     "/gateway/files": AccessNeed.GATEWAY,
 }
+
+# Of other tools, while an admin has opened their protocol, by token alone; each message over them
+# is looked up in the tables below, like a page's.
+CLIENT_SOCKETS: Mapping[str, AccessNeed] = {}
 
 FROM_BROWSER: Mapping[type[Message], AccessNeed] = {
     # Each channel is looked at besides; what may not be seen is refused by name.

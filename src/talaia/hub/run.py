@@ -28,6 +28,7 @@ from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.app import build
+from talaia.hub.auth.tokens import mask_tokens
 from talaia.hub.certificate import (
     certificate_of,
     fingerprint,
@@ -57,6 +58,14 @@ __all__ = ["HubServer", "main", "renewed", "server_of"]
 _LOG = logging.getLogger(__name__)
 # Between two looks at the certificate (s); it is due 30 days before its end.
 _RENEW_S = 3600.0
+
+
+class _MaskingFormatter(logging.Formatter):
+    """Writes no API token into a log, whoever logs it: tools bring theirs in the address."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Write a record, its traceback too, with each token masked."""
+        return mask_tokens(super().format(record))
 
 
 class HubServer(uvicorn.Server):
@@ -143,9 +152,9 @@ def main(argv: Sequence[str]) -> int:
     options = _options(argv)
     # Says where each thread stood when a service manager ends a process that stands still.
     faulthandler.enable()
-    logging.basicConfig(
-        level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s"
-    )
+    handler = logging.StreamHandler()
+    handler.setFormatter(_MaskingFormatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    logging.basicConfig(level=logging.INFO, handlers=[handler])
     logging.getLogger("alembic").setLevel(logging.WARNING)
     # A thread that reads a description or writes the history may hold the interpreter this long
     # before a driving frame gets it; Python's own 5 ms would be more than the whole way down.

@@ -326,6 +326,12 @@ async def _browser(world: World, client: httpx.AsyncClient, about: str) -> Ask:
     return Ask({"browser": listed[-1]["id"] if listed else "0"}, done=(204,))
 
 
+async def _client_driver(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+    person = await world.person()
+    asked = {"person": person, "site": "agv", "device": "base", "allowed": False}
+    return Ask(json=asked, done=(204,))
+
+
 RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/health"): Recipe(plain()),
     ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
@@ -368,6 +374,11 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
         json={"text": "talaia: 1", "site": {}}
     ),
     ("GET", "/api/description-schema"): Recipe(plain()),
+    ("GET", "/api/client-protocols"): Recipe(plain()),
+    ("PUT", "/api/client-protocols/{protocol}"): Recipe(
+        plain(params={"protocol": "foxglove"}, json={"open": False}, done=(204,))
+    ),
+    ("PUT", "/api/client-drivers"): Recipe(_client_driver),
     ("GET", "/api/storage"): Recipe(plain()),
     ("GET", "/api/sites/{site}/anomalies"): of_site(),
     # No detector is at work there, which only those are told who may say it.

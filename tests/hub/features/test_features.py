@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi.routing import APIRoute, APIWebSocketRoute
 
-from talaia.hub.policy import ROUTES_OF, SOCKETS
+from talaia.hub.policy import CLIENT_SOCKETS, ROUTES_OF, SOCKETS
 
 
 def routes_of(feature):
@@ -34,7 +34,7 @@ def test_every_socket_is_brought_by_one_feature(hub_parts) -> None:
         for route in router.routes
         if isinstance(route, APIWebSocketRoute)
     ]
-    assert sorted(found) == sorted(SOCKETS)
+    assert sorted(found) == sorted([*SOCKETS, *CLIENT_SOCKETS])
 
 
 def test_no_two_features_and_no_two_tasks_have_one_name(hub_parts) -> None:

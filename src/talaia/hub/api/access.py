@@ -103,12 +103,20 @@ class Access:
         kind, _, key = connection.headers.get("authorization", "").partition(" ")
         if kind.lower() == "bearer":
             # Whoever sends a token means it: a cookie beside it does not help.
-            key = key.strip()
-            return await self._tokens.who(key) if key.startswith(MARK) else None
+            return await self.who_of_token(key.strip())
         token = connection.cookies.get(self.cookie)
         # Only what a person does keeps a session alive; sockets report their use by themselves.
         used = connection.headers.get(_BACKGROUND) != "1" and connection.scope["type"] == "http"
         return await self._sessions.who(token, used=used) if token else None
+
+    async def who_of_token(self, token: str) -> LiveSession | None:
+        """Tell for whom a token speaks; None when it is none of ours, or not good any more.
+
+        Raises:
+            StoreDown: it cannot be told now.
+
+        """
+        return await self._tokens.who(token) if token.startswith(MARK) else None
 
     async def guard(self, request: Request) -> None:
         """Let a request pass by the policy table's line of its route.

@@ -6,19 +6,16 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.openapi import ApiDescription
 from talaia.hub.api.sites.sites import SitePages
-from talaia.hub.api.sockets.page_sockets import PageMessages, PageSockets
+from talaia.hub.api.sockets.page_sockets import PageSockets
 from talaia.hub.api.static_pages import Pages
 from talaia.hub.features.feature import Feature
-from talaia.hub.live.pages.message_authorizer import MessageAuthorizer
-from talaia.hub.live.pages.page_commands import PageCommands
 from talaia.web import static_dir
 
 if TYPE_CHECKING:
     from talaia.hub.api.sockets.socket_admission import SocketAdmission
     from talaia.hub.features.feature import Core
     from talaia.hub.features.sightings import SightingsFeature
-    from talaia.hub.live.gateways.robot_events import RobotEvents
-    from talaia.hub.live.pages.session_registry import SocketSessions
+    from talaia.hub.live.pages.page_service import PageService
     from talaia.hub.store.audit import Audit
 
 __all__ = ["PagesFeature"]
@@ -34,28 +31,14 @@ class PagesFeature(Feature):
         core: Core,
         *,
         admission: SocketAdmission,
-        seats: SocketSessions,
-        reporting: RobotEvents,
+        service: PageService,
         sightings: SightingsFeature,
         audit: Audit,
     ) -> None:
-        """Tell a page that comes what ``reporting`` and ``sightings`` know."""
-        sockets = PageSockets(
-            admission=admission,
-            # Each message of a page is held against the rights of this moment.
-            gate=MessageAuthorizer(sites=core.sites, rights=seats),
-            seats=seats,
-            browsers=core.browsers,
-            greeters=(reporting, sightings.journal),
-            messages=PageMessages(
-                fanout=core.fanout,
-                commanding=PageCommands(core.sites, audit),
-                clock=core.clock,
-            ),
-        )
+        """Serve the sockets of pages by ``service``."""
         sites = SitePages(
             sites=core.sites, audit=audit, sightings=sightings.store, clock=core.clock
         )
-        self.sockets = [sockets.router()]
+        self.sockets = [PageSockets(admission=admission, service=service).router()]
         # `Pages` last: it takes every path.
         self.routers = [sites.router(), ApiDescription().router(), Pages(static_dir()).router()]

@@ -33,6 +33,8 @@ __all__ = [
     "api_tokens",
     "audit",
     "audit_head",
+    "client_drivers",
+    "client_protocols",
     "descriptions",
     "enrolment_codes",
     "frames",
@@ -113,6 +115,29 @@ users = Table(
     # The last step of time whose code was used; none at or before it is taken again.
     Column("factor_step", BigInteger, nullable=False),
     Column("used_us", BigInteger, nullable=False),
+)
+
+# A client protocol that was ever opened; one without a row is shut.
+client_protocols = Table(
+    "client_protocols",
+    metadata,
+    Column("protocol", String(32), primary_key=True),
+    Column("is_open", Boolean, nullable=False),
+    # Of pages that are let in, as a JSON list.
+    Column("origins", LONG_TEXT, nullable=False),
+    Column("changed_by", String(_NAME), nullable=False),
+    Column("changed_us", BigInteger, nullable=False),
+)
+
+# Accounts that may drive a device by clients of other tools.
+client_drivers = Table(
+    "client_drivers",
+    metadata,
+    Column("user_id", ROW_ID, ForeignKey("users.id", ondelete="CASCADE"), primary_key=True),
+    Column("site", String(_NAME), primary_key=True),
+    Column("device", String(_NAME), primary_key=True),
+    Column("given_by", String(_NAME), nullable=False),
+    Column("given_us", BigInteger, nullable=False),
 )
 
 sessions = Table(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ipaddress
 import re
 from typing import TYPE_CHECKING, NamedTuple
+from urllib.parse import parse_qsl, urlencode
 
 from starlette.datastructures import Headers, MutableHeaders
 
@@ -17,11 +18,15 @@ if TYPE_CHECKING:
 
     from talaia.hub.settings import Settings
 
-__all__ = ["RequestGuard", "host_name", "same_origin"]
+__all__ = ["HIDDEN_TOKEN", "RequestGuard", "host_name", "same_origin"]
 
 # Change nothing (RFC 9110, 9.2.1).
 _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 _GATEWAY = "/gateway/"
+# Of other tools: cookies never count there, and each protocol has its own list of origins.
+_CLIENTS = "/clients/"
+# Where the token of such a client stands that was in its address; nothing can log it there.
+HIDDEN_TOKEN = "talaia.token"  # noqa: S105
 _ENROL = "/api/enrol"
 _API = "/api/"
 # The routes whose body holds a whole description.
@@ -69,6 +74,8 @@ class RequestGuard:
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
+        if scope["path"].startswith(_CLIENTS):
+            _hide_token(scope)
         # First: all that follows goes by the real asker and the real scheme.
         scope = self._proxies.look_through(scope)
         tls = scope["scheme"] in _SECURE
@@ -116,6 +123,9 @@ class RequestGuard:
         most = self._limit_of(scope)
         if length is not None and (not length.isdecimal() or int(length) > most):
             return _No(413, "too_large", f"a body holds at most {most} bytes")
+        if scope["path"].startswith(_CLIENTS):
+            # Admitted by token, from origins that an admin names; its route looks at both.
+            return None
         # Browsers send it, and no script of a page can change it.
         path, site = scope["path"], headers.get("sec-fetch-site")
         if scope["method"] in _SAFE:
@@ -150,6 +160,9 @@ def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
 
 
 def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | None:
+    if path.startswith(_CLIENTS):
+        # Admitted by token, from origins that an admin names; its route looks at both.
+        return None
     origin = headers.get("origin")
     if path.startswith(_GATEWAY):
         # A gateway is no page; a page must not speak to this door whatever key it has.
@@ -161,6 +174,16 @@ def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | No
     if not same_origin(origin, host, tls=tls):
         return _No(403, "origin", "a page of another origin may not connect")
     return None
+
+
+def _hide_token(scope: Scope) -> None:
+    """Take the token out of a client's address, in place: the server's own log reads it there."""
+    if b"token" not in scope["query_string"]:
+        return
+    said = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
+    scope[HIDDEN_TOKEN] = next((value for name, value in said if name == "token"), "")
+    kept = [(name, "***" if name == "token" else value) for name, value in said]
+    scope["query_string"] = urlencode(kept, safe="*").encode("ascii")
 
 
 def _bearer(headers: Headers) -> bool:

@@ -226,7 +226,7 @@ class RobotEvents:
             learning=watched.learning,
         )
         # Encoded once in each form, for all pages.
-        encoded: dict[bool, Frame] = {}
+        encoded: dict[str, Frame] = {}
         for browser in self._browsers:
             if sees_signal(browser.who.grants, live.description, device, signal):
                 browser.send_message(news, encoded)

@@ -211,9 +211,9 @@ def _send(group: _Group, columns: Columns) -> None:
     if not len(columns):
         return
     # By the page's number of the subscription and its form.
-    encoded: dict[tuple[int, bool], Frame | None] = {}
+    encoded: dict[tuple[int, str], Frame | None] = {}
     for browser, sub in group.members:
-        key = (sub, browser.text)
+        key = (sub, browser.form)
         if key not in encoded:
             messages = values_of(sub, columns)
             # More than one message is rare and huge: the outbox cuts it by itself.

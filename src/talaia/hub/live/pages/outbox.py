@@ -18,17 +18,43 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from talaia.hub.live.pages.conflate import conflate, frames_of, join, newest, weight
-from talaia.wire.browser import Values
+from talaia.wire.browser import TO_BROWSER, Values
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable
+    from collections.abc import Callable, Hashable, Iterable, Mapping
 
     from talaia.wire.browser import ToBrowser
     from talaia.wire.columns import Columns
 
-__all__ = ["Frame", "Outbox", "values_of"]
+__all__ = ["Frame", "MessageFrame", "Outbox", "values_of"]
 
-Frame = bytes | str
+
+class MessageFrame:
+    """A message as it is, for a client that lives in this process.
+
+    Attributes:
+        message: see above.
+
+    """
+
+    __slots__ = ("_size", "message")
+
+    def __init__(self, message: ToBrowser) -> None:
+        """Weigh a message by what it would be in bytes."""
+        self.message = message
+        # Samples are bytes already, and to write them only to count would cost a copy.
+        self._size = (
+            len(message.channel) + len(message.offset) + len(message.value) + _weigh(message.texts)
+            if isinstance(message, Values)
+            else len(TO_BROWSER.encode(message))
+        )
+
+    def __len__(self) -> int:
+        """Give what it weighs (bytes)."""
+        return self._size
+
+
+Frame = bytes | str | MessageFrame
 # Bytes that may wait for one browser.
 BUDGET = 8 * 1024 * 1024
 # Of the budget: notes and states together; the rest is for values.
@@ -51,6 +77,11 @@ class _Pending:
     frame: Frame | None = None
     # Bytes, near enough; see `conflate.weight`.
     weight: int = 0
+
+
+def _weigh(texts: Mapping[int, str]) -> int:
+    """Give the bytes of texts, near enough: a character takes up to four."""
+    return sum(4 * len(text) for text in texts.values())
 
 
 class Outbox:

@@ -1,6 +1,7 @@
-"""The connection of one browser, and all of them together.
+"""The connection of one browser or of another tool's client, and all of them together.
 
-Long, because all that one socket may wait for, and all that it is told, stands in one place.
+Long, because all that one connection may wait for, and all that it is told, stands in one place.
+How it is read and written is its transport's (`page_transport`).
 """
 
 from __future__ import annotations
@@ -8,15 +9,12 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from starlette.websockets import WebSocketDisconnect
-
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.live.first_completed import until_first
 from talaia.hub.live.pages.message_authorizer import STORE
 from talaia.hub.live.pages.outbox import Outbox
+from talaia.hub.live.pages.page_transport import GONE
 from talaia.wire.browser import (
-    FROM_BROWSER,
-    TO_BROWSER,
     AlarmUpdate,
     AnomalyUpdate,
     CommandUpdate,
@@ -41,17 +39,16 @@ from talaia.wire.browser import (
     TickUpdate,
     Unsubscribe,
 )
-from talaia.wire.errors import PeerError, UnknownKind
+from talaia.wire.errors import PeerError
 from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator
 
-    from starlette.websockets import WebSocket
-
     from talaia.hub.auth.permissions import Who
     from talaia.hub.live.pages.message_authorizer import MessageAuthorizer
     from talaia.hub.live.pages.outbox import Frame
+    from talaia.hub.live.pages.page_transport import PageTransport
     from talaia.wire.browser import FromBrowser, ToBrowser, Values
     from talaia.wire.columns import Columns
 
@@ -59,8 +56,6 @@ __all__ = ["SESSION_OVER", "Browser", "Browsers"]
 
 # Close code for "your session is over": the page goes to the sign-in instead of trying again.
 SESSION_OVER = 4401
-# A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
-_SILENT_S = 150.0
 # A browser that does not read must not hold up the end of its socket (s).
 _FAREWELL_S = 0.3
 # While the hub cannot tell who may do what, this many subscriptions are kept for later, and it is
@@ -70,28 +65,36 @@ _WISH_S = 0.5
 
 
 class Browser:
-    """One socket of one person. A slow one hurts nobody but itself.
+    """One connection of one person. A slow one hurts nobody but itself.
 
     Attributes:
-        key: names this socket to the gateway; leases belong to it.
+        who: never replaced: a change of rights ends the connection, and the page loads anew.
+        key: names this connection to gateways: a lease is held by a page, not by a person.
+        form: those of the same form can be sent what was written once.
+        known: asked for the newest values of a subscription's channels, by their places in its
+            list.
 
     """
 
-    def __init__(self, socket: WebSocket, who: Who, gate: MessageAuthorizer, *, text: bool) -> None:
-        """Speak JSON with ``text``, else MessagePack."""
-        # Never replaced: a change of rights ends the socket, and the page loads anew.
+    def __init__(
+        self,
+        transport: PageTransport,
+        who: Who,
+        gate: MessageAuthorizer,
+        *,
+        handle: Callable[[Browser, FromBrowser], None],
+    ) -> None:
+        """Speak over ``transport``; what ``gate`` lets pass goes to ``handle``."""
         self.who = who
-        # Names this page to gateways: a lease is held by a page, not by a person.
         self.key = new_token()
-        # Which form it reads: JSON, else MessagePack.
-        self.text = text
-        self._socket = socket
+        self.form = transport.form
+        self.known: Callable[[Browser, int, list[int]], list[Values]] = lambda *_: []
+        self._transport = transport
         # Holds every message in both directions against rights.
         self._gate = gate
-        # Asked for the newest values of a subscription's channels, by their places in its list.
-        self.known: Callable[[Browser, int, list[int]], list[Values]] = lambda *_: []
+        self._handle = handle
         # What waits to be sent, bounded.
-        self._outbox = Outbox(self.encode, known=lambda sub, at: self.known(self, sub, at))
+        self._outbox = Outbox(transport.encode, known=lambda sub, at: self.known(self, sub, at))
         # Something waits in the outbox, or the end.
         self._wake = asyncio.Event()
         # The session is over: only the reason is still sent.
@@ -111,9 +114,9 @@ class Browser:
 
     def encode(self, message: ToBrowser) -> Frame:
         """Write a message in the form this browser reads."""
-        return TO_BROWSER.encode_text(message) if self.text else TO_BROWSER.encode(message)
+        return self._transport.encode(message)
 
-    def send_message(self, message: ToBrowser, encoded: dict[bool, Frame] | None = None) -> None:
+    def send_message(self, message: ToBrowser, encoded: dict[str, Frame] | None = None) -> None:
         """Send a message if this person may get it; never waits.
 
         ``encoded`` keeps its bytes, by form, for others who get the same.
@@ -122,9 +125,9 @@ class Browser:
         if self._over.is_set() or not self._gate.may_get(self.who.grants, message):
             return
         encoded = {} if encoded is None else encoded
-        frame = encoded.get(self.text)
+        frame = encoded.get(self.form)
         if frame is None:
-            frame = encoded[self.text] = self.encode(message)
+            frame = encoded[self.form] = self.encode(message)
         key = _state_key(message)
         if key is None:
             self._outbox.enqueue_frame(frame)
@@ -163,12 +166,13 @@ class Browser:
         used, self._used = self._used, False
         return used
 
-    async def serve(
-        self, handle: Callable[[Browser, FromBrowser], None], left: Callable[[], None]
-    ) -> None:
+    async def serve(self, left: Callable[[], None]) -> None:
         """Read and write until either side ends it; ``left`` is called before any farewell."""
         results = await until_first(
-            self._read(handle), self._write(), self._grant(handle), self._over.wait()
+            self._transport.read_messages(self._receive, self.send_message),
+            self._write(),
+            self._grant(),
+            self._over.wait(),
         )
         # Before the farewell, which takes a while: leases of this page are free at once.
         left()
@@ -179,50 +183,41 @@ class Browser:
                 await self._farewell(
                     result.code, RequestError(code="invalid", message=result.problem[:500])
                 )
-            elif isinstance(result, Exception) and not isinstance(result, _GONE):
+            elif isinstance(result, Exception) and not isinstance(result, GONE):
                 raise result
 
-    async def _read(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
-        while True:
-            # The page pings by itself, so silence is a connection that is dead.
-            async with asyncio.timeout(_SILENT_S):
-                event = await self._socket.receive()
-            if event["type"] == "websocket.disconnect":
-                return
-            data = event.get("bytes")
-            try:
-                message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
-            except UnknownKind as error:
-                self.send_message(
-                    RequestError(code="unknown", message=str(error), about=error.kind[:200])
-                )
-                continue
-            # What was read before the end was known is not done any more.
-            if self._over.is_set():
-                return
-            # What a page does by itself does not keep its session alive.
-            self._used = self._used or _by_hand(message)
-            self._judge(message, handle)
+    def request(self, message: FromBrowser) -> RequestError | None:
+        """Do what a message asks if it may be done; else give why not, for the asker alone.
 
-    def _judge(self, message: FromBrowser, handle: Callable[[Browser, FromBrowser], None]) -> None:
-        """Do what may be done, and say why not; a subscription that must wait is kept."""
+        A subscription that cannot be judged now is kept, and granted when it can be.
+        """
+        # What was read before the end was known is not done any more.
+        if self._over.is_set():
+            return RequestError(code="forbidden", message=self._reason or "the connection ends")
+        # What a page does by itself does not keep its session alive.
+        self._used = self._used or _by_hand(message)
         if isinstance(message, Subscribe | Unsubscribe):
             # A newer wish, or none, takes the place of one that waits.
             self._wishes.pop(message.sub, None)
         problem = self._gate.refusal(self.who.grants, message)
         if problem is None:
-            handle(self, message)
-            return
-        self.send_message(problem)
-        if (
+            self._handle(self, message)
+        elif (
             isinstance(message, Subscribe)
             and problem.code == STORE
             and len(self._wishes) < _MOST_WISHES
         ):
             self._wishes[message.sub] = message
             self._wished.set()
+        return problem
 
-    async def _grant(self, handle: Callable[[Browser, FromBrowser], None]) -> None:
+    def _receive(self, message: FromBrowser) -> None:
+        """Do what a page asks, and tell it why not."""
+        problem = self.request(message)
+        if problem is not None:
+            self.send_message(problem)
+
+    async def _grant(self) -> None:
         """Grant what was wished while nobody could tell whether it may be."""
         while True:
             await self._wished.wait()
@@ -234,7 +229,7 @@ class Browser:
                     break
                 del self._wishes[sub]
                 if problem is None:
-                    handle(self, message)
+                    self._handle(self, message)
                 else:
                     self.send_message(problem)
             if not self._wishes:
@@ -247,26 +242,16 @@ class Browser:
             self._wake.clear()
             while self._outbox:
                 for frame in self._outbox.next_frames():
-                    await self._send(frame)
-
-    async def _send(self, frame: Frame) -> None:
-        if isinstance(frame, str):
-            await self._socket.send_text(frame)
-        else:
-            await self._socket.send_bytes(frame)
+                    await self._transport.send_frame(frame)
 
     async def _farewell(self, code: int, last: ToBrowser) -> None:
         """Say one last thing and close, to a browser that may not be listening."""
         try:
             async with asyncio.timeout(_FAREWELL_S):
-                await self._send(self.encode(last))
-                await self._socket.close(code)
-        except _GONE:
+                await self._transport.send_frame(self.encode(last))
+                await self._transport.close_connection(code)
+        except GONE:
             return
-
-
-# What a socket raises when the other side has gone or does not take anything.
-_GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
 
 class Browsers:
@@ -296,7 +281,7 @@ class Browsers:
     def broadcast_message(self, message: ToBrowser) -> None:
         """Send a message to everyone who may get it."""
         # Written once in each form, for all who read it.
-        encoded: dict[bool, Frame] = {}
+        encoded: dict[str, Frame] = {}
         for browser in self:
             browser.send_message(message, encoded)
 

@@ -186,7 +186,7 @@ class Viewer:
     async def _send(self, frame: Frame) -> None:
         if isinstance(frame, str):
             await self._socket.send_text(frame)
-        else:
+        elif isinstance(frame, bytes):
             await self._socket.send_bytes(frame)
 
     def _written(self, message: RequestError | SessionEnded) -> Frame:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from sqlalchemy import delete, func, insert, select, update
 
 from talaia.hub.auth.permissions import Who
-from talaia.hub.auth.tokens import hash_token, new_token
+from talaia.hub.auth.tokens import TOKEN_MARK, hash_token, new_token
 from talaia.hub.store.accounts.permission_grants import (
     OF_ROLES,
     OF_TOKENS,
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MARK", "MOST", "ApiToken", "ApiTokens"]
 
-# By this a leaked token is recognised, in a log or by a scanner.
-MARK = "tal_"
+MARK = TOKEN_MARK
 # What names a token among the names of sessions.
 _NAMED = "token:"
 # A use is written down at most so often (µs).

@@ -1,0 +1,131 @@
+"""Who may connect with another tool: by token, from the origins that an admin has named."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia.hub.api.access import deny
+from talaia.hub.api.problems import STORE_DOWN, ApiProblem
+from talaia.hub.api.rate_limits import MOST_SOCKETS
+from talaia.hub.api.server.request_guard import HIDDEN_TOKEN
+from talaia.hub.errors import StoreDown
+from talaia.hub.policy import AccessNeed, allows
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from starlette.requests import HTTPConnection
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.api.access import Access
+    from talaia.hub.api.rate_limits import RateLimits
+    from talaia.hub.auth.permissions import Who
+    from talaia.hub.clients.open_protocols import OpenProtocols
+    from talaia.hub.live.sites import LiveSite, Sites
+
+__all__ = ["AdmittedClient", "ClientAdmission", "token_of"]
+
+
+class AdmittedClient(NamedTuple):
+    """A client that may connect: who it speaks for, to which site, and of which page's origin."""
+
+    who: Who
+    live: LiveSite
+    origin: str | None
+
+
+class ClientAdmission:
+    """Lets clients of other tools in, or says why not."""
+
+    def __init__(
+        self, *, access: Access, limits: RateLimits, protocols: OpenProtocols, sites: Sites
+    ) -> None:
+        """Know tokens by ``access``; what is open stands in ``protocols``."""
+        self._access = access
+        self._limits = limits
+        self._protocols = protocols
+        self._sites = sites
+
+    async def identify_account(self, connection: HTTPConnection, protocol: str) -> Who:
+        """Give the account of a request or socket of a protocol.
+
+        Raises:
+            ApiProblem: 403 the protocol is shut or the page's origin is not let in, 401 there is
+                no good token.
+            StoreDown: it cannot be told whose token it is.
+
+        """
+        # First: a protocol that is shut looks nothing up for anybody.
+        if not self._protocols.is_open(protocol):
+            raise ApiProblem(
+                403, "shut", "an admin has to open this protocol first (Admin, Clients)"
+            )
+        if not self._protocols.lets_in(protocol, connection.headers.get("origin")):
+            raise ApiProblem(
+                403, "origin", "pages of this origin are not let in; an admin may (Admin, Clients)"
+            )
+        alive = await self._access.who_of_token(token_of(connection))
+        if alive is None:
+            raise ApiProblem(401, "unauthorized", "no token, or one that is not good; see Account")
+        return alive.who
+
+    def site_for(self, who: Who, name: str) -> LiveSite:
+        """Give a site that an account may see something of.
+
+        Raises:
+            ApiProblem: 404 there is none such, or it is not for them.
+
+        """
+        live = self._sites.get(name)
+        if live is None or not allows(AccessNeed.SEE, who.grants, live.description):
+            raise ApiProblem(404, "unknown", "there is no such site")
+        return live
+
+    @asynccontextmanager
+    async def admit_client(
+        self, socket: WebSocket, protocol: str
+    ) -> AsyncIterator[AdmittedClient | None]:
+        """Give who opens a socket at a site, and count it while it is open; None: sent away."""
+        try:
+            who = await self.identify_account(socket, protocol)
+            live = self.site_for(who, socket.path_params["site"])
+        except ApiProblem as no:
+            await deny(socket, status=no.status, code=no.code, message=no.message)
+            yield None
+            return
+        except StoreDown:
+            await deny(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
+            yield None
+            return
+        with self._limits.socket(who) as allowed:
+            if not allowed:
+                message = f"at most {MOST_SOCKETS} connections at once"
+                await deny(socket, status=429, code="busy", message=message)
+            origin = socket.headers.get("origin")
+            yield AdmittedClient(who, live, origin) if allowed else None
+
+
+def token_of(connection: HTTPConnection) -> str:
+    """Give the token of a client; empty if it brings none. Cookies do not count.
+
+    By ``Authorization``, as bearer or as the password of HTTP basic, else by the address, for
+    clients that know nothing else.
+    """
+    kind, _, said = connection.headers.get("authorization", "").partition(" ")
+    match kind.lower():
+        case "bearer":
+            return said.strip()
+        case "basic":
+            try:
+                decoded = base64.b64decode(said.strip(), validate=True).decode()
+            except (binascii.Error, UnicodeDecodeError):
+                return ""
+            # The user's name is for people; the token knows whose it is.
+            return decoded.partition(":")[2]
+        case _:
+            pass
+    hidden = connection.scope.get(HIDDEN_TOKEN, "")
+    return hidden if isinstance(hidden, str) else ""

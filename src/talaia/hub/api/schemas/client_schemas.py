@@ -1,0 +1,77 @@
+"""JSON bodies of client protocols; the browser's types are made from these.
+
+Times ending in ``_us`` are microseconds since the epoch (UTC); 0 says never.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from talaia.hub.api.schemas.common import Schema
+
+__all__ = [
+    "ClientDriverAsk",
+    "ClientDriverShape",
+    "ClientProtocolAsk",
+    "ClientProtocolList",
+    "ClientProtocolShape",
+]
+
+_NAME = Field(min_length=1, max_length=200)
+_MOST_ORIGINS = 50
+_Origin = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class ClientProtocolShape(Schema):
+    """A protocol by which other tools connect.
+
+    ``path`` is where it is served, with ``{site}`` for the site; ``changed_by`` is who opened or
+    shut it last; ``connected`` counts the clients of now.
+    """
+
+    protocol: str
+    title: str
+    path: str
+    socket: bool
+    tools: str
+    open: bool
+    origins: list[str]
+    changed_by: str
+    changed_us: int
+    connected: int
+
+
+class ClientDriverShape(Schema):
+    """An account that may drive a device by such clients."""
+
+    person: str
+    name: str
+    site: str
+    device: str
+    given_by: str
+    given_us: int
+
+
+class ClientProtocolList(Schema):
+    """All protocols, and who may drive by them."""
+
+    protocols: list[ClientProtocolShape]
+    drivers: list[ClientDriverShape]
+
+
+class ClientProtocolAsk(Schema):
+    """Open or shut a protocol; pages of ``origins`` are let in besides tools that are no pages."""
+
+    open: bool
+    origins: list[_Origin] = Field(default=[], max_length=_MOST_ORIGINS)
+
+
+class ClientDriverAsk(Schema):
+    """Let an account drive a device by such clients, or no more."""
+
+    person: str = Field(min_length=1, max_length=20)
+    site: str = _NAME
+    device: str = _NAME
+    allowed: bool

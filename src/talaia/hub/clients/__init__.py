@@ -1,0 +1,1 @@
+"""Clients of other tools: connections, driving, which protocols are open."""

@@ -1,0 +1,40 @@
+"""The client protocols that there are: one row for each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+__all__ = ["CLIENT_PROTOCOLS", "FOXGLOVE", "ClientProtocolInfo"]
+
+
+class ClientProtocolInfo(NamedTuple):
+    """What an admin is shown of a protocol before it is opened.
+
+    Attributes:
+        title: what people call it.
+        path: where it is served; ``{site}`` stands for the site's short name.
+        socket: it is a WebSocket (``wss://``), else HTTP.
+        tools: what speaks it.
+
+    """
+
+    title: str
+    path: str
+    socket: bool
+    tools: str
+
+
+FOXGLOVE = "foxglove"
+
+# By the short name, which stands in addresses, in the database and in the audit log.
+CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
+    FOXGLOVE: ClientProtocolInfo(
+        "Foxglove WebSocket",
+        "/clients/foxglove/{site}",
+        socket=True,
+        tools="Foxglove, Lichtblick, PlotJuggler",
+    ),
+}

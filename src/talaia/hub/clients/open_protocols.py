@@ -1,0 +1,121 @@
+"""Which client protocols are open, to which origins, who drives by them, and who is connected."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
+from talaia.hub.errors import StoreDown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from talaia.hub.store.clients.protocols import ClientDriver, ClientProtocols, ProtocolState
+
+__all__ = ["OpenProtocols"]
+
+
+class EndsConnection(Protocol):
+    """A client that is connected."""
+
+    def end(self, reason: str) -> None:
+        """Close, with the reason."""
+        ...
+
+
+_LOG = logging.getLogger(__name__)
+_SHUT = "an admin has shut this protocol"
+_ORIGIN = "an admin has taken this origin from those that are let in"
+# A reading that takes longer than this counts as failed (s).
+_READ_S = 5.0
+
+
+class OpenProtocols:
+    """The table of protocols as it is now; what it no longer allows is closed at once."""
+
+    def __init__(self, store: ClientProtocols) -> None:
+        """Read from ``store``; all is shut until that has been done."""
+        self._store = store
+        # By short name.
+        self._states: dict[str, ProtocolState] = {}
+        # The account's number, site and device.
+        self._drivers: frozenset[tuple[int, str, str]] = frozenset()
+        # Connections that are open now, with the origin each came from; empty: no page's.
+        self._connected: dict[str, dict[EndsConnection, str]] = {
+            protocol: {} for protocol in CLIENT_PROTOCOLS
+        }
+
+    def is_open(self, protocol: str) -> bool:
+        """Tell whether an admin has opened a protocol."""
+        state = self._states.get(protocol)
+        return state is not None and state.open
+
+    def lets_in(self, protocol: str, origin: str | None) -> bool:
+        """Tell whether a page of this origin may connect; a tool that is no page names none."""
+        if origin is None:
+            return True
+        state = self._states.get(protocol)
+        return state is not None and origin in state.origins
+
+    def may_drive(self, user: int, site: str, device: str) -> bool:
+        """Tell whether an admin lets an account drive a device by such clients."""
+        return (user, site, device) in self._drivers
+
+    def count_connected(self, protocol: str) -> int:
+        """Count the clients that are connected now."""
+        return len(self._connected.get(protocol, ()))
+
+    @contextmanager
+    def count_client(
+        self, protocol: str, client: EndsConnection, origin: str | None
+    ) -> Iterator[None]:
+        """Count a client while it is connected; it is ended when its protocol is shut."""
+        clients = self._connected.setdefault(protocol, {})
+        clients[client] = origin or ""
+        try:
+            yield
+        finally:
+            del clients[client]
+
+    async def reload_table(self) -> None:
+        """Read the table again, and end what it allows no longer.
+
+        Raises:
+            StoreDown: it cannot be read; all stays as it is.
+
+        """
+        states, drivers = await self._store.read_states(), await self._store.read_drivers()
+        self._states = {state.protocol: state for state in states}
+        self._drivers = frozenset(map(_driver_key, drivers))
+        for protocol, clients in self._connected.items():
+            shut = not self.is_open(protocol)
+            # A copy: a client that ends leaves the list.
+            for client, origin in list(clients.items()):
+                if shut:
+                    client.end(_SHUT)
+                elif not self.lets_in(protocol, origin or None):
+                    client.end(_ORIGIN)
+
+    async def watch(self, every_s: float) -> None:
+        """Follow what other processes write into the table, until cancelled."""
+        failing = False
+        while True:
+            await asyncio.sleep(every_s)
+            try:
+                async with asyncio.timeout(_READ_S):
+                    await self.reload_table()
+            except (StoreDown, TimeoutError) as error:
+                if not failing:
+                    _LOG.error("client protocols cannot be read and stay as they are: %s", error)
+                failing = True
+            else:
+                if failing:
+                    _LOG.warning("client protocols are read again")
+                failing = False
+
+
+def _driver_key(driver: ClientDriver) -> tuple[int, str, str]:
+    return driver.user, driver.site, driver.device

@@ -1,0 +1,60 @@
+"""Client protocols: other tools connect, by token and while an admin has opened their protocol."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.clients.client_admission import ClientAdmission
+from talaia.hub.api.clients.client_protocols import ClientProtocolPages
+from talaia.hub.clients.client_connection import ClientConnections
+from talaia.hub.clients.open_protocols import OpenProtocols
+from talaia.hub.features.feature import BackgroundTask, Feature
+from talaia.hub.store.clients.protocols import ClientProtocols
+
+if TYPE_CHECKING:
+    from talaia.hub.features.feature import Core
+    from talaia.hub.features.people import PeopleFeature
+    from talaia.hub.live.pages.page_service import PageService
+    from talaia.hub.store.audit import Audit
+
+__all__ = ["ClientProtocolsFeature"]
+
+
+class ClientProtocolsFeature(Feature):
+    """Which protocols are open, and one route for each.
+
+    Attributes:
+        protocols: what is open now.
+        admission: lets clients in.
+        connections: connects them like pages.
+
+    """
+
+    name = "client_protocols"
+
+    def __init__(
+        self, core: Core, *, people: PeopleFeature, service: PageService, audit: Audit
+    ) -> None:
+        """Serve clients by ``service``, as pages are."""
+        # How often the table is read again: another process may have changed it.
+        self._check_s = core.settings.check_s
+        store = ClientProtocols(core.database, core.clock)
+        self.protocols = OpenProtocols(store)
+        self.admission = ClientAdmission(
+            access=people.access, limits=people.limits, protocols=self.protocols, sites=core.sites
+        )
+        self.connections = ClientConnections(
+            service=service, protocols=self.protocols, clock=core.clock
+        )
+        pages = ClientProtocolPages(
+            store=store, protocols=self.protocols, sites=core.sites, audit=audit
+        )
+        self.routers = [pages.router()]
+        self.tasks = [BackgroundTask(name="check client protocols", run=self._check)]
+
+    async def open(self) -> None:
+        """Read which protocols are open."""
+        await self.protocols.reload_table()
+
+    async def _check(self) -> None:
+        await self.protocols.watch(self._check_s)

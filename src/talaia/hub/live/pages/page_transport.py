@@ -1,0 +1,110 @@
+"""How one connection is read and written: a page's WebSocket, or a client of this very process."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Protocol
+
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, RequestError
+from talaia.wire.errors import UnknownKind
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.live.pages.outbox import Frame
+    from talaia.wire.browser import FromBrowser, ToBrowser
+
+__all__ = ["GONE", "PageTransport", "SocketTransport"]
+
+# A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
+_SILENT_S = 150.0
+# What a socket raises when the other side has gone or does not take anything.
+GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+
+
+class PageTransport(Protocol):
+    """The way to one page or client, and the form in which it reads."""
+
+    @property
+    def form(self) -> str:
+        """Names the form: what is written once serves all connections of the same form."""
+        ...
+
+    def encode(self, message: ToBrowser) -> Frame:
+        """Write a message in the form that is read here; ``len`` of it is what it weighs."""
+        ...
+
+    async def read_messages(
+        self, receive: Callable[[FromBrowser], None], refuse: Callable[[RequestError], None]
+    ) -> None:
+        """Hand each message to ``receive`` until the other side has gone.
+
+        ``refuse`` answers what could not be read and does no harm.
+
+        Raises:
+            PeerError: what came breaks the protocol; the connection ends with its code.
+
+        """
+        ...
+
+    async def send_frame(self, frame: Frame) -> None:
+        """Send one frame; returns when there is room for another."""
+        ...
+
+    async def close_connection(self, code: int) -> None:
+        """End the connection."""
+        ...
+
+
+class SocketTransport:
+    """A page's WebSocket."""
+
+    def __init__(self, socket: WebSocket, *, text: bool) -> None:
+        """Speak JSON with ``text``, else MessagePack."""
+        self._socket = socket
+        self._text = text
+
+    @property
+    def form(self) -> str:
+        """JSON or MessagePack."""
+        return "json" if self._text else "msgpack"
+
+    def encode(self, message: ToBrowser) -> Frame:
+        """Write a message in the form this page reads."""
+        return TO_BROWSER.encode_text(message) if self._text else TO_BROWSER.encode(message)
+
+    async def read_messages(
+        self, receive: Callable[[FromBrowser], None], refuse: Callable[[RequestError], None]
+    ) -> None:
+        """Read until the page has gone; see `PageTransport.read_messages`."""
+        while True:
+            # The page pings by itself, so silence is a connection that is dead.
+            async with asyncio.timeout(_SILENT_S):
+                event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            data = event.get("bytes")
+            try:
+                message = FROM_BROWSER.decode(event.get("text", "") if data is None else data)
+            except UnknownKind as error:
+                refuse(RequestError(code="unknown", message=str(error), about=error.kind[:200]))
+                continue
+            receive(message)
+
+    async def send_frame(self, frame: Frame) -> None:
+        """Send one frame."""
+        if isinstance(frame, str):
+            await self._socket.send_text(frame)
+        elif isinstance(frame, bytes):
+            await self._socket.send_bytes(frame)
+        else:
+            # Only `encode` above makes frames for this transport.
+            raise TypeError(f"a page cannot be sent {type(frame).__name__}")
+
+    async def close_connection(self, code: int) -> None:
+        """Close the socket."""
+        await self._socket.close(code)

@@ -1,0 +1,1 @@
+"""Client protocols in the database."""
