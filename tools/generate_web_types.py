@@ -11,9 +11,19 @@ import json
 import sys
 import types
 from collections import Counter
+from dataclasses import is_dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    Literal,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import msgspec
 from msgspec import inspect
@@ -34,9 +44,6 @@ from talaia.hub.api.schemas import (
     sighting_schemas,
     tile_schemas,
 )
-from talaia.hub.auth.permissions import Right
-from talaia.model.roles import CommandRole, SignalRole, StateMeaning
-from talaia.model.site import ArgumentType, DeviceKind, PositionFrame, SignalType
 from talaia.model.units.unit import UNITS
 from talaia.wire import browser, message
 
@@ -66,17 +73,6 @@ SHAPES = (
     sighting_schemas,
     tile_schemas,
 )
-# Texts of the API that come from a closed list.
-CLOSED = {
-    ("SignalShape", "type"): [kind.value for kind in SignalType],
-    ("SignalShape", "frame"): [frame.value for frame in PositionFrame],
-    ("ArgumentShape", "type"): [kind.value for kind in ArgumentType],
-    ("DeviceShape", "kind"): [kind.value for kind in DeviceKind],
-    ("DeviceShape", "rights"): [right.value for right in Right],
-    ("DeviceSummary", "kind"): [kind.value for kind in DeviceKind],
-    ("DeviceSummary", "rights"): [right.value for right in Right],
-    ("SeriesShape", "kind"): ["exact", "minmax"],
-}
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
 
 
@@ -227,27 +223,25 @@ def wire_text() -> str:
     return FIRST_LINE.format(source="wire.browser") + "\n" + "\n\n".join(parts) + "\n"
 
 
-def api_type(hint: object, words: list[str] | None) -> str:
-    """Say a pydantic field's type in TypeScript; ``words`` stand for its texts when given.
+def api_type(hint: object) -> str:
+    """Say a pydantic field's type in TypeScript.
 
     Raises:
         NoTypeScript: a type that no body had when this was written.
 
     """
-    if hint is str and words:
-        return " | ".join(json.dumps(word) for word in words)
     if get_origin(hint) is Annotated:
         # What stands beside the type says which values fit, not what they are.
-        return api_type(get_args(hint)[0], words)
+        return api_type(get_args(hint)[0])
     if get_origin(hint) is Literal:
         return " | ".join(json.dumps(word) for word in get_args(hint))
     if isinstance(hint, type) and hint in SIMPLE:
         return SIMPLE[hint]
-    if isinstance(hint, type) and issubclass(hint, (BaseModel, StrEnum)):
+    if isinstance(hint, type) and (issubclass(hint, (BaseModel, StrEnum)) or is_dataclass(hint)):
         return hint.__name__
     if hint == dict[str, Any]:
         return "Readonly<Record<string, unknown>>"
-    inner = [api_type(one, words) for one in get_args(hint)]
+    inner = [api_type(one) for one in get_args(hint)]
     if get_origin(hint) is list:
         return f"readonly ({inner[0]})[]" if "|" in inner[0] else f"readonly {inner[0]}[]"
     if get_origin(hint) is dict and inner[0] == "string":
@@ -255,6 +249,21 @@ def api_type(hint: object, words: list[str] | None) -> str:
     if get_origin(hint) in (types.UnionType, Union):
         return " | ".join(dict.fromkeys(inner))
     raise NoTypeScript(hint)
+
+
+def fields_of(cls: type) -> list[tuple[str, object, bool]]:
+    """Give the fields of a body: name, type, and whether it is always there."""
+    if issubclass(cls, BaseModel):
+        fields = cls.model_fields.items()
+        return [(key, info.annotation, info.is_required()) for key, info in fields]
+    return [(key, hint, True) for key, hint in get_type_hints(cls).items()]
+
+
+def classes_in(hint: object) -> list[type]:
+    """Give the classes that a type names, also inside lists and choices."""
+    if isinstance(hint, type) and not get_args(hint):
+        return [hint]
+    return [one for inner in get_args(hint) for one in classes_in(inner)]
 
 
 def api_text() -> str:
@@ -267,22 +276,27 @@ def api_text() -> str:
     if twice:
         # TypeScript would put the two together into one.
         raise NoTypeScript(f"two shapes of one name: {', '.join(twice)}")
-    for shape_class in classes:
-        name = shape_class.__name__
-        lines = [f"/** {first_sentence(shape_class)} */", f"export interface {name} {{"]
-        for key, info in shape_class.model_fields.items():
-            mark = "" if info.is_required() else "?"
-            kind = api_type(info.annotation, CLOSED.get((name, key)))
-            lines.append(f"  readonly {key}{mark}: {kind};")
+    served: list[type] = [*classes]
+    # Domain types that stand in others: bodies first, then the closed lists of their texts.
+    for shape_class in served:
+        lines = [
+            f"/** {first_sentence(shape_class)} */",
+            f"export interface {shape_class.__name__} {{",
+        ]
+        for key, hint, required in fields_of(shape_class):
+            lines.append(f"  readonly {key}{'' if required else '?'}: {api_type(hint)};")
+            served += [one for one in classes_in(hint) if is_dataclass(one) and one not in served]
         parts.append("\n".join([*lines, "}"]))
+    found = (one for each in served for _, hint, _ in fields_of(each) for one in classes_in(hint))
+    words = {one for one in found if issubclass(one, StrEnum)}
     parts += [
-        f"/** {first_sentence(words)} */\nexport type {words.__name__} =\n  | "
-        + "\n  | ".join(json.dumps(word.value) for word in words)
+        f"/** {first_sentence(one)} */\nexport type {one.__name__} =\n  | "
+        + "\n  | ".join(json.dumps(word.value) for word in one)
         + ";"
-        for words in (SignalRole, CommandRole, StateMeaning)
+        for one in sorted(words, key=lambda one: one.__name__)
     ]
     return (
-        FIRST_LINE.format(source="hub.api.shapes and people_shapes")
+        FIRST_LINE.format(source="hub.api.schemas")
         + "\n"
         + "\n\n".join(parts)
         + "\n"

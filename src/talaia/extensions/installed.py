@@ -7,6 +7,7 @@ takes no other with it.
 from __future__ import annotations
 
 import logging
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
@@ -66,7 +67,8 @@ class InstalledExtension(NamedTuple):
     declared: Declared
 
 
-class BrokenExtension(NamedTuple):
+@dataclass(frozen=True, slots=True, order=True)
+class BrokenExtension:
     """One that cannot be used, or that failed while it was used, and why."""
 
     group: str

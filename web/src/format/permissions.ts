@@ -1,13 +1,9 @@
 /** Permissions in words. */
 
-interface GivenPermission {
-  readonly right: string;
-  readonly site: string;
-  readonly device: string;
-}
+import type { PermissionShape } from "../generated/api.js";
 
 /** `view every site, use agv base`; `nothing` for none. */
-export function permissionText(permissions: readonly GivenPermission[]): string {
+export function permissionText(permissions: readonly PermissionShape[]): string {
   if (permissions.length === 0) return "nothing";
   return permissions.map((permission) => `${permission.right} ${placeText(permission)}`).join(", ");
 }

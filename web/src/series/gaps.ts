@@ -1,14 +1,9 @@
 /** Where a channel was silent for longer than it should be. */
 
+import type { GapShape } from "../generated/api.js";
+
 const OFTEN = 3;
 const REMEMBERED = 31;
-
-/** A stretch without samples, with the reason where one is known. */
-export interface Gap {
-  readonly from_us: number;
-  readonly to_us: number;
-  readonly reason: string;
-}
 
 /** The longest pause that is no gap (µs): three usual intervals, and never less than the limit of age. */
 export function pauseAllowed(intervalUs: number, maxAgeUs: number): number {
@@ -63,8 +58,8 @@ export class IntervalWatch {
 }
 
 /** The pauses that are longer than `allowedUs`. */
-export function gapsOf(times: ArrayLike<number>, allowedUs: number): Gap[] {
-  const found: Gap[] = [];
+export function gapsOf(times: ArrayLike<number>, allowedUs: number): GapShape[] {
+  const found: GapShape[] = [];
   for (let i = 1; i < times.length; i += 1) {
     const from_us = times[i - 1] ?? NaN;
     const to_us = times[i] ?? NaN;

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from talaia.model.interlocks.enclosure import Enclosure
@@ -11,7 +12,8 @@ if TYPE_CHECKING:
 __all__ = ["Capabilities", "capabilities_of"]
 
 
-class Capabilities(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Capabilities:
     """See `EnclosureCapabilities`; nothing is left open here."""
 
     has_shutter: bool
@@ -38,13 +40,9 @@ def capabilities_of(site: Site, enclosure: Enclosure) -> Capabilities:
     )
     if said is None:
         return follows
-    return Capabilities(
-        *(
-            # What is said wins over what follows.
-            known if getattr(said, key) is None else getattr(said, key)
-            for key, known in follows._asdict().items()
-        )
-    )
+    # What is said wins over what follows.
+    known = {key: getattr(said, key) for key in asdict(follows)}
+    return replace(follows, **{key: value for key, value in known.items() if value is not None})
 
 
 def _can_turn(site: Site, enclosure: Enclosure) -> bool:

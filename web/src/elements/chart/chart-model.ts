@@ -1,9 +1,9 @@
 /** What a chart is given to draw. */
 
 import type { Columns } from "../../series/columns.js";
-import type { Gap } from "../../series/gaps.js";
 import type { RangeLimits } from "../../series/axis-range.js";
 import type { TimeSpan } from "../../series/time-window.js";
+import type { GapShape } from "../../generated/api.js";
 
 /** Samples of one channel; `series/trace.ts` is one. */
 export interface ChartSamples {
@@ -30,7 +30,7 @@ export interface ChartSeries {
   /** What each whole number means, for a state; empty for a number. */
   readonly states: readonly string[];
   /** Stretches without samples that have a reason. */
-  readonly gaps: readonly Gap[];
+  readonly gaps: readonly GapShape[];
   /** Old values must not look as if they were fresh. */
   readonly stale: boolean;
   /** The same channel at another time, drawn behind. */

@@ -1,10 +1,10 @@
 /** What stands on a chart's canvas between its axes: traces, bands, states and gaps. */
 
 import type { Columns } from "../../series/columns.js";
-import type { Gap } from "../../series/gaps.js";
 import type { StateRun } from "../../series/state-runs.js";
 import type { AxisRange } from "../../series/axis-range.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
+import type { GapShape } from "../../generated/api.js";
 
 /** The place to draw in (canvas pixels), with what its sides stand for. */
 export interface Plot {
@@ -170,7 +170,7 @@ function drawDot(plot: Plot, columns: Columns, colour: string): void {
 }
 
 /** Hatched stretches without samples, with the reason where there is room for it. */
-export function drawGaps(plot: Plot, gaps: readonly Gap[], ink: string): void {
+export function drawGaps(plot: Plot, gaps: readonly GapShape[], ink: string): void {
   const { ctx, ratio } = plot;
   for (const gap of gaps) {
     const left = Math.max(plot.left, xOf(plot, gap.from_us));
@@ -206,7 +206,7 @@ function drawHatch(plot: Plot, left: number, width: number, ink: string): void {
   ctx.stroke();
 }
 
-function drawGapReason(plot: Plot, gap: Gap, left: number, width: number, ink: string): void {
+function drawGapReason(plot: Plot, gap: GapShape, left: number, width: number, ink: string): void {
   const { ctx, ratio } = plot;
   const text = gap.reason === "" ? "no samples" : gap.reason;
   ctx.font = `${String(11 * ratio)}px ${plot.font}`;

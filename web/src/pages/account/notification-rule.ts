@@ -1,10 +1,9 @@
 /** A rule of whom to tell what, as it stands in a form. Pure. */
 
 import { formText } from "../../format/form-values.js";
-import type { NoticeRuleShape, RuleAsk } from "../../generated/api.js";
+import type { NoticeRuleShape, RuleAsk, Severity } from "../../generated/api.js";
 
-export const SEVERITIES = ["info", "warning", "critical"] as const;
-type AlarmSeverity = (typeof SEVERITIES)[number];
+export const SEVERITIES: readonly Severity[] = ["info", "warning", "critical"];
 
 /** What a rule says where nobody has said anything else. */
 export const FIRST: Required<Omit<NoticeRuleShape, "id" | "way" | "zone">> = {
@@ -42,7 +41,7 @@ export function quietHours(rule: Pick<RuleAsk, "quiet_from" | "quiet_to">): { re
   return from === to ? null : { from: clockText(from), to: clockText(to) };
 }
 
-function severityOf(word: string): AlarmSeverity {
+function severityOf(word: string): Severity {
   return SEVERITIES.find((severity) => severity === word) ?? "warning";
 }
 

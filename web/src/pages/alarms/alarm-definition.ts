@@ -1,8 +1,6 @@
 /** An alarm's definition as the fields of a form, and back. Pure. */
 
-import type { AlarmDefinition, SignalShape } from "../../generated/api.js";
-
-export type AlarmKind = AlarmDefinition["kind"];
+import type { AlarmDefinition, AlarmKind, EscalationShape, SignalType } from "../../generated/api.js";
 
 export const KINDS: readonly { readonly kind: AlarmKind; readonly name: string }[] = [
   { kind: "limit", name: "Limit" },
@@ -62,7 +60,7 @@ export function fieldLabel(field: AlarmField, unit: string): string {
 }
 
 /** Whether an alarm of a kind can watch a signal of a type. */
-export function kindFitsType(kind: AlarmKind, type: SignalShape["type"]): boolean {
+export function kindFitsType(kind: AlarmKind, type: SignalType): boolean {
   if (kind === "limit" || kind === "anomaly") return type === "number" || type === "position";
   if (kind === "state") return type === "state" || type === "text";
   return true;
@@ -77,7 +75,7 @@ export function alarmFields(definition: AlarmDefinition): AlarmFields {
   const said: Record<string, string> = {};
   for (const [name, value] of Object.entries(definition)) {
     if (value === null || value === undefined) said[name] = "";
-    else if (Array.isArray(value)) said[name] = value.map((step: string | EscalationStep) => (typeof step === "string" ? step : `${step.who} ${String(step.after)}`)).join(", ");
+    else if (Array.isArray(value)) said[name] = value.map((step: string | EscalationShape) => (typeof step === "string" ? step : `${step.who} ${String(step.after)}`)).join(", ");
     else if (typeof value === "boolean") said[name] = value ? "on" : "";
     else said[name] = String(value);
   }
@@ -112,14 +110,9 @@ export function definitionOf(fields: AlarmFields): { readonly definition: AlarmD
   return { definition: said as unknown as AlarmDefinition };
 }
 
-interface EscalationStep {
-  readonly who: string;
-  readonly after: number;
-}
-
 /** `anna 0, ben 300` as steps; null when it is not of this form. */
-function parseSteps(text: string): readonly EscalationStep[] | null {
-  const steps: EscalationStep[] = [];
+function parseSteps(text: string): readonly EscalationShape[] | null {
+  const steps: EscalationShape[] = [];
   for (const word of text.split(",").map((address) => address.trim()).filter(Boolean)) {
     const [, who, after] = /^(\S+)(?:\s+(\d+(?:\.\d+)?))?$/.exec(word) ?? [];
     if (who === undefined) return null;

@@ -12,10 +12,9 @@ import { base } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
-import type { PersonShape, RoleShape } from "../../generated/api.js";
+import type { PersonAsk, PersonShape, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import type { NewPerson } from "./person-form.js";
 import { renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../admin-tabs.js";
@@ -119,7 +118,7 @@ export class PagePeople extends LitElement {
     this.action.clear();
   };
 
-  private readonly addPerson = (event: CustomEvent<NewPerson>): void => {
+  private readonly addPerson = (event: CustomEvent<PersonAsk>): void => {
     const { name, password, role } = event.detail;
     const api = new AdminApi(this.api);
     void this.action.run(`add ${name}`, () => api.addPerson(name, password, role), `${name} is added.`).then((done) => {

@@ -9,15 +9,9 @@ import { forms } from "../../elements/forms/form-style.js";
 import { NewPassword } from "../../elements/forms/new-password.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import type { Advice } from "../../format/error-advice.js";
-import type { RoleShape } from "../../generated/api.js";
+import type { PersonAsk, RoleShape } from "../../generated/api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/field.js";
-
-export interface NewPerson {
-  readonly name: string;
-  readonly password: string;
-  readonly role: string;
-}
 
 /**
  * @fires t-add detail is who is to be added
@@ -79,7 +73,7 @@ export class PersonForm extends LitElement {
     const name = this.name.trim();
     this.missing = name === "" ? "Enter a name." : "";
     if (!this.password.validate() || name === "") return;
-    const detail: NewPerson = { name, password: this.password.value, role: this.roleBox.value };
+    const detail: PersonAsk = { name, password: this.password.value, role: this.roleBox.value };
     this.dispatchEvent(new CustomEvent("t-add", { detail }));
   };
 }
@@ -89,6 +83,6 @@ declare global {
     "t-person-form": PersonForm;
   }
   interface GlobalEventHandlersEventMap {
-    "t-add": CustomEvent<NewPerson>;
+    "t-add": CustomEvent<PersonAsk>;
   }
 }

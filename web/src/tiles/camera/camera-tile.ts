@@ -17,7 +17,7 @@ import { H264Player, supportsH264 } from "./h264-player.js";
 import { BoxSync, type CurrentBoxes } from "./box-sync.js";
 import { JpegPlayer } from "./jpeg-player.js";
 import { ObjectDetection } from "./object-detection.js";
-import type { DetectOptions } from "./object-filter.js";
+import type { DetectShape } from "../../generated/api.js";
 
 const MIME: Readonly<Record<string, string>> = { jpeg: "image/jpeg", png: "image/png", webp: "image/webp" };
 /** The age on the picture changes this often. */
@@ -71,7 +71,7 @@ export class CameraTile extends LitElement {
   /** The page makes itself full, and not the picture alone. */
   @property({ type: Boolean }) paged = false;
   /** What is looked for on its pictures; null where nothing is. */
-  @property({ attribute: false }) detect: DetectOptions | null | undefined = null;
+  @property({ attribute: false }) detect: DetectShape | null | undefined = null;
   /** This person drives by this picture: it is never held back for what is seen on it. */
   @property({ type: Boolean }) driving = false;
 

@@ -12,7 +12,8 @@ import { sessionContext } from "../../state/contexts.js";
 import { AS_DESCRIBED, keepObjects, readObjects, type ObjectsChoice } from "../../state/objects-choice.js";
 import { seesOnlyPublic } from "../../state/rights.js";
 import { sitePath } from "../../state/router.js";
-import { objectOptions, countObjects, framedObjects, minimumConfidence, type DetectOptions } from "./object-filter.js";
+import { objectOptions, countObjects, framedObjects, minimumConfidence } from "./object-filter.js";
+import type { DetectShape } from "../../generated/api.js";
 
 /** A detector that says nothing for so long is silent (ms). */
 const SILENT_MS = 3000;
@@ -21,7 +22,7 @@ const SILENT_MS = 3000;
 export interface DetectionSubject {
   readonly site: string;
   readonly stream: string;
-  readonly detects: DetectOptions | null;
+  readonly detects: DetectShape | null;
 }
 
 const NOTHING: readonly DetectedObject[] = [];

@@ -4,19 +4,14 @@ import type { ObjectCount } from "../../elements/camera/objects-overlay.js";
 import type { ObjectOption } from "../../elements/camera/objects-choice.js";
 import type { DetectedObject } from "../../generated/wire.js";
 import { LEAST_SURE, type ObjectsChoice } from "../../state/objects-choice.js";
-
-/** What the site description looks for; see `DetectShape`. */
-export interface DetectOptions {
-  readonly classes: readonly string[];
-  readonly confidence: number;
-}
+import type { DetectShape } from "../../generated/api.js";
 
 /** How sure it must be, 0 to 1. */
-export function minimumConfidence(choice: ObjectsChoice, detects: DetectOptions): number {
+export function minimumConfidence(choice: ObjectsChoice, detects: DetectShape): number {
   return Math.max(LEAST_SURE, choice.confidence ?? detects.confidence);
 }
 
-export function framedObjects(things: readonly DetectedObject[], choice: ObjectsChoice, detects: DetectOptions): readonly DetectedObject[] {
+export function framedObjects(things: readonly DetectedObject[], choice: ObjectsChoice, detects: DetectShape): readonly DetectedObject[] {
   const classes = new Set(choice.classes ?? detects.classes);
   const sure = minimumConfidence(choice, detects);
   return things.filter(({ label, score }) => classes.has(label) && score >= sure);
@@ -32,7 +27,7 @@ export function countObjects(things: readonly DetectedObject[]): readonly Object
 }
 
 /** Those of the description in its order, then what was chosen or seen, by name. */
-export function objectOptions(detects: DetectOptions, seen: ReadonlySet<string>, choice: ObjectsChoice): readonly ObjectOption[] {
+export function objectOptions(detects: DetectShape, seen: ReadonlySet<string>, choice: ObjectsChoice): readonly ObjectOption[] {
   const wanted = new Set(choice.classes ?? detects.classes);
   const others = [...new Set([...(choice.classes ?? []), ...seen])].filter((label) => !detects.classes.includes(label));
   return [

@@ -1,11 +1,10 @@
 /** The samples behind a page of live charts: one subscription, one trace for each channel. */
 
 import { Trace } from "../../series/trace.js";
-import type { Gap } from "../../series/gaps.js";
 import { LiveEdge } from "../../series/live-edge.js";
 import { lengthOf, type TimeSpan } from "../../series/time-window.js";
 import { SECOND_US } from "../../series/zone-clock.js";
-import type { HistoryAnswer, SignalShape } from "../../generated/api.js";
+import type { GapShape, HistoryAnswer, SignalShape } from "../../generated/api.js";
 import type { HistoryQuery } from "../../wire/hub-api.js";
 import type { Batch } from "../../wire/subscriptions.js";
 import { samplesOf } from "./history-samples.js";
@@ -34,7 +33,7 @@ const WRITTEN_S = 130;
 export interface FeedChannel {
   readonly trace: Trace;
   /** Stretches that the hub knows to be missing; added to in place. */
-  readonly gaps: Gap[];
+  readonly gaps: GapShape[];
   /** The newest text; null for a number. */
   text: string | null;
   /** When the newest sample was taken (µs since the epoch); NaN before the first. */

@@ -7,7 +7,7 @@ import { ContextStoreController } from "../../controllers/context-store.js";
 import { base } from "../../elements/base/base-style.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
-import type { RuleShape, SignalShape } from "../../generated/api.js";
+import type { RuleShape, SignalRole, SignalShape } from "../../generated/api.js";
 import { NO_DEVICE, DevicePart } from "./device-part.js";
 import { summarySignals } from "../catalog.js";
 import { outletsOf } from "./roles.js";
@@ -15,6 +15,9 @@ import { limitLines, rulesAbout, verdictOf, VERDICT_KINDS, VERDICT_WORDS } from 
 import "../../elements/feedback/status.js";
 import "../../elements/values/value.js";
 import "../signal-value.js";
+
+/** Short names, where both stand beside each other. */
+const SHORT_NAMES: Readonly<Partial<Record<SignalRole, string>>> = { "telescope.ra": "RA", "telescope.dec": "Dec" };
 
 @customElement("t-telling")
 export class DeviceSummaryValues extends DevicePart {
@@ -62,7 +65,7 @@ export class DeviceSummaryValues extends DevicePart {
     return html`${this.renderVerdict()} ${this.renderOutlets()} ${repeat(
       this.signals ?? summarySignals(device),
       ({ address }) => address,
-      (signal) => html`<t-signal-value .size=${this.size} .site=${this.site} .signal=${signal}></t-signal-value>`,
+      (signal) => html`<t-signal-value .size=${this.size} .site=${this.site} .signal=${signal} .label=${SHORT_NAMES[signal.role] ?? ""}></t-signal-value>`,
     )}`;
   }
 

@@ -9,7 +9,8 @@ import { formatWithUnit } from "../../format/unit.js";
 import type { EnclosurePartShape, EnclosureShape, SightingShape, SignalShape } from "../../generated/api.js";
 import { sensorsDisagree, type RoofSensor } from "./sensor-agreement.js";
 import { NO_DEVICE, DevicePart, partStyle } from "./device-part.js";
-import { domeCommands, domeSignals, shutterOf, telescopeSignals, type DomeSignals, type ShutterState } from "./roles.js";
+import { domeCommands, domeSignals, shutterOf, telescopeSignals, type DomeSignals } from "./roles.js";
+import type { RoofState } from "../../elements/observatory/dome-drawing.js";
 import "../../elements/observatory/dome-drawing.js";
 import "../../elements/feedback/status.js";
 import type { StatusKind } from "../../elements/feedback/status.js";
@@ -17,7 +18,7 @@ import "../command/command-card.js";
 import "../command/command-buttons.js";
 import "../signal-value.js";
 
-const SAID: Readonly<Record<ShutterState, { kind: StatusKind; word: string }>> = {
+const SAID: Readonly<Record<RoofState, { kind: StatusKind; word: string }>> = {
   open: { kind: "warn", word: "Open" },
   closed: { kind: "ok", word: "Closed" },
   opening: { kind: "busy", word: "Opening" },
@@ -112,7 +113,7 @@ export class DomePart extends DevicePart {
   }
 
   /** Parked is not closed, and neither is the command's success: the sensors say it. */
-  private renderSensorProof(roof: ShutterState): unknown {
+  private renderSensorProof(roof: RoofState): unknown {
     const judged = this.shutterVerdict();
     if (judged === undefined) return nothing;
     if (judged.closed) return html`<t-status kind="ok" word="Every sensor says closed"></t-status>`;
@@ -176,7 +177,7 @@ export class DomePart extends DevicePart {
     return domeSignals(this.device ?? NO_DEVICE);
   }
 
-  private shutterState({ shutter }: DomeSignals): ShutterState {
+  private shutterState({ shutter }: DomeSignals): RoofState {
     const now = this.readSignal(shutter);
     return now.fresh ? shutterOf(shutter, now.value) : "unknown";
   }

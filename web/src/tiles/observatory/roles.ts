@@ -4,6 +4,7 @@
  */
 
 import type { ArgumentValue } from "../../elements/command/argument-check.js";
+import type { RoofState } from "../../elements/observatory/dome-drawing.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
 import type { CommandRole, CommandShape, DeviceShape, SignalRole, SignalShape, StateMeaning } from "../../generated/api.js";
 
@@ -53,14 +54,12 @@ export function domeSignals(device: DeviceShape): DomeSignals {
   };
 }
 
-export type ShutterState = "open" | "closed" | "opening" | "closing" | "partial" | "error" | "unknown";
-
-const SHUTTER_STATES: Readonly<Partial<Record<StateMeaning, ShutterState>>> = {
+const SHUTTER_STATES: Readonly<Partial<Record<StateMeaning, RoofState>>> = {
   open: "open", closed: "closed", opening: "opening", closing: "closing", partial: "partial", error: "error",
 };
 
 /** How a shutter is drawn at a value; what means nothing to a shutter is unknown. */
-export function shutterOf(signal: SignalShape | undefined, value: number): ShutterState {
+export function shutterOf(signal: SignalShape | undefined, value: number): RoofState {
   return SHUTTER_STATES[meaningOf(signal, value)] ?? "unknown";
 }
 

@@ -108,9 +108,7 @@ def permissions_of(grants: Grants) -> list[PermissionShape]:
         ),
     )
     return [
-        PermissionShape(
-            right=permission.right.value, site=permission.site, device=permission.device
-        )
+        PermissionShape(right=permission.right, site=permission.site, device=permission.device)
         for permission in ordered
     ]
 

@@ -246,13 +246,13 @@ def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
 def _film(recorded: Recorded) -> FilmShape:
     told = recorded._asdict()
     fields = {key: told[key] for key in FilmShape.model_fields if key not in ("state", "pictures")}
-    return FilmShape(**fields, state=recorded.state.value, pictures=recorded.messages)
+    return FilmShape(**fields, state=recorded.state, pictures=recorded.messages)
 
 
 def _shape(recorded: Recorded) -> RecordingShape:
     told = recorded._asdict()
     return RecordingShape(
         **{key: told[key] for key in RecordingShape.model_fields if key not in ("state", "topics")},
-        state=recorded.state.value,
+        state=recorded.state,
         topics=list(recorded.topics),
     )

@@ -10,7 +10,7 @@ from fastapi import APIRouter
 from talaia.clock import SECOND
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.history_schemas import ChannelStorageShape, OutlookShape, StorageShape
-from talaia.hub.history.forecast import DAY_US, StorageRoom, forecast, growth_of
+from talaia.hub.history.forecast import DAY_US, StorageRoom, Warn, forecast, growth_of
 
 if TYPE_CHECKING:
     from talaia.clock import Clock
@@ -66,7 +66,7 @@ class StoragePages:
             by_limit=said.by_limit,
             oldest_us=said.oldest_us,
             kept_days=None if said.kept_us is None else said.kept_us / DAY_US,
-            warn=said.warn.value,
+            warn=said.warn,
             trouble=self._history.trouble,
             channels=[self._channel(channel, now_us) for channel in found.channels],
         )
@@ -76,13 +76,13 @@ class StoragePages:
         trouble = self._history.trouble
         if trouble and self._found is None:
             # The database may be away: what is known must not wait for it.
-            return OutlookShape(trouble=trouble, warn="", full_us=None, free_bytes=None)
+            return OutlookShape(trouble=trouble, warn=Warn.NOTHING, full_us=None, free_bytes=None)
         # In trouble the last look is shown, however old it is.
         found = self._found if trouble and self._found else await self._measure(_OUTLOOK_NS)
         said = self._forecast(found)
         return OutlookShape(
             trouble=trouble,
-            warn=said.warn.value,
+            warn=said.warn,
             full_us=said.full_us,
             free_bytes=found.free_bytes,
         )

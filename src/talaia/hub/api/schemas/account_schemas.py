@@ -8,6 +8,8 @@ from __future__ import annotations
 from pydantic import Field
 
 from talaia.hub.api.schemas.common import PermissionShape, Schema
+from talaia.hub.auth.permissions import Right  # noqa: TC001 - pydantic reads it
+from talaia.model.closed_lists import DeviceKind  # noqa: TC001 - pydantic reads it
 
 __all__ = [
     "CodeOnly",
@@ -198,9 +200,9 @@ class DeviceSummary(Schema):
     site_name: str
     device: str
     name: str
-    kind: str
+    kind: DeviceKind
     online: bool
-    rights: list[str]
+    rights: list[Right]
     public: bool
     signals: int
     stale: int

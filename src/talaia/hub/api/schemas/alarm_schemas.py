@@ -6,7 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints
 
+from talaia.hub.alarms.preview import Span  # noqa: TC001 - pydantic reads it
 from talaia.hub.api.schemas.common import Schema
+from talaia.model.alarms.alarm import AlarmKind, Severity
 
 __all__ = [
     "ActAsk",
@@ -18,7 +20,6 @@ __all__ = [
     "EscalationShape",
     "PreviewAsk",
     "PreviewShape",
-    "SpanShape",
 ]
 
 _Name = Annotated[str, StringConstraints(max_length=200, pattern=r"^[^\x00]*$")]
@@ -38,9 +39,7 @@ class AlarmDefinition(Schema):
     """An alarm, in the words of the site description; see there what each key means."""
 
     name: _Name
-    kind: Literal[
-        "limit", "state", "stale", "anomaly", "detection", "expression", "enclosure", "gateway"
-    ]
+    kind: AlarmKind
     signal: _Name = ""
     above: _Number | None = None
     below: _Number | None = None
@@ -56,7 +55,7 @@ class AlarmDefinition(Schema):
     confidence: _Number = 0.5
     expression: _Words = ""
     enclosure: _Name = ""
-    severity: Literal["info", "warning", "critical"] = "warning"
+    severity: Severity = Severity.WARNING
     delay: _Number = 0.0
     clear_delay: _Number = 0.0
     unknown_after: _Number | None = None
@@ -127,14 +126,6 @@ class PreviewAsk(Schema):
     hours: float = Field(default=24, gt=0, le=24 * 31, allow_inf_nan=False)
 
 
-class SpanShape(Schema):
-    """It would have been active from then to then."""
-
-    from_us: int
-    to_us: int
-    why: str
-
-
 class PreviewShape(Schema):
     """What would have been.
 
@@ -148,5 +139,5 @@ class PreviewShape(Schema):
     to_us: int = 0
     count: int = 0
     unknown_us: int = 0
-    spans: list[SpanShape] = Field(default=[])
+    spans: list[Span] = Field(default=[])
     signals: list[str] = Field(default=[])

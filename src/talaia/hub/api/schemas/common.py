@@ -1,7 +1,19 @@
 """Every JSON body of the HTTP API; the browser's types are made from these.
 
 Times ending in ``_us`` are microseconds since the epoch (UTC). Long, because the bodies of sites,
-gateways and the audit log are read together; those of people and roles are in `people_shapes`.
+gateways and the audit log are read together; those of people and roles are in `account_schemas`.
+
+Closed lists are the domain's own (`SignalType`, `Right`, `AlarmKind`), and what says the same in
+the domain is served as it is (`Capabilities`, `Span`, `BrokenExtension`, `BrokenTile`). The other
+bodies are not the domain's types with another name:
+
+* ids are texts here, because JSON's numbers do not hold them (people, gateways, frames, sightings);
+* NaN is null (statistics, outliers, frames), and what is left out of a description is filled in
+  (digits of a unit, names of arguments, the greatest speed backwards);
+* they leave out what the person may not see, or is the gateway's business (sources, secrets);
+* `PlaceShape` and `EscalationShape` repeat a part of the description: those are msgspec's, which
+  the framework of these routes can neither check nor describe;
+* `GapShape`, `ReadingShape` and `OutlierShape` are tuples inside, as millions of them are made.
 """
 
 from __future__ import annotations
@@ -18,6 +30,13 @@ from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydant
     SlewShape,
 )
 from talaia.hub.api.schemas.sighting_schemas import SeenShape  # noqa: TC001 - pydantic reads it
+from talaia.hub.auth.permissions import Right  # noqa: TC001 - pydantic reads it
+from talaia.model.closed_lists import (  # noqa: TC001 - pydantic reads them
+    ArgumentType,
+    DeviceKind,
+    PositionFrame,
+    SignalType,
+)
 from talaia.model.roles import (  # noqa: TC001 - pydantic reads them
     CommandRole,
     SignalRole,
@@ -111,7 +130,7 @@ class SetupAsk(Schema):
 class PermissionShape(Schema):
     """A right (view, use or admin) on a site and a device; ``*`` stands for each of them."""
 
-    right: Literal["view", "use", "admin"]
+    right: Right
     site: str = _PLACE
     device: str = _PLACE
 
@@ -164,7 +183,7 @@ class SignalShape(Schema):
     id: str
     address: str
     name: str
-    type: str
+    type: SignalType
     role: SignalRole
     unit: str
     decimals: int
@@ -172,7 +191,7 @@ class SignalShape(Schema):
     maximum: float | None
     states: list[str]
     meanings: list[StateMeaning]
-    frame: str
+    frame: PositionFrame | Literal[""]
     max_age: float
     primary: bool
     public: bool
@@ -202,7 +221,7 @@ class ArgumentShape(Schema):
 
     id: str
     name: str
-    type: str
+    type: ArgumentType
     unit: str
     minimum: float | None
     maximum: float | None
@@ -250,7 +269,7 @@ class DeviceShape(Schema):
 
     id: str
     name: str
-    kind: str
+    kind: DeviceKind
     signals: list[SignalShape]
     streams: list[StreamShape]
     commands: list[CommandShape]
@@ -259,7 +278,7 @@ class DeviceShape(Schema):
     link_loss: str
     pointing: PointingShape | None
     slew: SlewShape | None
-    rights: list[str]
+    rights: list[Right]
     unguarded: bool
 
 
@@ -295,7 +314,7 @@ class SeriesShape(Schema):
     """
 
     address: str
-    kind: str
+    kind: Literal["exact", "minmax"]
     t_us: list[int]
     v: list[float | None]
     text: list[str] | None = None

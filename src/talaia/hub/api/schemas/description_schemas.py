@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from talaia.hub.api.schemas.common import Schema
+from talaia.model.yaml_text.diff import ChangeKind  # noqa: TC001 - pydantic reads it
 
 __all__ = [
     "ChangeAnswer",
@@ -86,7 +87,7 @@ class DescriptionText(Schema):
 class DifferenceShape(Schema):
     """A part that is not the same in two versions."""
 
-    kind: Literal["added", "removed", "changed", "renamed"]
+    kind: ChangeKind
     path: str
     before: str
     after: str

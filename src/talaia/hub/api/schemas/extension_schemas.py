@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-__all__ = ["BrokenExtensionShape", "ExtensionKeyShape", "ExtensionList", "ExtensionShape"]
+from talaia.extensions.installed import BrokenExtension  # noqa: TC001 - pydantic reads it
+
+__all__ = ["ExtensionKeyShape", "ExtensionList", "ExtensionShape"]
 
 
 class ExtensionKeyShape(BaseModel):
@@ -28,17 +30,8 @@ class ExtensionShape(BaseModel):
     keys: list[ExtensionKeyShape]
 
 
-class BrokenExtensionShape(BaseModel):
-    """One that cannot be used, or that failed while it was used."""
-
-    group: str
-    name: str
-    package: str
-    problem: str
-
-
 class ExtensionList(BaseModel):
     """All that is installed beside the hub."""
 
     extensions: list[ExtensionShape]
-    broken: list[BrokenExtensionShape]
+    broken: list[BrokenExtension]

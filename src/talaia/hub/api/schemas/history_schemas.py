@@ -6,9 +6,11 @@ Times ending in ``_us`` are microseconds since the epoch (UTC).
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+from talaia.hub.history.forecast import Warn  # noqa: TC001 - pydantic reads it
 
 __all__ = [
     "ChannelStorageShape",
@@ -183,7 +185,7 @@ class StorageShape(_Shape):
     by_limit: bool
     oldest_us: int | None
     kept_days: float | None
-    warn: Literal["", "limit", "soon", "full"]
+    warn: Warn
     trouble: str
     channels: list[ChannelStorageShape]
 
@@ -192,6 +194,6 @@ class OutlookShape(_Shape):
     """Whether there is room for what comes; as in `StorageShape`."""
 
     trouble: str
-    warn: Literal["", "limit", "soon", "full"]
+    warn: Warn
     full_us: int | None
     free_bytes: int | None

@@ -8,6 +8,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StringConstraints, model_validator
 
 from talaia.hub.api.schemas.common import Schema
+from talaia.hub.store.alarms.notification_channels import WayKind  # noqa: TC001 - pydantic reads it
+from talaia.model.alarms.alarm import Severity
 from talaia.model.units.time_zones import known_zones
 
 __all__ = [
@@ -33,8 +35,6 @@ _Secret = Annotated[str, StringConstraints(max_length=2000, pattern=r"^[^\x00-\x
 _MAIL = re.compile(r"[^\s\x00-\x1f\x7f<>(),:;\"\\@]{1,64}@[A-Za-z0-9.\-]{1,190}\Z")
 # Becomes the name of a field of the extension's keys.
 _Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z_][A-Za-z0-9_]{0,62}$")]
-_Severity = Literal["info", "warning", "critical"]
-WayWord = Literal["mail", "webhook", "chat", "push", "extension"]
 _Minute = Annotated[int, Field(ge=0, le=1439)]  # of the day, from midnight
 
 
@@ -58,7 +58,7 @@ class WayAsk(Schema):
     """
 
     name: Annotated[_Line, StringConstraints(min_length=1, strip_whitespace=True)]
-    kind: WayWord
+    kind: WayKind
     extension: Annotated[str, StringConstraints(pattern=r"^([a-z][a-z0-9_]{0,62})?$")] = ""
     host: Annotated[str, StringConstraints(max_length=200, pattern=r"^[A-Za-z0-9.\-:]*$")] = ""
     port: int = Field(default=587, ge=1, le=65535)
@@ -83,7 +83,7 @@ class WayShape(Schema):
 
     id: str
     name: str
-    kind: WayWord
+    kind: WayKind
     extension: str
     host: str
     port: int
@@ -104,7 +104,7 @@ class WayChoice(Schema):
 
     id: str
     name: str
-    kind: WayWord
+    kind: WayKind
 
 
 class WayChoiceList(Schema):
@@ -123,11 +123,11 @@ class RuleAsk(Schema):
     site: str = Field(pattern=r"^(\*|[a-z][a-z0-9_]{0,62})$")
     way: str = Field(pattern=r"^[0-9]{1,18}$")
     target: _Line = ""
-    least: _Severity = "warning"
+    least: Severity = Severity.WARNING
     over: bool = True
     quiet_from: _Minute = 0
     quiet_to: _Minute = 0
-    quiet_least: _Severity = "critical"
+    quiet_least: Severity = Severity.CRITICAL
     zone: str = Field(default="UTC", max_length=64)
     group_s: int = Field(default=10, ge=0, le=3600)
 

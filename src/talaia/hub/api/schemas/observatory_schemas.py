@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict
 
+from talaia.model.interlocks.capabilities import Capabilities  # noqa: TC001 - pydantic reads it
+
 __all__ = [
-    "CapabilitiesShape",
     "ConditionShape",
     "EnclosurePartShape",
     "EnclosureShape",
@@ -118,16 +119,6 @@ class EnclosurePartShape(_Shape):
     position: str
 
 
-class CapabilitiesShape(_Shape):
-    """What an enclosure can do."""
-
-    has_shutter: bool
-    can_rotate: bool
-    segments: int
-    can_partial: bool
-    has_flap: bool
-
-
 class EnclosureShape(_Shape):
     """A roof: closed only when all of ``closed`` say so; kept closed by the rules of ``unsafe``.
 
@@ -144,7 +135,7 @@ class EnclosureShape(_Shape):
     position: str
     segments: list[EnclosurePartShape]
     flap: EnclosurePartShape | None
-    can: CapabilitiesShape
+    can: Capabilities
 
 
 class SkyObject(_Shape):

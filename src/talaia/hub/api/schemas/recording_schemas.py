@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import BaseModel, Field, StringConstraints
 
 from talaia.hub.api.schemas.common import Schema
+from talaia.hub.store.sites.recordings import RecordingState  # noqa: TC001 - pydantic reads it
 
 __all__ = [
     "FilmListShape",
@@ -35,7 +36,7 @@ class RecordingShape(BaseModel):
     """One recording."""
 
     id: str
-    state: Literal["uploading", "complete", "failed"]
+    state: RecordingState
     why: str
     who: str
     note: str = Field(description="what is missing in it, or why it failed")
@@ -81,7 +82,7 @@ class FilmShape(BaseModel):
 
     id: str
     stream: str
-    state: Literal["uploading", "complete", "failed"]
+    state: RecordingState
     why: str
     who: str
     note: str = Field(description="what is missing in it, or why it failed")

@@ -6,16 +6,18 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from talaia.extensions.tile_folder import BrokenTile  # noqa: TC001 - pydantic reads it
+from talaia.model.closed_lists import DeviceKind, SignalType  # noqa: TC001 - pydantic reads them
 from talaia.model.roles import SignalRole  # noqa: TC001 - pydantic reads it
 
-__all__ = ["BrokenTileShape", "TileList", "TileShape", "TileSignalShape"]
+__all__ = ["TileList", "TileShape", "TileSignalShape"]
 
 
 class TileSignalShape(BaseModel):
     """Which signal of a device a tile reads; what is empty fits any."""
 
     name: str = Field(description="the tile's own name for it")
-    type: str
+    type: SignalType | Literal[""]
     unit: str
     id: str
     role: SignalRole | Literal[""]
@@ -27,15 +29,10 @@ class TileShape(BaseModel):
     name: str = Field(description="of its folder")
     title: str
     module: str = Field(description="path of the JavaScript module at this hub")
-    device: str = Field(description="the kind of device that it is for; empty: every kind")
+    device: DeviceKind | Literal[""] = Field(
+        description="the kind of device that it is for; empty: every kind"
+    )
     signals: list[TileSignalShape]
-
-
-class BrokenTileShape(BaseModel):
-    """One that cannot be used, and why."""
-
-    name: str
-    problem: str
 
 
 class TileList(BaseModel):
@@ -43,4 +40,4 @@ class TileList(BaseModel):
 
     api: int = Field(description="version of the interface for tiles")
     tiles: list[TileShape]
-    broken: list[BrokenTileShape] = Field(description="for who may manage the whole hub")
+    broken: list[BrokenTile] = Field(description="for who may manage the whole hub")

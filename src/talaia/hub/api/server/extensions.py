@@ -13,12 +13,11 @@ from talaia.extensions.declarations import (
     ExtensionKeys,
     NotifierExtension,
 )
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import BrokenExtension, installed
 from talaia.extensions.key_descriptions import keys_shown
 from talaia.extensions.tile_folder import TILE_GROUP
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.schemas.extension_schemas import (
-    BrokenExtensionShape,
     ExtensionKeyShape,
     ExtensionList,
     ExtensionShape,
@@ -55,7 +54,7 @@ class ExtensionPages:
             )
             for found in installed().every()
         ]
-        broken = [BrokenExtensionShape(**found._asdict()) for found in installed().broken()]
+        broken = installed().broken()
         extensions += [
             ExtensionShape(
                 group=TILE_GROUP,
@@ -67,9 +66,7 @@ class ExtensionPages:
             for found in self._tiles.tiles
         ]
         broken += [
-            BrokenExtensionShape(
-                group=TILE_GROUP, name=found.name, package="", problem=found.problem
-            )
+            BrokenExtension(group=TILE_GROUP, name=found.name, package="", problem=found.problem)
             for found in self._tiles.broken
         ]
         return ExtensionList(extensions=extensions, broken=broken)

@@ -13,7 +13,6 @@ from talaia.hub.api.access import who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import problem
 from talaia.hub.api.schemas.tile_schemas import (
-    BrokenTileShape,
     TileList,
     TileShape,
     TileSignalShape,
@@ -56,11 +55,7 @@ class TilePages:
         return TileList(
             api=TILE_API_VERSION,
             tiles=[_shape(found) for found in self._folder.tiles],
-            broken=[
-                BrokenTileShape(name=found.name, problem=found.problem)
-                for found in self._folder.broken
-                if admin
-            ],
+            broken=list(self._folder.broken) if admin else [],
         )
 
     async def file(self, tile: str, path: str) -> Response:
@@ -78,11 +73,11 @@ def _shape(tile: Tile) -> TileShape:
         name=tile.name,
         title=manifest.title,
         module=f"/extensions/{quote(tile.name)}/{quote(manifest.module)}",
-        device=manifest.device.value if manifest.device else "",
+        device=manifest.device or "",
         signals=[
             TileSignalShape(
                 name=name,
-                type=found.type.value if found.type else "",
+                type=found.type or "",
                 unit=found.unit or "",
                 id=found.id or "",
                 role=found.role or "",

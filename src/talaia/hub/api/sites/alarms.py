@@ -31,7 +31,6 @@ from talaia.hub.api.schemas.alarm_schemas import (
     AlarmShape,
     PreviewAsk,
     PreviewShape,
-    SpanShape,
 )
 from talaia.hub.auth.permissions import ANY, Right, sees_device
 from talaia.hub.store.alarms.alarm_states import MadeAlarm
@@ -221,7 +220,7 @@ class AlarmPages:
             to_us=to_us,
             count=said.times,
             unknown_us=said.unknown_us,
-            spans=[SpanShape(**span._asdict()) for span in said.spans],
+            spans=list(said.spans),
             signals=list(condition.channels),
         )
 
@@ -277,7 +276,7 @@ class AlarmPages:
 
 
 def _alarm(asked: AlarmDefinition) -> Alarm:
-    said = asked.model_dump()
+    said = asked.model_dump(mode="json")
     # The description's own word is a keyword of Python.
     said["is"] = said.pop("is_one_of")
     return msgspec.convert(said, Alarm)

@@ -268,7 +268,7 @@ def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
         # Kept by a version that knew other words: the lines say it all the same.
         parts = []
     return [
-        DifferenceShape(kind=part.kind.value, path=part.path, before=part.before, after=part.after)
+        DifferenceShape(kind=part.kind, path=part.path, before=part.before, after=part.after)
         for part in parts
     ], lines
 

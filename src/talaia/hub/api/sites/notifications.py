@@ -119,7 +119,7 @@ class NotifyPages:
         """List the ways that you can be told by."""
         return WayChoiceList(
             ways=[
-                WayChoice(id=str(way.id), name=way.name, kind=way.kind.value)
+                WayChoice(id=str(way.id), name=way.name, kind=way.kind)
                 for way in await self._store.ways()
             ]
         )
@@ -245,7 +245,7 @@ class NotifyPages:
             return await self._store.put_way(
                 number,
                 asked.name,
-                kind=WayKind(asked.kind),
+                kind=asked.kind,
                 settings=settings,
                 secrets=secrets,
                 now_us=self._now_us(),
@@ -321,7 +321,7 @@ def _way_shape(way: Way) -> WayShape:
     return WayShape(
         id=str(way.id),
         name=way.name,
-        kind=way.kind.value,
+        kind=way.kind,
         extension=settings.get("extension", ""),
         host=settings.get("host", ""),
         port=int(settings.get("port", "587")),
@@ -344,11 +344,11 @@ def _rule_shape(rule: Rule) -> NoticeRuleShape:
         site=rule.site,
         way=str(rule.way),
         target=rule.target,
-        least=rule.least.value,
+        least=rule.least,
         over=rule.over,
         quiet_from=rule.quiet_from,
         quiet_to=rule.quiet_to,
-        quiet_least=rule.quiet_least.value,
+        quiet_least=rule.quiet_least,
         zone=rule.zone,
         group_s=rule.group_s,
     )

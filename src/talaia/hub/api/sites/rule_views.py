@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.schemas.observatory_schemas import (
-    CapabilitiesShape,
     ConditionShape,
     EnclosurePartShape,
     EnclosureShape,
@@ -94,7 +93,7 @@ def describe_enclosures(site: Site, grants: Grants) -> list[EnclosureShape]:
             position=roof.position,
             segments=[_part(key, segment) for key, segment in roof.segments.items()],
             flap=None if roof.flap is None else _part("flap", roof.flap),
-            can=CapabilitiesShape(**capabilities_of(site, roof)._asdict()),
+            can=capabilities_of(site, roof),
         )
         for name, roof in site.enclosures.items()
         if _sees_all(site, grants, _signals(roof))

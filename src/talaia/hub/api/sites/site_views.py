@@ -177,7 +177,7 @@ def _device(
         pointing=describe_pointing(device.pointing) if device.pointing and views else None,
         slew=_slew(device, roles) if uses else None,
         unguarded=device_id in unguarded_devices(site),
-        rights=[str(right) for right in grants.rights(site.site, device_id)],
+        rights=list(grants.rights(site.site, device_id)),
     )
 
 

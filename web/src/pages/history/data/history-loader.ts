@@ -1,11 +1,11 @@
 /** Asks the hub for windows, and keeps what it has until the next has come. */
 
-import { gapsOf, type Gap } from "../../../series/gaps.js";
+import { gapsOf } from "../../../series/gaps.js";
 import { Trace } from "../../../series/trace.js";
 import { lengthOf, type TimeSpan } from "../../../series/time-window.js";
 import { SECOND_US } from "../../../series/zone-clock.js";
 import { samplesOf } from "../../../tiles/chart/history-samples.js";
-import type { HistoryAnswer, SeriesShape } from "../../../generated/api.js";
+import type { GapShape, HistoryAnswer, SeriesShape } from "../../../generated/api.js";
 import type { HistoryQuery } from "../../../wire/hub-api.js";
 import { LatestRequest, type RequestStatus } from "./latest-request.js";
 
@@ -16,7 +16,7 @@ export interface WindowSource {
 /** One channel as it was loaded. */
 export interface LoadedSeries {
   readonly trace: Trace;
-  readonly gaps: readonly Gap[];
+  readonly gaps: readonly GapShape[];
   readonly texts: readonly { readonly timeUs: number; readonly text: string }[];
   /** Every sample is there, and not the least and greatest of each pixel. */
   readonly exact: boolean;
