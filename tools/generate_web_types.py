@@ -295,12 +295,7 @@ def api_text() -> str:
         + ";"
         for one in sorted(words, key=lambda one: one.__name__)
     ]
-    return (
-        FIRST_LINE.format(source="hub.api.schemas")
-        + "\n"
-        + "\n\n".join(parts)
-        + "\n"
-    )
+    return FIRST_LINE.format(source="hub.api.schemas") + "\n" + "\n\n".join(parts) + "\n"
 
 
 def units_text() -> str:
