@@ -9,6 +9,7 @@ TalaiaError
 ├── GatewayError          gateway.errors    a robot, a device or the spool failed
 ├── HubError              hub.errors        the hub cannot start or go on
 ├── SimError              sim.errors        the simulated robot cannot run here
+├── ForeignRos            ros_installation  there is no ROS 2 here that could be used
 ├── ConfiguratorError     configurator.errors  what was asked for in the window cannot be done
 └── CliError              cli.errors        what the user asked for cannot be started
 """

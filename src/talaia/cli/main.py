@@ -5,11 +5,14 @@ from __future__ import annotations
 import gc
 import importlib
 import sys
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from talaia import __version__
 from talaia.cli.errors import PartMissing
 from talaia.errors import TalaiaError
+from talaia.ros_installation import ForeignRos, use_ros
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -67,6 +70,7 @@ COMMANDS = {
     "upgrade": Subcommand(
         "talaia.cli.upgrade", "upgrade a site description to the newest format", ""
     ),
+    "doctor": Subcommand("talaia.cli.doctor", "say what of ROS, INDI and Talaia is here", ""),
     "extensions": Subcommand("talaia.cli.extensions", "list the installed extensions", ""),
     "schema": Subcommand("talaia.cli.schema", "print the JSON schema of the site description", ""),
 }
@@ -93,6 +97,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"{_help_text()}\n\ntalaia: unknown command {first!r}", file=sys.stderr)
         return 2
     try:
+        if argv is None and _needs_ros(arguments):
+            # Before the imports: where ROS comes from wheels the process begins anew. What is
+            # missing is said by whoever needs it, if anybody does.
+            with suppress(ForeignRos):
+                use_ros(ordered=True)
         run = _load_main(first, command)
         if argv is None:
             # This process is the command's own: what was imported stays until it ends, and no
@@ -106,6 +115,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         # 128 and the number of SIGINT, as shells have it.
         return 130
+
+
+def _needs_ros(arguments: Sequence[str]) -> bool:
+    """Tell whether a command will import ROS 2; where this says no, it is found out later."""
+    if arguments[0] != "gateway":
+        # What these start inherits it.
+        return arguments[0] in {"demo", "sim", "up"}
+    for word in arguments[1:]:
+        # Of a gateway's words only its description is a file of YAML.
+        if word.endswith((".yaml", ".yml")) and Path(word).is_file():
+            with suppress(OSError):
+                return b"ros2" in Path(word).read_bytes()
+    return False
 
 
 def _help_text() -> str:

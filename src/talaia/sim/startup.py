@@ -9,9 +9,10 @@ import signal
 import sys
 import threading
 import time
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
+from talaia.ros_installation import ForeignRos, use_ros
 from talaia.shared_memory import remove_dead_segments_at_start
 from talaia.sim.errors import RosMissing, SimError
 from talaia.sim.ros_domain import environment, reserve
@@ -90,13 +91,10 @@ def needing_ros() -> Iterator[None]:
         RosMissing: something of it is not installed here.
 
     """
-    # Wheels of ROS need their library path before anything of ROS is imported; a ROS installation
-    # of the machine brings its own.
-    with suppress(ImportError):
-        import ros_wheels_bootstrapper  # noqa: F401
     try:
+        use_ros()
         yield
-    except ImportError as error:
+    except (ForeignRos, ImportError) as error:
         raise RosMissing(str(error)) from error
 
 

@@ -17,6 +17,7 @@ from talaia.model.connection import (
     RosbridgeConnection,
     VideoConnection,
 )
+from talaia.ros_installation import ForeignRos
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +39,7 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
     remedy = "install talaia[gateway]"
     match scope.connection:
         case Ros2Connection():
-            make, remedy = _ros2, "install talaia[ros2], or source the ROS installation's setup"
+            make, remedy = _ros2, "see `talaia doctor`"
         case Ros1Connection():
             make = _ros1
         case RosbridgeConnection():
@@ -53,6 +54,9 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
             make = _extension
     try:
         return make(scope, context, status)
+    except ForeignRos as error:
+        # It says by itself what to do.
+        raise SettingsError(f"the connection {scope.name} of the description: {error}") from error
     except ImportError as error:
         raise SettingsError(
             f"the connection {scope.name} of the description cannot be used here ({error}); "

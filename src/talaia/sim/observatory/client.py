@@ -12,9 +12,9 @@ from __future__ import annotations
 import os
 import sys
 import time
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from talaia.ros_installation import ForeignRos, use_ros
 from talaia.sim.observatory.client_requests import PROGRAMS, InvalidRequest, Request, parse_request
 
 if TYPE_CHECKING:
@@ -65,13 +65,11 @@ def answer_of(request: Request) -> tuple[bool, str]:
     """Ask the server, and wait for its answer; tell whether it was done, and its words."""
     # The middleware of the simulator's own servers; see `ros_domain.environment`.
     os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
-    # Wheels of ROS need it before rclpy; a ROS installation has none.
-    with suppress(ImportError):
-        import ros_wheels_bootstrapper  # noqa: F401
     try:
+        use_ros()
         import rclpy
         from rclpy.signals import SignalHandlerOptions
-    except ImportError as error:
+    except (ForeignRos, ImportError) as error:
         return False, f"the ROS 2 packages cannot be imported ({error})"
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node(

@@ -22,8 +22,9 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-with contextlib.suppress(ImportError):
-    import ros_wheels_bootstrapper  # noqa: F401 - the wheels of ROS need it first
+import talaia.ros_start  # noqa: F401 - before the first import of rclpy
+
+# isort: split
 import rclpy
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions

@@ -9,15 +9,13 @@ and leaving share one node and must be read together.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 import os
 from typing import TYPE_CHECKING, Any
 
-# Where ROS comes from Python wheels, this finds their libraries, starting the process anew
-# (same pid) if need be; so it stands before the first import of rclpy.
-with contextlib.suppress(ImportError):
-    import ros_wheels_bootstrapper  # noqa: F401
+import talaia.ros_start  # noqa: F401 - before the first import of rclpy
+
+# isort: split
 import rclpy
 from rclpy.context import Context
 

@@ -9,8 +9,9 @@ import contextlib
 import time
 from typing import TYPE_CHECKING, Any
 
-with contextlib.suppress(ImportError):
-    import ros_wheels_bootstrapper  # noqa: F401 - before the first import of rclpy
+import talaia.ros_start  # noqa: F401 - before the first import of rclpy
+
+# isort: split
 import rclpy
 from rclpy.action import get_action_names_and_types
 from rclpy.context import Context

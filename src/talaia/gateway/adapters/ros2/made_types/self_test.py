@@ -7,13 +7,14 @@ robots do not use; whatever it does, it is ended with SIGKILL.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import select
 import subprocess
 import sys
 import threading
 import time
+
+from talaia.ros_installation import use_ros
 
 __all__ = ["self_test_problem"]
 
@@ -114,8 +115,7 @@ def _try_classes() -> None:
 
 
 if __name__ == "__main__":
-    with contextlib.suppress(ImportError):
-        import ros_wheels_bootstrapper  # noqa: F401 - before the first import of rclpy
+    use_ros()
     _try_classes()
     sys.stdout.write(f"{_PASSED}\n")
     sys.stdout.flush()

@@ -1,0 +1,179 @@
+"""``talaia doctor``: which parts that Talaia works with are here, and what to do about the rest.
+
+Looks only: it connects to no robot, starts no server and changes nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.metadata
+import importlib.util
+import os
+import platform
+import shutil
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from talaia import __version__
+from talaia.ros_installation import RosOrigin, choose_ros, find_ros
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+__all__ = ["Finding", "FindingState", "examine_machine", "main"]
+
+# The part that takes it, the module that shows that it is there, and the extra that brings it.
+_PARTS = (
+    ("hub", "fastapi", "hub"),
+    ("hub on PostgreSQL", "asyncpg", "postgresql"),
+    ("hub on MariaDB", "aiomysql", "mariadb"),
+    ("gateway", "rosbags", "gateway"),
+    ("recordings", "mcap", "recording"),
+    ("cameras as H.264", "av", "camera"),
+    ("objects on pictures", "onnxruntime", "objects"),
+    ("configurator", "PySide6", "configurator"),
+    ("simulated vehicle", "mujoco", "sim"),
+    ("simulated observatory", "astropy", "observatory"),
+)
+# Of the messages that a robot is told something by; to be read, a type needs no package.
+_MESSAGES = ("std_msgs", "geometry_msgs", "sensor_msgs", "nav_msgs", "std_srvs")
+_RMW = "RMW_IMPLEMENTATION"
+# The middleware by which a type without its package can be read.
+_USUAL_RMW = "rmw_fastrtps_cpp"
+
+
+class FindingState(StrEnum):
+    """How something is."""
+
+    OK = "ok"
+    # Not there, and nothing else needs it.
+    ABSENT = "--"
+    # There, and cannot be used as it is.
+    PROBLEM = "!!"
+
+
+class Finding(NamedTuple):
+    """One thing that was looked for.
+
+    Attributes:
+        state: how it is.
+        what: its name.
+        detail: what was found.
+        remedy: what to do; empty where there is nothing to do.
+
+    """
+
+    state: FindingState
+    what: str
+    detail: str
+    remedy: str = ""
+
+
+def examine_machine() -> Iterator[Finding]:
+    """Look for all parts, the most asked for first."""
+    yield Finding(
+        FindingState.OK,
+        "Talaia",
+        f"{__version__}, Python {platform.python_version()} on {platform.system()} "
+        f"{platform.machine()}, in {sys.prefix}",
+    )
+    yield from _examine_ros2()
+    yield from _examine_ros1()
+    server = shutil.which("indiserver")
+    yield (
+        Finding(FindingState.OK, "INDI server", str(server))
+        if server
+        else Finding(
+            FindingState.ABSENT, "INDI server", "not on this machine", "run `apt install indi-bin`"
+        )
+    )
+    for what, module, extra in _PARTS:
+        if importlib.util.find_spec(module) is not None:
+            yield Finding(FindingState.OK, what, _version_of(module))
+        else:
+            remedy = f"run `pip install 'talaia[{extra}]'`"
+            yield Finding(FindingState.ABSENT, what, "not installed", remedy)
+
+
+def _examine_ros2() -> Iterator[Finding]:
+    found = find_ros()
+    choice = choose_ros(found, os.environ)
+    if choice.origin is RosOrigin.NONE:
+        # Whoever sourced one means to use it; else it is one of several ways to a robot.
+        state = FindingState.PROBLEM if os.environ.get("AMENT_PREFIX_PATH") else FindingState.ABSENT
+        yield Finding(state, "ROS 2", choice.reason, choice.remedy)
+        return
+    yield Finding(FindingState.OK, "ROS 2", choice.reason)
+    if choice.origin is RosOrigin.WHEELS and found.installations:
+        yield Finding(
+            FindingState.OK,
+            "ROS 2 on this machine",
+            f"{', '.join(found.installations)}, not used; its robots are reached all the same",
+        )
+    absent = [name for name in _MESSAGES if importlib.util.find_spec(name) is None]
+    if absent:
+        packages = " ".join(f"ros-$ROS_DISTRO-{name.replace('_', '-')}" for name in absent)
+        remedy = (
+            "run `pip install 'talaia[ros2]'`"
+            if choice.origin is RosOrigin.WHEELS
+            else f"run `apt install {packages}`"
+        )
+        yield Finding(FindingState.PROBLEM, "ROS 2 messages", f"no {', '.join(absent)}", remedy)
+    middleware = os.environ.get(_RMW, "")
+    if middleware and middleware != _USUAL_RMW:
+        detail = f"{middleware}; types whose package is not here can be read with {_USUAL_RMW} only"
+        yield Finding(FindingState.OK, "ROS 2 middleware", detail)
+    domain = os.environ.get("ROS_DOMAIN_ID", "")
+    if domain and not domain.isdecimal():
+        remedy = "set it to a number from 0 to 101, the same as on the robot"
+        yield Finding(FindingState.PROBLEM, "ROS 2 domain", f"ROS_DOMAIN_ID is {domain!r}", remedy)
+
+
+def _examine_ros1() -> Iterator[Finding]:
+    # By the system's own Python, which the bridge runs it with.
+    rospy = next(
+        (
+            str(path)
+            for folder in ("/usr/lib/python3/dist-packages", "/opt/ros/noetic/lib/python3")
+            for path in sorted(Path(folder).glob("rospy"))
+        ),
+        "",
+    )
+    if rospy:
+        yield Finding(FindingState.OK, "ROS 1", f"rospy in {rospy}, by /usr/bin/python3")
+    else:
+        yield Finding(
+            FindingState.ABSENT,
+            "ROS 1",
+            "no rospy of the system's Python",
+            "run `apt install python3-rospy python3-actionlib python3-std-srvs`",
+        )
+
+
+def _version_of(module: str) -> str:
+    """Give a module's name and the version of its package, without importing it."""
+    for name in (module, f"{module}-Essentials"):
+        try:
+            return f"{module} {importlib.metadata.version(name)}"
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return module
+
+
+def main(argv: Sequence[str]) -> int:
+    """Print what was found; 1 when something is there and cannot be used."""
+    parser = argparse.ArgumentParser(
+        "talaia doctor",
+        description="Say what Talaia finds on this machine: which ROS 2 it uses and why, ROS 1, "
+        "INDI, and the parts that are installed; with what to do about the rest.",
+    )
+    parser.parse_args(argv)
+    findings = list(examine_machine())
+    width = max(len(finding.what) for finding in findings)
+    for finding in findings:
+        print(f"{finding.state}  {finding.what:<{width}}  {finding.detail}")
+        if finding.remedy:
+            print(f"    {'':<{width}}  → {finding.remedy}")
+    return int(any(finding.state is FindingState.PROBLEM for finding in findings))
