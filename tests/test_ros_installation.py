@@ -27,7 +27,7 @@ NOTHING = WHEELS._replace(package="", wheels=False, libraries=[])
 def sourced(python: str, folder: str = "/opt/ros/jazzy") -> dict[str, str]:
     """What a ``setup.bash`` sets."""
     return {
-        "AMENT_PREFIX_PATH": f"/home/me/ws/install:{folder}",
+        "AMENT_PREFIX_PATH": f"/srv/ws/install:{folder}",
         "PYTHONPATH": f"{folder}/lib/python{python}/site-packages:/mine",
         "LD_LIBRARY_PATH": f"{folder}/lib:/usr/local/cuda/lib",
     }

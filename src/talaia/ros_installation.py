@@ -3,6 +3,8 @@
 `choose_ros` is pure and decides; `use_ros` carries it out, before the first import of ``rclpy``.
 The libraries of two ROS installations in one process crash it or fail to load at random: one's
 ``rclpy`` finds the other's ``librcl`` by ``LD_LIBRARY_PATH``.
+
+Long, because the rule, what it changes and how a process begins anew have to fit each other.
 """
 
 from __future__ import annotations
