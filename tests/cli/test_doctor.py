@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from talaia.cli.doctor import FindingState, examine_machine, main
+from talaia.cli.doctor import PartState, examine_machine, main
 from talaia.ros_installation import find_ros
 
 
@@ -19,7 +19,7 @@ def test_each_part_is_named_once_and_what_is_not_here_has_a_remedy() -> None:
     assert len(set(names)) == len(names)
     assert {"Talaia", "ROS 2", "ROS 1", "INDI server", "hub", "gateway"} <= set(names)
     for finding in findings:
-        assert (finding.state is FindingState.OK) == (not finding.remedy)
+        assert (finding.state is PartState.OK) == (not finding.remedy)
 
 
 def test_a_domain_that_is_no_number_is_a_problem(

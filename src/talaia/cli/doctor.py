@@ -22,7 +22,7 @@ from talaia.ros_installation import RosOrigin, choose_ros, find_ros
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-__all__ = ["Finding", "FindingState", "examine_machine", "main"]
+__all__ = ["PartFinding", "PartState", "examine_machine", "main"]
 
 # The part that takes it, the module that shows that it is there, and the extra that brings it.
 _PARTS = (
@@ -44,7 +44,7 @@ _RMW = "RMW_IMPLEMENTATION"
 _USUAL_RMW = "rmw_fastrtps_cpp"
 
 
-class FindingState(StrEnum):
+class PartState(StrEnum):
     """How something is."""
 
     OK = "ok"
@@ -54,7 +54,7 @@ class FindingState(StrEnum):
     PROBLEM = "!!"
 
 
-class Finding(NamedTuple):
+class PartFinding(NamedTuple):
     """One thing that was looked for.
 
     Attributes:
@@ -65,16 +65,16 @@ class Finding(NamedTuple):
 
     """
 
-    state: FindingState
+    state: PartState
     what: str
     detail: str
     remedy: str = ""
 
 
-def examine_machine() -> Iterator[Finding]:
+def examine_machine() -> Iterator[PartFinding]:
     """Look for all parts, the most asked for first."""
-    yield Finding(
-        FindingState.OK,
+    yield PartFinding(
+        PartState.OK,
         "Talaia",
         f"{__version__}, Python {platform.python_version()} on {platform.system()} "
         f"{platform.machine()}, in {sys.prefix}",
@@ -83,32 +83,32 @@ def examine_machine() -> Iterator[Finding]:
     yield from _examine_ros1()
     server = shutil.which("indiserver")
     yield (
-        Finding(FindingState.OK, "INDI server", str(server))
+        PartFinding(PartState.OK, "INDI server", str(server))
         if server
-        else Finding(
-            FindingState.ABSENT, "INDI server", "not on this machine", "run `apt install indi-bin`"
+        else PartFinding(
+            PartState.ABSENT, "INDI server", "not on this machine", "run `apt install indi-bin`"
         )
     )
     for what, module, extra in _PARTS:
         if importlib.util.find_spec(module) is not None:
-            yield Finding(FindingState.OK, what, _version_of(module))
+            yield PartFinding(PartState.OK, what, _version_of(module))
         else:
             remedy = f"run `pip install 'talaia[{extra}]'`"
-            yield Finding(FindingState.ABSENT, what, "not installed", remedy)
+            yield PartFinding(PartState.ABSENT, what, "not installed", remedy)
 
 
-def _examine_ros2() -> Iterator[Finding]:
+def _examine_ros2() -> Iterator[PartFinding]:
     found = find_ros()
     choice = choose_ros(found, os.environ)
     if choice.origin is RosOrigin.NONE:
         # Whoever sourced one means to use it; else it is one of several ways to a robot.
-        state = FindingState.PROBLEM if os.environ.get("AMENT_PREFIX_PATH") else FindingState.ABSENT
-        yield Finding(state, "ROS 2", choice.reason, choice.remedy)
+        state = PartState.PROBLEM if os.environ.get("AMENT_PREFIX_PATH") else PartState.ABSENT
+        yield PartFinding(state, "ROS 2", choice.reason, choice.remedy)
         return
-    yield Finding(FindingState.OK, "ROS 2", choice.reason)
+    yield PartFinding(PartState.OK, "ROS 2", choice.reason)
     if choice.origin is RosOrigin.WHEELS and found.installations:
-        yield Finding(
-            FindingState.OK,
+        yield PartFinding(
+            PartState.OK,
             "ROS 2 on this machine",
             f"{', '.join(found.installations)}, not used; its robots are reached all the same",
         )
@@ -120,18 +120,18 @@ def _examine_ros2() -> Iterator[Finding]:
             if choice.origin is RosOrigin.WHEELS
             else f"run `apt install {packages}`"
         )
-        yield Finding(FindingState.PROBLEM, "ROS 2 messages", f"no {', '.join(absent)}", remedy)
+        yield PartFinding(PartState.PROBLEM, "ROS 2 messages", f"no {', '.join(absent)}", remedy)
     middleware = os.environ.get(_RMW, "")
     if middleware and middleware != _USUAL_RMW:
         detail = f"{middleware}; types whose package is not here can be read with {_USUAL_RMW} only"
-        yield Finding(FindingState.OK, "ROS 2 middleware", detail)
+        yield PartFinding(PartState.OK, "ROS 2 middleware", detail)
     domain = os.environ.get("ROS_DOMAIN_ID", "")
     if domain and not domain.isdecimal():
         remedy = "set it to a number from 0 to 101, the same as on the robot"
-        yield Finding(FindingState.PROBLEM, "ROS 2 domain", f"ROS_DOMAIN_ID is {domain!r}", remedy)
+        yield PartFinding(PartState.PROBLEM, "ROS 2 domain", f"ROS_DOMAIN_ID is {domain!r}", remedy)
 
 
-def _examine_ros1() -> Iterator[Finding]:
+def _examine_ros1() -> Iterator[PartFinding]:
     # By the system's own Python, which the bridge runs it with.
     rospy = next(
         (
@@ -142,10 +142,10 @@ def _examine_ros1() -> Iterator[Finding]:
         "",
     )
     if rospy:
-        yield Finding(FindingState.OK, "ROS 1", f"rospy in {rospy}, by /usr/bin/python3")
+        yield PartFinding(PartState.OK, "ROS 1", f"rospy in {rospy}, by /usr/bin/python3")
     else:
-        yield Finding(
-            FindingState.ABSENT,
+        yield PartFinding(
+            PartState.ABSENT,
             "ROS 1",
             "no rospy of the system's Python",
             "run `apt install python3-rospy python3-actionlib python3-std-srvs`",
@@ -176,4 +176,4 @@ def main(argv: Sequence[str]) -> int:
         print(f"{finding.state}  {finding.what:<{width}}  {finding.detail}")
         if finding.remedy:
             print(f"    {'':<{width}}  → {finding.remedy}")
-    return int(any(finding.state is FindingState.PROBLEM for finding in findings))
+    return int(any(finding.state is PartState.PROBLEM for finding in findings))
