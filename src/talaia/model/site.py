@@ -45,6 +45,7 @@ from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
 
 __all__ = [
+    "NEVER_STALE_S",
     "Argument",
     "ArgumentType",
     "Channel",
@@ -72,6 +73,9 @@ __all__ = [
     "parts_of",
 ]
 
+# Some thirty years: a number that JSON has, unlike infinity.
+NEVER_STALE_S = 1e9
+
 
 class Signal(Shape, frozen=True, kw_only=True):
     """Something that can be read.
@@ -84,7 +88,8 @@ class Signal(Shape, frozen=True, kw_only=True):
         decimals: digits after the point on screen; -1 takes the unit's own.
         max_rate: at most so many samples a second are kept; 0 sets no limit (Hz).
         deadband: a change up to this is not news, in ``unit``.
-        max_age: older than this the value is stale (s).
+        max_age: older than this the value is stale (s); 0 for one that holds until another comes,
+            as a latched topic's: it never is.
         frozen_after: a number that is the same to the last bit for so long (s) is unknown to
             interlocks, for a sensor that lives is never that still; 0 for one that may be.
         keep: history older than this is dropped (days); 0 keeps it for good.
@@ -125,6 +130,11 @@ class Signal(Shape, frozen=True, kw_only=True):
     visibility: Visibility = Visibility.VIEW
     anomalies: tuple[Watch, ...] = ()
     was: str = ""
+
+    @property
+    def stale_after(self) -> float:
+        """How old a value may be (s); `NEVER_STALE_S` for one that never is too old."""
+        return self.max_age or NEVER_STALE_S
 
 
 class Stream(Shape, frozen=True, kw_only=True):
@@ -373,7 +383,9 @@ class Site(Shape, frozen=True, kw_only=True):
         if self.ros2 is None:
             return self.connections
         short = Ros2Connection(
-            domain=self.ros2.domain, node=self.ros2.node, definitions=self.ros2.definitions
+            domain=self.ros2.domain,
+            node=self.ros2.node,
+            definitions=self.ros2.definitions,
         )
         # A connection of the same name wins; `check` says that it stands there twice.
         return {"ros2": short, **self.connections}

@@ -74,7 +74,7 @@ MISTAKES = [
     ("max_rate: -1", "max_rate: 50", "acceleration.max_rate", "0 or more", ""),
     ("unit: V\n        deadband: -1", "unit: V", "voltage.deadband", "0 or more", ""),
     ("unit: V\n        keep: -2", "unit: V", "voltage.keep", "0 or more", ""),
-    ("max_age: 0", "max_age: 10", "wandering.max_age", "above 0", ""),
+    ("max_age: -1", "max_age: 10", "wandering.max_age", "0 or more", ""),
     ("visibility: pubic", "visibility: public", "$.devices.base.visibility", "pubic", "public"),
     ("frame: wsg84", "frame: wgs84", "fix.frame", "wsg84", "wgs84"),
     (

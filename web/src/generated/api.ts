@@ -256,7 +256,7 @@ export interface SetupAsk {
   readonly password: string;
 }
 
-/** A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds. */
+/** A signal; ``channels`` are the addresses to subscribe to. */
 export interface SignalShape {
   readonly id: string;
   readonly address: string;

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import msgspec
 import numpy as np
 
-from talaia.gateway.adapters.cloudconnect import parse_metric
+from talaia.gateway.adapters.named_sensors import readings_in
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.field_paths import getter, reader_of, text_of
+from talaia.gateway.samples.header_times import HeaderTimes
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.gateway.samples.source_stamps import StampReader
 from talaia.model.connection import RosSource, source_as
@@ -100,44 +101,50 @@ class TopicPlan:
         topic: str,
         type_name: str,
         rows: list[_Row],
-        by_name: Mapping[str, _Row],
+        by_name: Mapping[str, list[_Row]],
         latest: dict[str, ChannelReading],
         complain: Callable[[str, str], None],
+        header_times: bool = False,
     ) -> None:
-        """Take the rows by field and those by CloudConnect name.
+        """Take the rows by field and those by the name of a sensor.
 
         Args:
             topic: the ROS topic.
             type_name: its type.
             rows: signals read from a field.
-            by_name: signals of a CloudConnect text.
+            by_name: signals of a topic that carries many sensors, see `named_sensors`.
             latest: where tapped readings go.
             complain: told once for each address that cannot be read, with the problem.
+            header_times: samples have the time of their message's stamp, see `HeaderTimes`.
 
         """
         self.topic = topic
         self.type_name = type_name
         self._rows = rows  # In the description's order.
-        self._by_name = by_name  # By CloudConnect name.
+        self._by_name = by_name  # By the name of a sensor.
         self._latest = latest  # Shared by all plans of the adapter.
         self._complain = complain
         self._bad: set[str] = set()  # Addresses (and the topic) that were told as unreadable.
-        self._data = getter("data")
-        samplers = [*rows, *by_name.values()]
+        # None where samples have the time of arrival.
+        self._header_times = HeaderTimes() if header_times else None
+        samplers = self._all_rows()
         # Those that can hold a value back.
         self._thinned = [row for row in samplers if row.sampler is not None]
 
     @property
     def channel(self) -> int:
         """The number of the first signal's first channel."""
-        return next(iter((*self._rows, *self._by_name.values()))).channel
+        return self._all_rows()[0].channel
+
+    def _all_rows(self) -> list[_Row]:
+        return [*self._rows, *(row for rows in self._by_name.values() for row in rows)]
 
     def take_over(self, before: TopicPlan) -> None:
         """Go on where another plan of the topic stops: held-back values are not lost."""
         # By number, which a signal keeps under another address; see `ChannelNumbering`.
-        samplers = {row.channel: row.sampler for row in (*before._rows, *before._by_name.values())}
+        samplers = {row.channel: row.sampler for row in before._all_rows()}
 
-        stamped = {row.address: row for row in (*before._rows, *before._by_name.values())}
+        stamped = {row.address: row for row in before._all_rows()}
 
         def mended(row: _Row) -> _Row:
             was = samplers.get(row.channel)
@@ -151,16 +158,27 @@ class TopicPlan:
             return row._replace(sampler=was)
 
         self._rows = [mended(row) for row in self._rows]
-        self._by_name = {name: mended(row) for name, row in self._by_name.items()}
-        rows = [*self._rows, *self._by_name.values()]
+        self._by_name = {name: [mended(row) for row in of] for name, of in self._by_name.items()}
+        rows = self._all_rows()
         self._thinned = [row for row in rows if row.sampler is not None]
-        same = {row.address: row.signal for row in (*before._rows, *before._by_name.values())}
+        same = {row.address: row.signal for row in before._all_rows()}
         # What was told of a signal that is described as before is not told again.
         self._bad = {row.address for row in rows if same.get(row.address) == row.signal}
         self._bad = (self._bad | {self.topic}) & before._bad
+        self._header_times = before._header_times
 
     def read_message(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
-        """Read one message into ``into``. What cannot be read is told once."""
+        """Read one message into ``into``. What cannot be read is told once.
+
+        Args:
+            message: decoded.
+            time_us: when it came, by the wall clock.
+            mono_ns: when it came, by the monotonic clock.
+            into: takes samples.
+
+        """
+        if self._header_times is not None:
+            time_us = self._header_times.time_of(message, time_us)
         for row in self._rows:
             try:
                 if row.text is not None:
@@ -177,21 +195,22 @@ class TopicPlan:
                 continue
             self._add(row, values, time_us, into)
         if self._by_name:
-            self._take_metric(message, time_us, mono_ns, into)
+            self._read_named(message, time_us, mono_ns, into)
 
-    def _take_metric(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
+    def _read_named(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
         try:
-            metric = parse_metric(str(self._data(message)))
+            for reading in readings_in(message, self.type_name):
+                # None of a name that no signal asks for: the topic carries all sensors.
+                for row in self._by_name.get(reading.name, ()):
+                    if row.signal.type is SignalType.TEXT and reading.text is not None:
+                        into.add_text(row.channel, time_us, text_of(reading.text))
+                        continue
+                    value = reading.value * row.scale
+                    if row.tapped:
+                        self._tap(row, message, value, mono_ns)
+                    self._add(row, (value,), time_us, into)
         except FieldError as error:
             self._report_unreadable(self.topic, error)
-            return
-        row = self._by_name.get(metric.name)
-        # A name that no signal asks for: the topic carries all sensors.
-        if row is not None:
-            value = metric.magnitude * row.scale
-            if row.tapped:
-                self._tap(row, message, value, mono_ns)
-            self._add(row, (value,), time_us, into)
 
     def _report_unreadable(self, address: str, error: FieldError) -> None:
         if address not in self._bad:
@@ -214,8 +233,14 @@ class TopicPlan:
                 into.add(row.channel + part, time_us, value)
 
     def take_due(self, time_us: int, into: SampleBuffer) -> bool:
-        """Let held-back values out whose turn has come; tell whether any still waits."""
+        """Let held-back values out whose turn has come; tell whether any still waits.
+
+        ``time_us`` is now, by the wall clock.
+        """
         waiting = False
+        if self._header_times is not None:
+            # By the clock of the messages' stamps, as their samples are.
+            time_us -= self._header_times.lag_us
         for row in self._thinned:
             sampler = row.sampler
             if sampler is None or not sampler.holding:
@@ -259,11 +284,18 @@ def file_in(message: object) -> bytes:
 
 
 def plans_of(
-    scope: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
+    scope: ConnectionScope,
+    latest: dict[str, ChannelReading],
+    complain: Callable[[str, str], None],
+    *,
+    header_times: bool = False,
 ) -> list[TopicPlan]:
-    """Make the plans of a scope; signals of one topic and type scope one."""
+    """Make the plans of a scope; signals of one topic and type share one.
+
+    See `TopicPlan` for the rest.
+    """
     rows: dict[tuple[str, str], list[_Row]] = {}
-    names: dict[tuple[str, str], dict[str, _Row]] = {}
+    names: dict[tuple[str, str], dict[str, list[_Row]]] = {}
     for device_id, device in scope.devices.items():
         for signal_id, signal in device.signals.items():
             source = source_as(signal.source, RosSource)
@@ -276,7 +308,7 @@ def plans_of(
             rows.setdefault(key, [])
             names.setdefault(key, {})
             if source.name:
-                names[key][source.name] = row
+                names[key].setdefault(source.name, []).append(row)
             else:
                 rows[key].append(row)
     return [
@@ -287,6 +319,7 @@ def plans_of(
             by_name=names[topic, type_name],
             latest=latest,
             complain=complain,
+            header_times=header_times,
         )
         for (topic, type_name), read in rows.items()
     ]
@@ -325,7 +358,10 @@ def _row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
     sampler = None if rule is None else Sampler(rule)
     source, stamp = source_as(signal.source, RosSource), None
     if source.name:
-        return _Row(address, channel, None, None, sampler, tapped, signal.scale, signal)
+        texts = signal.type is SignalType.TEXT
+        return _Row(
+            address, channel, None, None, None if texts else sampler, tapped, signal.scale, signal
+        )
     if signal.type is SignalType.TEXT:
         return _Row(address, channel, None, getter(source.field), None, tapped, 1.0, signal)
     if tapped and source.stamp:

@@ -90,7 +90,7 @@ class NewestValues:
         """Give a signal's newest value as a word; see `UNKNOWN`."""
         found = self._values.get(self._first[address])
         # By the monotonic clock, as everywhere: a value that is too old is not shown as one.
-        if found is None or now_ns - found.mono_ns > round(signal.max_age * SECOND):
+        if found is None or now_ns - found.mono_ns > round(signal.stale_after * SECOND):
             return UNKNOWN
         if signal.type is SignalType.TEXT:
             return found.text

@@ -36,7 +36,7 @@ def rule_of(signal: Signal) -> SamplingRule | None:
         return None
     interval = round(1e6 / signal.max_rate) if signal.max_rate > 0 else 0
     # Half of what counts as stale: an unchanged value is repeated before it looks old.
-    return SamplingRule(interval, signal.deadband, round(signal.max_age * 0.5e6))
+    return SamplingRule(interval, signal.deadband, round(signal.stale_after * 0.5e6))
 
 
 class Sampler:

@@ -159,7 +159,7 @@ class AlarmCondition:
     def longest_s(self, address: str) -> float:
         """Give how old a channel's value may be before it is unknown (s)."""
         own = self.alarm.max_age
-        return self._signals[address].max_age if own is None else own
+        return self._signals[address].stale_after if own is None else own
 
     def _unknown(self, address: str, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         name, reading = self._signals[address].name, readings.get(address)

@@ -94,6 +94,9 @@ def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding
         return
     if condition.max_age is not None:
         yield from above(f"{where}.max_age", condition.max_age, 0)
+    elif signal.max_age == 0:
+        problem = f"{condition.signal} never goes stale, so nothing would tell that it fell silent"
+        yield Finding(f"{where}.max_age", problem, "say here how old it may be (s)")
     yield from at_least(f"{where}.lasting", condition.lasting, 0)
     if condition.dwell is not None and not 0 <= condition.dwell <= _DAY:
         yield Finding(f"{where}.dwell", f"expected 0 to {_DAY:g} s, found {condition.dwell}")

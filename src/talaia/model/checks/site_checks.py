@@ -206,9 +206,8 @@ def _signal(where: str, signal: Signal) -> Iterator[Finding]:
     except UnknownWord as error:
         yield _of(error)
     yield from validity_fits(where, signal)
-    for key in ("max_rate", "deadband", "keep"):
+    for key in ("max_rate", "deadband", "keep", "max_age"):
         yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
-    yield from above(f"{where}.max_age", signal.max_age, 0)
     if not math.isfinite(signal.scale) or signal.scale == 0:
         yield Finding(f"{where}.scale", f"expected a number other than 0, found {signal.scale}")
     # -1 takes the unit's own.

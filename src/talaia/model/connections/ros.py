@@ -20,8 +20,10 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Command, Device, Signal
 
-__all__ = ["RosRules", "RosSource", "node_fits"]
+__all__ = ["DIAGNOSTICS", "RosRules", "RosSource", "node_fits"]
 
+# Names many parts of a robot, each with a level and words.
+DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 # A whole FITS file, as a message.
 _FILES = "std_msgs/msg/UInt8MultiArray"
 _NODE = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
@@ -42,7 +44,8 @@ class RosSource(SourceShape, frozen=True, kw_only=True, tag="ros"):
         topic: the topic, absolute (``/odom``).
         type: the topic's type, ``package/msg/Name``.
         field: the path of the field in the message: ``pose.pose.position.x``, ``ranges[0]``.
-        name: for a topic that carries many sensors by name (CloudConnect's ``/metric``): which.
+        name: for a topic that carries many sensors by name (CloudConnect's ``/metric``, ROS's
+            ``/diagnostics``): which. Of diagnostics a state is the level and a text the message.
         parameter: a parameter instead of a topic, asked for once a second: ``/node/name``.
         stamp: the path of the value's own time, ``header.stamp``, which tells an old value that
             goes on arriving from a new one. Interlocks count a value from when its stamp last

@@ -140,6 +140,9 @@ class KindRules(ConnectionRules, Generic[ConnectionT, SourceT]):
         yield from super().signal_findings(where, signal)
         if isinstance(signal.source, self._shape):
             yield from self.signal_fits(where, signal, signal.source)
+        elif not keys_given(signal.source):
+            # Another protocol's that says nothing is written as ours that says nothing.
+            yield from self.signal_fits(where, signal, self._shape())
 
     def stream_findings(self, where: str, stream: Stream) -> Iterator[Finding]:
         """See `ConnectionRules`."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from talaia.model.connections.ros import DIAGNOSTICS
 from talaia.model.discovery.ros_units import human, word_of
 from talaia.model.site import DeviceKind, DriveMessage
 
@@ -56,6 +57,8 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
         return _named_place("power", "Battery", DeviceKind.POWER, spaces)
     if type_name.startswith(("nav_msgs/", "geometry_msgs/msg/Twist")):
         return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, spaces)
+    if type_name == DIAGNOSTICS:
+        return _named_place("diagnostics", "Diagnostics", DeviceKind.OTHER, spaces)
     if spaces:
         return _named_place("", "", DeviceKind.OTHER, spaces)
     package = type_name.split("/", 1)[0]

@@ -20,6 +20,7 @@ from talaia.model.discovery.proposed_signals import MOTION_FIELDS, ProposedSigna
 from talaia.model.discovery.role_proposal import with_roles
 from talaia.model.discovery.ros_units import human, word_of
 from talaia.model.discovery.topic_words import free_word, last_part
+from talaia.model.discovery.whole_topics import whole_of
 from talaia.model.site import (
     Argument,
     ArgumentType,
@@ -217,6 +218,10 @@ class _ProposedDevices:
     def _add_published(self, topic: TopicFound) -> None:
         if topic.problem:
             self.left_out.append(f"{topic.topic}: {topic.problem}")
+            return
+        whole = whole_of(topic.type)
+        if whole:
+            self.left_out.append(f"{topic.topic}: {whole}, which is one thing and no signals")
             return
         self.left_out += [f"{topic.topic} {field}" for field in topic.left_out]
         place = self._place_of(topic.topic, topic.type)

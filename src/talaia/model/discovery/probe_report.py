@@ -62,9 +62,12 @@ class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
         type: ``package/msg/Name``.
         publishers: how many publish it.
         subscribers: how many listen to it, without the probe.
-        rate: messages a second, as counted while looking (Hz).
+        rate: messages a second, by the spacing of those that came while looking (Hz); 0 where
+            fewer than two came.
+        latched: the last message is kept for whoever comes later (transient local): it is state.
         fields: what can be read of one message.
-        names: for CloudConnect's ``/metric``: the sensor names that were heard.
+        names: of a topic that carries many sensors (CloudConnect's ``/metric``, ROS's
+            ``/diagnostics``): their names that were heard.
         left_out: what was left out of ``fields`` and why, in words.
         problem: why it cannot be read at all, in words; empty when it can.
 
@@ -75,6 +78,7 @@ class TopicFound(msgspec.Struct, frozen=True, omit_defaults=True):
     publishers: int = 0
     subscribers: int = 0
     rate: float = 0.0
+    latched: bool = False
     fields: tuple[FieldFound, ...] = ()
     names: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()

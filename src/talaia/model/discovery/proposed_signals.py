@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.model.connection import RosSource, source_as
+from talaia.model.connections.ros import DIAGNOSTICS
 from talaia.model.discovery.ros_units import human, word_of
 from talaia.model.discovery.topic_words import free_word, last_part, path_in_words
+from talaia.model.discovery.whole_topics import LEVELS
+from talaia.model.roles import StateMeaning
 from talaia.model.site import PositionFrame, Signal, SignalType
 
 if TYPE_CHECKING:
@@ -57,6 +60,15 @@ _POSES = {
     "geometry_msgs/msg/PoseWithCovarianceStamped": "pose.pose",
     "geometry_msgs/msg/Pose": "",
 }
+# Of the levels of diagnostics, in their order.
+_MEANINGS = (
+    StateMeaning.NORMAL,
+    StateMeaning.WARNING,
+    StateMeaning.ERROR,
+    StateMeaning.UNKNOWN,
+)
+# A topic whose spacing is not known: it speaks now and then.
+_RARE_S = 3600.0
 _GEOGRAPHIC = "sensor_msgs/msg/NavSatFix"
 
 
@@ -82,12 +94,8 @@ class ProposedSignals:
         """Add the signals of a topic to a device; tell whether that has any signal now."""
         signals = self._signals.setdefault(place, {})
         if topic.names:
-            # CloudConnect: one text topic says many sensors by name (`adapters/cloudconnect.py`).
             for sensor in topic.names:
-                source = RosSource(topic=topic.topic, type=topic.type, name=sensor)
-                signals[free_word(word_of(sensor), signals)] = Signal(
-                    name=human(sensor) or sensor, source=source, max_age=_age_of(topic.rate)
-                )
+                signals[free_word(word_of(sensor), signals)] = _sensor_of(topic, sensor)
             return True
         for word, signal in _positions_of(topic):
             signals[free_word(word, signals)] = signal
@@ -145,6 +153,22 @@ class ProposedSignals:
         return sum(other.type == topic.type for other in self._topics) == 1
 
 
+def _sensor_of(topic: TopicFound, sensor: str) -> Signal:
+    """Give the signal of one sensor of a topic that carries many of them by name."""
+    source = RosSource(topic=topic.topic, type=topic.type, name=sensor)
+    if topic.type == DIAGNOSTICS:
+        return Signal(
+            # As the robot writes it: `lidar: scan rate` is a path for people.
+            name=sensor[:100] or "Unnamed",
+            type=SignalType.STATE,
+            states=LEVELS,
+            meanings=_MEANINGS,
+            source=source,
+            max_age=_age_of(topic),
+        )
+    return Signal(name=human(sensor) or sensor, source=source, max_age=_age_of(topic))
+
+
 def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
     """Give a topic's positions, each with its word."""
     last = human(last_part(topic.topic))
@@ -156,7 +180,7 @@ def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
                 name=f"{last} position" if last != "Fix" else "Geographic position",
                 type=SignalType.POSITION,
                 frame=PositionFrame.WGS84,
-                max_age=_age_of(topic.rate),
+                max_age=_age_of(topic),
                 primary=False,
                 source=RosSource(topic=topic.topic, type=topic.type),
             ),
@@ -173,7 +197,7 @@ def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
                 yaw_from=f"{inside}orientation",
                 # A map shows no more; odometry comes at 50 Hz and above.
                 max_rate=10.0,
-                max_age=_age_of(topic.rate),
+                max_age=_age_of(topic),
                 primary=False,
                 source=RosSource(topic=topic.topic, type=topic.type, field=f"{inside}position"),
             ),
@@ -195,7 +219,7 @@ def _is_in_position(type_name: str, path: str) -> bool:
 def _signal_of(topic: TopicFound, field: FieldFound, name: str) -> Signal:
     source = RosSource(topic=topic.topic, type=topic.type, field=field.path)
     low, high = _RANGES.get(field.unit, (None, None))
-    age = _age_of(topic.rate)
+    age = _age_of(topic)
     if field.type == "text":
         return Signal(name=name, type=SignalType.TEXT, source=source, max_age=age)
     if field.type == "boolean":
@@ -241,8 +265,13 @@ def _rank_of(signal: Signal) -> int | None:
     return len(_FIRST) + (1 if signal.unit else 2)
 
 
-def _age_of(rate: float) -> float:
-    """Give how old a value may be before it is stale: five times its usual spacing (s)."""
-    if rate <= 0:
-        return 60.0
-    return min(max(round(5.0 / rate, 1), 2.0), 3600.0)
+def _age_of(topic: TopicFound) -> float:
+    """Give how old a topic's value may be before it is stale (s): five times its usual spacing.
+
+    A latched one holds until another comes: 0, for never.
+    """
+    if topic.latched:
+        return 0.0
+    if topic.rate <= 0:
+        return _RARE_S
+    return min(max(round(5.0 / topic.rate, 1), 2.0), _RARE_S)

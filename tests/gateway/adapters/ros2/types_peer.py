@@ -80,7 +80,10 @@ class Peer:
         return DiagnosticArray(
             status=[
                 DiagnosticStatus(
-                    level=bytes([level]), name=name, values=[KeyValue(key="temp", value="81.5")]
+                    level=bytes([level]),
+                    name=name,
+                    message=f"{name} is at {level}",
+                    values=[KeyValue(key="temp", value="81.5")],
                 )
                 for name, level in levels.items()
             ]

@@ -128,7 +128,7 @@ class SignalReadings:
         """Give a signal's value now; NaN, or the empty text, where it is not known."""
         signal = plan.signal
         found = self._read_property(plan)
-        unknown = found is None or now_ns - found.mono_ns > round(signal.max_age * SECOND)
+        unknown = found is None or now_ns - found.mono_ns > round(signal.stale_after * SECOND)
         if signal.type is SignalType.TEXT:
             return "" if found is None or unknown else str(found.value)[:_MAX_TEXT]
         if found is None or unknown:
@@ -196,7 +196,7 @@ def _is_news(signal: Signal, last: _Published, value: float | str, now_ns: int) 
     if value == "" and not changed:
         return False
     # Half of what it may grow old: a repetition that is lost has another behind it in time.
-    return changed or since >= signal.max_age * SECOND / 2
+    return changed or since >= signal.stale_after * SECOND / 2
 
 
 def _plans_of(scope: ConnectionScope) -> list[_Plan]:

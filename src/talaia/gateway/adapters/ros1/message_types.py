@@ -9,7 +9,7 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import TypesysError, get_types_from_msg
 
 from talaia.gateway.adapters.message_fields import RosMessageType
-from talaia.gateway.adapters.ros2.definitions import comments_in
+from talaia.gateway.adapters.ros2.type_definitions.field_comments import comments_in
 from talaia.gateway.errors import FieldError
 
 if TYPE_CHECKING:

@@ -74,7 +74,7 @@ class NumberedTopics:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # A plan's number is its place here.
-        self._plans = plans_of(scope, self.latest, unreadable.report)
+        self._plans = plans_of(scope, self.latest, unreadable.report, header_times=True)
         self._parameters = parameter_plans_of(scope, self.latest, unreadable.report)
         self._topics: dict[int, _Topic] = {}
         # By address: cameras, which are listened to only while somebody looks at them.

@@ -17,8 +17,8 @@ import os
 import time
 from typing import TYPE_CHECKING, Any
 
-from talaia.gateway.adapters.cloudconnect import parse_metric
 from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
+from talaia.gateway.adapters.named_sensors import NAMED_TYPES, names_in
 from talaia.gateway.adapters.ros1.decode import decoder_of, full_name
 from talaia.gateway.adapters.ros1.frames import ReceivedMessage
 from talaia.gateway.adapters.ros1.master import RosMaster
@@ -47,7 +47,7 @@ PLUMBING = {"/rosout", "/rosout_agg", "/clock", "/statistics", "/diagnostics_agg
 # What every node has.
 PLUMBING_SERVICES = ("/get_loggers", "/set_logger_level")
 ACTION_PARTS = ("goal", "cancel", "status", "feedback", "result")
-METRIC, STATUS = "std_msgs/String", "actionlib_msgs/GoalStatusArray"
+STATUS = "actionlib_msgs/GoalStatusArray"
 LOOK_AGAIN_S = 0.5
 START_S = 15.0
 DESCRIBE_S = 10.0
@@ -79,10 +79,10 @@ class _Heard:
         self.last_us = heard.time_us
         self.count += 1
         self.raw = heard.raw
-        if self.type == METRIC and len(self.names) < 500:
+        kind = full_name(self.type) if self.type else ""
+        if kind in NAMED_TYPES and len(self.names) < 500:
             with contextlib.suppress(FieldError):
-                text = str(getattr(self.message(), "data", ""))
-                self.names[parse_metric(text).name] = None
+                self.names |= dict.fromkeys(names_in(self.message(), kind))
 
     def message(self) -> object:
         """Decode the last message; none where none came.
@@ -93,11 +93,11 @@ class _Heard:
         """
         return self._decode(self.raw) if self._decode is not None and self.count else None
 
-    def rate(self, seconds: float) -> float:
-        """Give messages a second: by their spacing, or by the time looked when only one came."""
+    def rate(self) -> float:
+        """Give messages a second, by their spacing; 0 where that is not known."""
         if self.count > 1 and self.last_us > self.first_us:
             return (self.count - 1) * 1e6 / (self.last_us - self.first_us)
-        return self.count / seconds
+        return 0.0
 
 
 def probe_graph(uri: str, seconds: float, python: str = Ros1Connection().python) -> Found:
@@ -263,7 +263,7 @@ class _Look:
                 type=full_name(kind),
                 publishers=publishers,
                 subscribers=subscribers,
-                rate=round(one.rate(self._seconds), 2) if one is not None else 0.0,
+                rate=round(one.rate(), 2) if one is not None else 0.0,
                 fields=shape.fields,
                 names=tuple(sorted(one.names)) if one is not None else (),
                 left_out=shape.left_out,

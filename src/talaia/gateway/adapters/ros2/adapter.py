@@ -33,7 +33,7 @@ from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.topic_types import TopicTypes
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import RobotDescriptions
 from talaia.gateway.adapters.ros2.waitset import WaitThread
-from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, plans_of
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
@@ -87,7 +87,7 @@ class Ros2Adapter:
         # Samples of one turn of the wait set, until they go on as columns.
         self._gathered = SampleBuffer()
         # They outlive a `run`: what is held back of a signal goes on when ROS is joined anew.
-        self._plans = plans_of(scope, self._latest, self._unreadable.report)
+        self._plans = self._plans_of(scope)
         # Streams that somebody looks at; replaced whole, so both threads may read it.
         self._watched: frozenset[str] = frozenset()
         # Types that are not installed and have been reported, in the words of the report.
@@ -145,7 +145,7 @@ class Ros2Adapter:
         if self._thread is None:
             # It is joined with the next `run`.
             self._scope = scope
-            self._plans = plans_of(scope, self._latest, self._unreadable.report)
+            self._plans = self._plans_of(scope)
         else:
             self._thread.run_soon(lambda: self._redescribe(scope))
 
@@ -273,7 +273,7 @@ class Ros2Adapter:
     def _redescribe(self, scope: ConnectionScope) -> None:
         """Bring all in line with another scope; on the wait-set thread, between two turns."""
         before, self._scope = self._scope, scope
-        self._plans = plans_of(scope, self._latest, self._unreadable.report)
+        self._plans = self._plans_of(scope)
         if self._listening is not None:
             self._listening.redescribe(scope, self._plans)
         for address in [key for key in self._latest if _moved(before, scope, key)]:
@@ -285,6 +285,9 @@ class Ros2Adapter:
         if self._motion is not None:
             self._motion.redescribe(scope)
         self._update_subscriptions()
+
+    def _plans_of(self, scope: ConnectionScope) -> list[TopicPlan]:
+        return plans_of(scope, self._latest, self._unreadable.report, header_times=True)
 
     def _tell_missing(self, error: TypeMissing) -> None:
         if str(error) not in self._missing:

@@ -1,23 +1,28 @@
-"""What a ROS 2 message class says of itself: its fields, its constants, its parts."""
+"""What a ROS 2 type says of itself: its fields, its constants, its parts."""
 
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from talaia.gateway.adapters.message_fields import RosMessageType
+from talaia.gateway.adapters.ros2.type_definitions.definition_text import rosidl_word
+from talaia.gateway.adapters.ros2.type_definitions.field_comments import comments_in
+from talaia.gateway.adapters.ros2.type_definitions.installed_package import constants_of
 
-__all__ = ["kind_named", "kind_of"]
+if TYPE_CHECKING:
+    from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
+        PartDefinition,
+        TypeDefinition,
+    )
+
+__all__ = ["DefinedParts", "kind_named", "kind_of"]
 
 
 def kind_of(message_class: Any) -> RosMessageType:  # noqa: ANN401 - generated classes are untyped
-    """Read a class's own lists; constants stand on its metaclass."""
-    constants = {}
-    for name in dir(type(message_class)):
-        value = getattr(message_class, name, None)
-        if name.isupper() and isinstance(value, int) and not isinstance(value, bool):
-            constants[name] = value
-    return RosMessageType(tuple(message_class.get_fields_and_field_types().items()), constants)
+    """Read a class's own lists."""
+    fields = tuple(message_class.get_fields_and_field_types().items())
+    return RosMessageType(fields, constants_of(message_class))
 
 
 def kind_named(name: str) -> RosMessageType | None:
@@ -27,3 +32,32 @@ def kind_named(name: str) -> RosMessageType | None:
         return kind_of(getattr(import_module(f"{package}.msg"), short))
     except (ImportError, AttributeError):
         return None
+
+
+class DefinedParts:
+    """The types that one definition holds, by ``package/Name``."""
+
+    def __init__(self, definition: TypeDefinition) -> None:
+        """Take the definition."""
+        self._parts = definition.parts
+        # By type and then by field; read when they are asked for.
+        self._comments: dict[str, dict[str, str]] = {}
+
+    def kind_named(self, name: str) -> RosMessageType | None:
+        """Give a type; none that the definition does not hold."""
+        part = self._part(name)
+        if part is None:
+            return None
+        fields = tuple((field.name, rosidl_word(field.type)) for field in part.fields)
+        return RosMessageType(fields, part.constants)
+
+    def comment_of(self, name: str, field: str) -> str:
+        """Give what the author wrote beside a field; empty if that is nothing."""
+        if name not in self._comments:
+            part = self._part(name)
+            self._comments[name] = comments_in(part.text) if part is not None else {}
+        return self._comments[name].get(field, "")
+
+    def _part(self, name: str) -> PartDefinition | None:
+        package, _, short = name.partition("/")
+        return self._parts.get(f"{package}/msg/{short}")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import time
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 import talaia.ros_start  # noqa: F401 - before the first import of rclpy
@@ -17,20 +18,23 @@ from rclpy.action import get_action_names_and_types
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 
-from talaia.gateway.adapters.cloudconnect import parse_metric
 from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
-from talaia.gateway.adapters.ros2.definitions import comment_of
+from talaia.gateway.adapters.named_sensors import NAMED_TYPES, names_in
 from talaia.gateway.adapters.ros2.graph_node import join_graph
+from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, is_made
 from talaia.gateway.adapters.ros2.message_types import kind_named, kind_of
+from talaia.gateway.adapters.ros2.probed_types import ProbedTypes
 from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
 from talaia.gateway.adapters.ros2.requests import class_of
+from talaia.gateway.adapters.ros2.type_definitions.definition_finder import DefinitionMismatch
+from talaia.gateway.adapters.ros2.type_definitions.field_comments import comment_of
+from talaia.gateway.adapters.ros2.type_definitions.message_definition import BadDefinition
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.model.discovery.probe_report import FORMAT, ActionFound, Found, ServiceFound, TopicFound
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Collection, Iterable
 
 __all__ = ["probe_graph"]
 
@@ -42,19 +46,28 @@ PLUMBING_TYPES = (
     "lifecycle_msgs/",
     "action_msgs/",
 )
-METRIC = "std_msgs/msg/String"
 LOOK_AGAIN_S = 0.4
+# Nodes that describe their types do so within milliseconds.
+ANSWER_S = 2.0
+# Messages that are kept of a topic that carries many sensors, each with some of them.
+MOST_SEVERAL = 500
 
 
 class _Heard:
     """A topic that is listened to: how many came, when, and the last one."""
 
-    def __init__(self, topic: str, type_name: str, kind: Any) -> None:  # noqa: ANN401
-        self.topic, self.type_name, self.kind = topic, type_name, kind
+    def __init__(self, topic: str, type_name: str, publishers: Collection[Any]) -> None:
+        self.topic, self.type_name, self.publishers = topic, type_name, publishers
+        self.latched = all(
+            info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
+        )
         self.count = 0
         self.first = self.last = 0.0
         self.raw = b""
-        self.names: dict[str, None] = {}
+        # Of topics that carry many sensors: some messages of each other's, without end.
+        self._several: deque[bytes] = deque(maxlen=MOST_SEVERAL)
+        # What they are about; filled when all have come.
+        self.names: tuple[str, ...] = ()
 
     def count_message(self, raw: bytes) -> None:
         now = time.monotonic()
@@ -62,15 +75,22 @@ class _Heard:
         self.last = now
         self.count += 1
         self.raw = raw
-        if self.type_name == METRIC and len(self.names) < 500:
-            with contextlib.suppress(FieldError):
-                self.names[parse_metric(str(deserialize_message(raw, self.kind).data)).name] = None
+        if self.type_name in NAMED_TYPES:
+            self._several.append(raw)
 
-    def rate(self, seconds: float) -> float:
-        """Give messages a second: by their spacing, or by the time looked when only one came."""
+    def rate(self) -> float:
+        """Give messages a second, by their spacing; 0 where that is not known."""
         if self.count > 1 and self.last > self.first:
             return (self.count - 1) / (self.last - self.first)
-        return self.count / seconds
+        return 0.0
+
+    def find_names(self, decode: Callable[[bytes], object]) -> None:
+        """Find the names of the sensors that the messages carry."""
+        names: set[str] = set()
+        for raw in self._several:
+            with contextlib.suppress(FieldError):
+                names |= set(names_in(decode(raw), self.type_name))
+        self.names = tuple(sorted(names))
 
 
 def probe_graph(domain: int | None, seconds: float) -> Found:
@@ -100,17 +120,24 @@ class _Look:
         self._node, self._context, self._seconds = node, context, seconds
         self._heard: dict[str, _Heard] = {}
         self._problems: dict[str, str] = {}
+        self._types = ProbedTypes(node)
+        # When to stop listening (monotonic, s).
+        self._until = 0.0
 
     def found(self) -> Found:
         executor = SingleThreadedExecutor(context=self._context)
         executor.add_node(self._node)
-        until = time.monotonic() + self._seconds
+        self._until = time.monotonic() + self._seconds
         look_at = 0.0
-        while (now := time.monotonic()) < until:
+        while (now := time.monotonic()) < self._until:
             if now >= look_at:
                 self._listen()
+                self._ask()
                 look_at = now + LOOK_AGAIN_S
-            executor.spin_once(timeout_sec=min(0.1, until - now))
+            executor.spin_once(timeout_sec=min(0.1, self._until - now))
+        answered_by = time.monotonic() + ANSWER_S
+        while self._types.waiting and time.monotonic() < answered_by:
+            executor.spin_once(timeout_sec=0.1)
         executor.shutdown(timeout_sec=1)
         domain = self._context.get_domain_id()
         actions = self._actions()
@@ -137,15 +164,24 @@ class _Look:
             if len(types) > 1:
                 self._problems[topic] = f"it is published with several types: {', '.join(types)}"
                 continue
+            began = time.monotonic()
             try:
-                kind = class_of(types[0], topic)
+                kind = self._types.class_for(types[0], topic, publishers)
             except TypeMissing as error:
                 self._problems[topic] = str(error)
                 continue
-            heard = self._heard[topic] = _Heard(topic, types[0], kind)
+            # The first type that is not installed takes a second of trying, in which nobody hears.
+            self._until += time.monotonic() - began
+            heard = self._heard[topic] = _Heard(topic, types[0], publishers)
             self._node.create_subscription(
                 kind, topic, heard.count_message, _profile(publishers), raw=True
             )
+            if is_made(kind):
+                forget_error()
+
+    def _ask(self) -> None:
+        for heard in self._heard.values():
+            self._types.ask(heard.type_name, heard.publishers)
 
     # ── telling ──
 
@@ -161,18 +197,43 @@ class _Look:
                 continue
             shape, problem = ReadableFields((), ()), self._problems.get(topic, "")
             if heard is not None:
-                shape, problem = _read(heard)
+                shape, problem = self._read(heard)
             yield TopicFound(
                 topic=topic,
                 type=types[0],
                 publishers=publishers,
                 subscribers=subscribers,
-                rate=round(heard.rate(self._seconds), 2) if heard is not None else 0.0,
+                rate=round(heard.rate(), 2) if heard is not None else 0.0,
+                latched=heard is not None and heard.latched,
                 fields=shape.fields,
-                names=tuple(sorted(heard.names)) if heard is not None else (),
+                names=tuple(heard.names) if heard is not None else (),
                 left_out=shape.left_out,
                 problem=problem,
             )
+
+    def _read(self, heard: _Heard) -> tuple[ReadableFields, str]:
+        try:
+            found = self._types.find(heard.type_name, heard.topic, heard.publishers)
+        except (TypeMissing, DefinitionMismatch, BadDefinition) as error:
+            return ReadableFields((), ()), str(error)
+        heard.find_names(found.decode)
+        message, problem = None, ""
+        if heard.raw:
+            try:
+                message = found.decode(heard.raw)
+            except Exception as error:  # noqa: BLE001 - rclpy raises bare kinds for foreign bytes
+                problem = f"a message that came is not a {heard.type_name}: {error}"
+        package, _, name = heard.type_name.split("/")
+        kind = found.find(f"{package}/{name}")
+        if kind is None:
+            return ReadableFields((), ()), problem
+        return shape_of(
+            kind=kind,
+            type_name=f"{package}/{name}",
+            find=found.find,
+            message=message,
+            comment_of=found.comment_of,
+        ), problem
 
     def _services(self) -> Iterable[ServiceFound]:
         for service, types in sorted(self._node.get_service_names_and_types()):
@@ -211,23 +272,6 @@ def _profile(publishers: Iterable[Any]) -> QoSProfile:
         if quality.latched
         else DurabilityPolicy.VOLATILE,
     )
-
-
-def _read(heard: _Heard) -> tuple[ReadableFields, str]:
-    message, problem = None, ""
-    if heard.raw:
-        try:
-            message = deserialize_message(heard.raw, heard.kind)
-        except Exception as error:  # noqa: BLE001 - rclpy raises bare kinds for foreign bytes
-            problem = f"a message that came is not a {heard.type_name}: {error}"
-    package, _, name = heard.type_name.split("/")
-    return shape_of(
-        kind=kind_of(heard.kind),
-        type_name=f"{package}/{name}",
-        find=kind_named,
-        message=message,
-        comment_of=comment_of,
-    ), problem
 
 
 def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[ReadableFields, str]:

@@ -79,7 +79,7 @@ class RosbridgeAdapter:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # One for each topic and type.
-        self._plans = plans_of(scope, self._latest, self._unreadable.report)
+        self._plans = plans_of(scope, self._latest, self._unreadable.report, header_times=True)
         # Messages come without their type: of two types for one topic the later one is read.
         self._by_topic = {plan.topic: plan for plan in self._plans}
         # Decodes pictures beside the event loop, in each run.

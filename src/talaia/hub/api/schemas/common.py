@@ -173,7 +173,9 @@ class SiteSummary(Schema):
 
 
 class SignalShape(Schema):
-    """A signal; ``channels`` are the addresses to subscribe to. ``max_age`` is in seconds.
+    """A signal; ``channels`` are the addresses to subscribe to.
+
+    ``max_age`` is in seconds, and 1e9 of one that never goes stale.
 
     ``role``: what it is, as described or proposed. ``meanings``: what each state means, as
     described or proposed; empty where no state is out of the ordinary. ``public``: everybody who

@@ -120,7 +120,7 @@ def _signals(
     """Give the signals a person sees, and those of them that are not older than their limit."""
     site = live.description
     ages = {
-        (device_id, signal_id): signal.max_age
+        (device_id, signal_id): signal.stale_after
         for device_id, device in site.devices.items()
         for signal_id, signal in device.signals.items()
         if sees_signal(grants, site, device_id, signal_id)
@@ -224,7 +224,7 @@ def _signal(device_id: str, signal_id: str, signal: Signal, role: SignalRole | N
         states=list(signal.states),
         meanings=list(meanings_of(signal, role)),
         frame=signal.frame if signal.type is SignalType.POSITION else "",
-        max_age=signal.max_age,
+        max_age=signal.stale_after,
         primary=signal.primary,
         public=signal.visibility is Visibility.PUBLIC,
         channels=[address + (f".{part}" if part else "") for part in parts_of(signal)],

@@ -28,7 +28,7 @@ except ImportError:
     # Humble has no such service.
     GetTypeDescription = None
 
-__all__ = ["RobotDescriptions", "description_in", "hash_of", "node_of"]
+__all__ = ["GetTypeDescription", "RobotDescriptions", "description_in", "hash_of", "node_of"]
 
 log = logging.getLogger(__name__)
 # Its node's name may be known a moment later than the publisher, and its service, too.

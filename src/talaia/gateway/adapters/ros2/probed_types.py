@@ -1,0 +1,152 @@
+"""The types of the topics that a probe listens to, installed or not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rclpy.serialization import deserialize_message
+
+from talaia.gateway.adapters.ros2.made_types.made_message_class import (
+    CannotMakeTypes,
+    made_class,
+    problem_here,
+)
+from talaia.gateway.adapters.ros2.made_types.self_test import self_test_problem
+from talaia.gateway.adapters.ros2.message_types import DefinedParts, kind_named
+from talaia.gateway.adapters.ros2.requests import class_of
+from talaia.gateway.adapters.ros2.type_definitions.definition_finder import (
+    DefinitionFinder,
+)
+from talaia.gateway.adapters.ros2.type_definitions.field_comments import comment_of
+from talaia.gateway.adapters.ros2.type_definitions.installed_package import installed_definition
+from talaia.gateway.adapters.ros2.type_definitions.message_decoder import decoder_of
+from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
+    BadDefinition,
+    type_hash,
+)
+from talaia.gateway.adapters.ros2.type_definitions.robot_questions import (
+    GetTypeDescription,
+    description_in,
+    hash_of,
+    node_of,
+)
+from talaia.gateway.errors import TypeMissing
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from talaia.gateway.adapters.message_fields import RosMessageType
+    from talaia.gateway.adapters.ros2.type_definitions.message_definition import TypeDefinition
+
+__all__ = ["ProbedType", "ProbedTypes"]
+
+
+class ProbedType(NamedTuple):
+    """How messages of a topic are read, and what their fields are.
+
+    Attributes:
+        find: gives the types of its parts, by ``package/Name``; none for one that is not known.
+        comment_of: gives what the definition says beside a field of a type.
+
+    """
+
+    decode: Callable[[bytes], object]
+    find: Callable[[str], RosMessageType | None]
+    comment_of: Callable[[str, str], str]
+
+
+class ProbedTypes:
+    """Asks the nodes of one graph for their types; its node must be spun."""
+
+    def __init__(self, node: Any) -> None:  # noqa: ANN401 - rclpy ships no types
+        """Take the probe's node."""
+        self._node = node
+        self._finder: DefinitionFinder | None = None
+        # What nodes said, by type and hash; and the questions that are under way.
+        self._described: dict[tuple[str, str], TypeDefinition | None] = {}
+        self._clients: dict[str, Any] = {}
+        self._asked: set[tuple[str, str]] = set()
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a node that was asked has not answered."""
+        return len(self._asked) > len(self._described)
+
+    def class_for(self, type_name: str, topic: str, infos: Collection[Any]) -> Any:  # noqa: ANN401
+        """Give the class that a topic is subscribed with.
+
+        Raises:
+            TypeMissing: there is none, and none can be made here.
+
+        """
+        try:
+            return class_of(type_name, topic)
+        except TypeMissing as error:
+            problem = problem_here() or self_test_problem()
+            if problem:
+                raise TypeMissing(type_name, topic, problem) from error
+        try:
+            return made_class(type_name, _spoken(infos))
+        except CannotMakeTypes as error:
+            raise TypeMissing(type_name, topic, str(error)) from error
+
+    def ask(self, type_name: str, infos: Collection[Any]) -> None:
+        """Ask who publishes a type for it, unless it is installed in the same version.
+
+        May be called again: who could not be asked yet is asked then.
+        """
+        spoken, owner = _spoken(infos), next(map(node_of, infos), "")
+        key = (type_name, spoken)
+        if GetTypeDescription is None or not spoken or not owner or key in self._asked:
+            return
+        if _installed_hash(type_name) == spoken:
+            return
+        client = self._clients.get(owner)
+        if client is None:
+            client = self._node.create_client(GetTypeDescription, f"{owner}/get_type_description")
+            self._clients[owner] = client
+        if not client.service_is_ready():
+            return
+        self._asked.add(key)
+        request = GetTypeDescription.Request(type_name=type_name, type_hash=spoken)
+
+        def on_answer(future: Any) -> None:  # noqa: ANN401
+            self._described[key] = description_in(future.result(), f"the node {owner}")
+
+        client.call_async(request).add_done_callback(on_answer)
+
+    def find(self, type_name: str, topic: str, infos: Collection[Any]) -> ProbedType:
+        """Give how a topic is read.
+
+        Raises:
+            TypeMissing: nothing is known of its type.
+            DefinitionMismatch: another version is known.
+            BadDefinition: it cannot be decoded here.
+
+        """
+        spoken = _spoken(infos)
+        installed = _installed_hash(type_name)
+        if installed and spoken in ("", installed):
+            kind = class_of(type_name, topic)
+            return ProbedType(lambda raw: deserialize_message(raw, kind), kind_named, comment_of)
+        if self._finder is None:
+            self._finder = DefinitionFinder(None)
+        described = self._described.get((type_name, spoken))
+        definition = self._finder.find(type_name, spoken, topic, described)
+        parts = DefinedParts(definition)
+        decode = decoder_of(definition, proven=bool(spoken))
+        return ProbedType(decode, parts.kind_named, parts.comment_of)
+
+
+def _spoken(infos: Collection[Any]) -> str:
+    """Give the hash that a topic's publishers tell; the greatest where they differ."""
+    return max(map(hash_of, infos), default="")
+
+
+def _installed_hash(type_name: str) -> str:
+    """Give the hash of an installed type; empty if it is not installed."""
+    try:
+        definition = installed_definition(type_name)
+    except BadDefinition:
+        return ""
+    return "" if definition is None else type_hash(definition)
