@@ -13,6 +13,7 @@ from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
+from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
 from talaia.hub.features.extensions import ExtensionsFeature
@@ -68,6 +69,7 @@ class Hub:
         admission, seats = self.people.admission, self.people.seats
         self.history = HistoryFeature(core, store=history, registry=registry)
         store = self.history.store
+        self.taps = TapsFeature(core)
         self.media = MediaFeature(core, admission=admission, seats=seats, links=links)
         streams = self.media.streams
         # Before whatever finds something: detectors, cameras and gateways all speak to the engine.
@@ -97,7 +99,7 @@ class Hub:
         )
         self.descriptions = DescriptionsFeature(
             core,
-            followers=(core.fanout, alarms, self.sightings.journal, self.detection.cameras),
+            followers=(*core.followers, alarms, self.sightings.journal, self.detection.cameras),
             reporting=reporting,
             media=streams,
             history=store,

@@ -11,6 +11,7 @@ HubError
 ├── LastAdmin         the last person who can manage the hub would be gone
 ├── RoleInUse         people have the role
 ├── SeededRole        the role came with the hub and cannot be changed like that
+├── TapRefused        a raw topic that is not there, or not for this person
 ├── HistoryError      history.errors: samples cannot be kept or read
 └── WeakPassword      the password is too short or too long
 """
@@ -29,6 +30,7 @@ __all__ = [
     "SeededRole",
     "StoreDown",
     "StoreError",
+    "TapRefused",
     "UnknownPerson",
     "UnknownRole",
     "WeakPassword",
@@ -91,3 +93,7 @@ class SeededRole(HubError):
 
 class WeakPassword(HubError):
     """The password does not meet the rules, or the name does not."""
+
+
+class TapRefused(HubError):
+    """A raw topic that is not there, or that this person may not have."""

@@ -174,6 +174,10 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/sites/{site}/films"): AccessNeed.SEE,
         ("GET", "/api/sites/{site}/films/{recording}/file"): AccessNeed.SEE,
     },
+    "taps": {
+        # Each topic is looked at besides; what may not be tapped is as if it were not there.
+        ("GET", "/api/sites/{site}/topics"): AccessNeed.SEE,
+    },
     "descriptions": {
         # Of the whole site: a description holds all that is there, and how it is reached.
         ("GET", "/api/sites/{site}/descriptions"): AccessNeed.ADMIN,
@@ -312,6 +316,11 @@ FROM_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.PictureFrame,
         frames.StreamError,
         frames.DetectedBoxes,
+        # Who of the takers gets what of these is looked up topic by topic (`may_tap`).
+        frames.TopicList,
+        frames.TapSchema,
+        frames.TapMessage,
+        frames.TapError,
         frames.FileOffer,
         frames.FilmOffer,
         frames.ArchiveOffer,
@@ -336,6 +345,7 @@ TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
         frames.OverrideRequest,
         frames.StreamSubscription,
         frames.KeyframeRequest,
+        frames.TapSubscription,
         frames.ReconnectRequest,
         frames.RecordingRequest,
         frames.FileProgress,

@@ -43,6 +43,7 @@ from talaia.model.interlocks.interlock import Interlock, LinkLossPolicy  # noqa:
 from talaia.model.interlocks.outlet import Outlet  # noqa: TC001 - msgspec reads it
 from talaia.model.recording import Recording  # noqa: TC001 - msgspec reads it
 from talaia.model.roles import CommandRole, SignalRole, StateMeaning
+from talaia.model.topics import TopicRule  # noqa: TC001 - msgspec reads it
 
 __all__ = [
     "NEVER_STALE_S",
@@ -360,6 +361,9 @@ class Site(Shape, frozen=True, kw_only=True):
         services: what the hub works out from the site's data; see `AiServices`.
         alarms: by name; see `Alarm`.
         object_models: detectors of one's own, by name; see `ObjectModel`.
+        topics: who may have which raw topics of the robot, the first rule that fits counts; a
+            topic without a rule is for admins, and for those with the right ``tap``. See
+            `TopicRule`.
 
     """
 
@@ -377,6 +381,7 @@ class Site(Shape, frozen=True, kw_only=True):
     services: AiServices | None = None
     alarms: dict[str, Alarm] = {}
     object_models: dict[str, ObjectModel] = {}
+    topics: tuple[TopicRule, ...] = ()
 
     def links(self) -> dict[str, Connection]:
         """Give every connection by name, ``ros2: {}`` among them."""

@@ -1,9 +1,9 @@
 """Every message between gateway and hub.
 
 The gateway dials out twice: the *link* (``/gateway/link``) for all but pictures, and *media*
-(``/gateway/media``) for pictures, so that a picture never stands before a driving frame; and a
-third time (``/gateway/files``) while it has recordings to hand over. It proves itself by
-``Authorization: Bearer <gateway key>`` on each.
+(``/gateway/media``) for pictures and, behind them, raw topics, so that neither ever stands before
+a driving frame; and a third time (``/gateway/files``) while it has recordings to hand over. It
+proves itself by ``Authorization: Bearer <gateway key>`` on each.
 
 The messages stand in `gateway_messages`, by subject; this is the one place to import them from.
 
@@ -91,6 +91,16 @@ from talaia.wire.gateway_messages.session import (
     ReconnectRequest,
     Welcome,
 )
+from talaia.wire.gateway_messages.taps import (
+    MAX_TAPPED,
+    MAX_TOPICS,
+    TapError,
+    TapMessage,
+    TapSchema,
+    TapSubscription,
+    TopicEntry,
+    TopicList,
+)
 
 __all__ = [
     "FILES_FROM_GATEWAY",
@@ -98,6 +108,8 @@ __all__ = [
     "LINK_FROM_GATEWAY",
     "LINK_FROM_HUB",
     "MAX_PICTURE",
+    "MAX_TAPPED",
+    "MAX_TOPICS",
     "MEDIA_FROM_GATEWAY",
     "MEDIA_FROM_HUB",
     "PIECE",
@@ -158,5 +170,11 @@ __all__ = [
     "StopState",
     "StreamError",
     "StreamSubscription",
+    "TapError",
+    "TapMessage",
+    "TapSchema",
+    "TapSubscription",
+    "TopicEntry",
+    "TopicList",
     "Welcome",
 ]

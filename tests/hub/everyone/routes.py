@@ -350,6 +350,7 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/sites/{site}/stored"): of_site(),
     ("GET", "/api/sites/{site}/export"): Recipe(_export, ("agv", "moon")),
     ("GET", "/api/sites/{site}/events"): of_site(),
+    ("GET", "/api/sites/{site}/topics"): of_site(),
     ("GET", "/api/sites/{site}/sky"): of_site(query={"name": "M31"}),
     ("GET", "/api/sites/{site}/nights"): of_site(),
     ("GET", "/api/sites/{site}/frames"): of_site(),

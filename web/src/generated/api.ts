@@ -221,7 +221,7 @@ export interface OpenCodeShape {
   readonly expires_us: number;
 }
 
-/** A right (view, use or admin) on a site and a device; ``*`` stands for each of them. */
+/** A right (view, use, tap or admin) on a site and a device; ``*`` stands for each of them. */
 export interface PermissionShape {
   readonly right: Right;
   readonly site: string;
@@ -1355,10 +1355,11 @@ export type RecordingState =
   | "complete"
   | "failed";
 
-/** What a permission allows. Each includes the ones before it. */
+/** What a permission allows: ``use`` includes ``view``, and ``admin`` includes all others. */
 export type Right =
   | "view"
   | "use"
+  | "tap"
   | "admin";
 
 /** How bad it is, the least first. */

@@ -2,7 +2,9 @@ import { describe, expect, test } from "vitest";
 import {
   ANY,
   EVERYWHERE,
+  givesTap,
   inheritedLevel,
+  inheritsTap,
   levelAt,
   mayUse,
   ownLevel,
@@ -41,6 +43,17 @@ describe("a level", () => {
     expect(ownLevel(given, base)).toBe("view");
     expect(inheritedLevel(given, base)).toBe("use");
     expect(inheritedLevel(given, EVERYWHERE)).toBe("none");
+  });
+});
+
+describe("raw topics", () => {
+  test("stand beside all levels, and come with admin or from a wider place", () => {
+    const given = [give("tap", "agv"), give("view", "agv", "base"), give("admin", "dome")];
+    expect(levelAt(given, agv)).toBe("none");
+    expect([givesTap(given, agv), inheritsTap(given, agv)]).toEqual([true, false]);
+    expect([givesTap(given, base), inheritsTap(given, base)]).toEqual([false, true]);
+    expect(inheritsTap(given, { site: "dome", device: "roof" })).toBe(true);
+    expect(samePermissions(given, given.slice(1))).toBe(false);
   });
 });
 

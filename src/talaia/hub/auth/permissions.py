@@ -11,6 +11,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from talaia.model.site import Visibility
+from talaia.model.topics import TopicRight, rule_of
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
@@ -21,6 +22,7 @@ __all__ = [
     "Permission",
     "Right",
     "Who",
+    "may_tap",
     "sees_device",
     "sees_signal",
     "sees_site",
@@ -31,24 +33,28 @@ ANY = "*"  # stands for every site, or every device of a site
 
 
 class Right(StrEnum):
-    """What a permission allows. Each includes the ones before it."""
+    """What a permission allows: ``use`` includes ``view``, and ``admin`` includes all others.
+
+    ``tap`` stands beside: who has it may have the robot's raw topics, and nothing else by it.
+    """
 
     VIEW = "view"
     USE = "use"
+    TAP = "tap"
     ADMIN = "admin"
 
 
-# Having which rights a right is given.
-_INCLUDED = {
-    Right.VIEW: frozenset({Right.VIEW, Right.USE, Right.ADMIN}),
-    Right.USE: frozenset({Right.USE, Right.ADMIN}),
-    Right.ADMIN: frozenset({Right.ADMIN}),
-}
 # What having a right includes.
 _INCLUDES = {
     Right.VIEW: frozenset({Right.VIEW}),
     Right.USE: frozenset({Right.VIEW, Right.USE}),
+    Right.TAP: frozenset({Right.TAP}),
     Right.ADMIN: frozenset(Right),
+}
+# Having which rights a right is given.
+_INCLUDED = {
+    right: frozenset(held for held, includes in _INCLUDES.items() if right in includes)
+    for right in Right
 }
 
 
@@ -116,8 +122,9 @@ class Grants:
         )
 
     def rights(self, site: str, device: str) -> list[Right]:
-        """List the rights on a device."""
-        return [right for right in Right if self.may(right, site, device)]
+        """List the rights on a device, of those that include one another."""
+        ladder = (Right.VIEW, Right.USE, Right.ADMIN)
+        return [right for right in ladder if self.may(right, site, device)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,9 +154,12 @@ def _meet(ours: Permission, theirs: Permission) -> Permission | None:
     # Each is for another place: there is nothing that both allow.
     if site is None or device is None:
         return None
-    # The lesser of the two.
-    right = ours.right if ours.right in _INCLUDES[theirs.right] else theirs.right
-    return Permission(right, site, device)
+    # The lesser of the two; of two that stand beside each other nothing is left.
+    if ours.right in _INCLUDES[theirs.right]:
+        return Permission(ours.right, site, device)
+    if theirs.right in _INCLUDES[ours.right]:
+        return Permission(theirs.right, site, device)
+    return None
 
 
 def _narrower(one: str, other: str) -> str | None:
@@ -176,6 +186,20 @@ def sees_stream(grants: Grants, site: Site, device: str, stream: str) -> bool:
     if found is None:
         return False
     return found.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device)
+
+
+def may_tap(grants: Grants, site: Site, topic: str) -> bool:
+    """Tell whether a person may have a raw topic, by the rules of the site's description.
+
+    A topic that no rule names is for those who have the right ``tap`` on the whole site.
+    """
+    rule = rule_of(site.topics, topic)
+    if rule is None:
+        return grants.may(Right.TAP, site.site)
+    device = rule.device or ANY
+    if grants.may(Right(rule.right.value), site.site, device):
+        return True
+    return rule.right is not TopicRight.ADMIN and grants.may(Right.TAP, site.site, device)
 
 
 def sees_device(grants: Grants, site: Site, device: str) -> bool:

@@ -10,6 +10,7 @@ from talaia.hub.auth.secret_box import SEAL_FILE, seal_of
 from talaia.hub.live.pages.fanout import Fanout
 from talaia.hub.live.pages.page_connections import Browsers
 from talaia.hub.live.sites import Sites
+from talaia.hub.live.taps.tap_fanout import TapFanout
 from talaia.hub.policy import ROUTES_OF
 from talaia.hub.store.database import Database
 
@@ -36,6 +37,8 @@ class Core:
         sites: the sites as they are now.
         browsers: the pages that are connected now.
         fanout: who of them gets which live values.
+        taps: who gets which raw topics of robots.
+        followers: what of these goes by the sites' descriptions.
 
     """
 
@@ -53,6 +56,8 @@ class Core:
         self.sites = Sites()
         self.browsers = Browsers()
         self.fanout = Fanout(self.sites, clock)
+        self.taps = TapFanout(self.sites, clock)
+        self.followers = (self.fanout, self.taps)
         # Read once: a file that is replaced meanwhile must not change what this hub seals by.
         self._seal = functools.cache(lambda: seal_of(settings.data / SEAL_FILE))
 

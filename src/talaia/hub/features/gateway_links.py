@@ -49,6 +49,7 @@ class GatewayLinksFeature(Feature):
             samples=samples,
             sightings=sightings,
             media=media,
+            taps=core.taps,
             history=history,
             attendance=gateways.registry.attendance,
             links=gateways.links,

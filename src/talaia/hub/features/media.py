@@ -45,7 +45,13 @@ class MediaFeature(Feature):
         gateways = GatewaySocket(
             "/gateway/media",
             admission=admission,
-            server=MediaLinks(sites=core.sites, media=self.streams, links=links, clock=core.clock),
+            server=MediaLinks(
+                sites=core.sites,
+                media=self.streams,
+                taps=core.taps,
+                links=links,
+                clock=core.clock,
+            ),
         )
         self.sockets = [pages.router(), gateways.router()]
 

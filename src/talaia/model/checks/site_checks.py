@@ -36,6 +36,7 @@ from talaia.model.checks.identifiers import (
 )
 from talaia.model.checks.interlock_checks import interlock_findings
 from talaia.model.checks.role_checks import role_findings
+from talaia.model.checks.topic_checks import topics_findings
 from talaia.model.checks.validity_checks import validity_fits
 from talaia.model.connection import (
     DetectionSource,
@@ -118,6 +119,7 @@ def _site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from hub_sight_findings(whole)
     yield from former_findings(whole)
     yield from alarms_findings(whole)
+    yield from topics_findings(site)
     if site.recording is not None:
         yield from _recording(site, site.recording)
 

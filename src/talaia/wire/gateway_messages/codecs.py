@@ -52,6 +52,13 @@ from talaia.wire.gateway_messages.session import (
     ReconnectRequest,
     Welcome,
 )
+from talaia.wire.gateway_messages.taps import (
+    TapError,
+    TapMessage,
+    TapSchema,
+    TapSubscription,
+    TopicList,
+)
 from talaia.wire.message import Codec
 
 __all__ = [
@@ -109,6 +116,7 @@ FromHub = (
     | OverrideRequest
     | StreamSubscription
     | KeyframeRequest
+    | TapSubscription
     | ReconnectRequest
     | RecordingRequest
     | Beat
@@ -117,7 +125,17 @@ FromHub = (
 )
 
 
-MediaFromGateway = PictureFrame | StreamError | DetectedBoxes | Beat | BeatReply
+MediaFromGateway = (
+    PictureFrame
+    | StreamError
+    | DetectedBoxes
+    | TopicList
+    | TapSchema
+    | TapMessage
+    | TapError
+    | Beat
+    | BeatReply
+)
 
 
 MediaFromHub = Beat | BeatReply | Bye

@@ -14,8 +14,8 @@ import { apiContext } from "../../state/contexts.js";
 import type { DeviceSummary, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { changesOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
-import type { CellEdit } from "./role-matrix.js";
+import { changesOf, draftsOf, withLevelEdited, withTapEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
+import type { CellEdit, TapEdit } from "./role-matrix.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../admin-tabs.js";
@@ -112,12 +112,14 @@ export class PageRoles extends LitElement {
         .drafts=${this.drafts}
         ?busy=${this.action.busy}
         @t-edit=${this.onCellEdit}
+        @t-tap=${this.onTapEdit}
         @t-role=${this.openRole}
       ></t-role-matrix>
       <p class="legend">
         <strong>view</strong> sees values, pictures and history, and may STOP. <strong>use</strong> drives and commands
-        besides. <strong>admin</strong> manages besides. <strong>–</strong> sees what is public only. A dashed cell has
-        its right from a line above it.
+        besides. <strong>admin</strong> manages besides. <strong>–</strong> sees what is public only.
+        <strong>tap</strong> has the robot’s raw topics, whatever else it may. A dashed cell has its right from a line
+        above it.
       </p>`;
   }
 
@@ -147,6 +149,12 @@ export class PageRoles extends LitElement {
     const { role, line, level } = event.detail;
     this.action.clear();
     this.drafts = withLevelEdited(this.drafts, role, line, level);
+  };
+
+  private readonly onTapEdit = (event: CustomEvent<TapEdit>): void => {
+    const { role, line, open } = event.detail;
+    this.action.clear();
+    this.drafts = withTapEdited(this.drafts, role, line, open);
   };
 
   private readonly discardChanges = (): void => {

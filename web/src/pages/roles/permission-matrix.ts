@@ -1,14 +1,18 @@
 /** The matrix of roles: rows are places, columns are roles. Pure. */
 
 import {
+  accessText,
   ANY,
   EVERYWHERE,
+  givesTap,
   inheritedLevel,
+  inheritsTap,
   levelAt,
   ownLevel,
   placeKey,
   samePermissions,
   withLevel,
+  withTap,
   type AccessLevel,
   type AccessPlace,
 } from "../../state/rights.js";
@@ -29,6 +33,9 @@ export interface MatrixCell {
   readonly inherited: AccessLevel;
   /** What holds. */
   readonly level: AccessLevel;
+  /** Raw topics are open: by a mark for this very place, or by what holds anyway. */
+  readonly tap: boolean;
+  readonly tapInherited: boolean;
 }
 
 /** A role as it is being edited. */
@@ -41,8 +48,8 @@ export interface RoleDraft {
 export interface RoleChange {
   readonly role: string;
   readonly place: string;
-  readonly before: AccessLevel;
-  readonly after: AccessLevel;
+  readonly before: string;
+  readonly after: string;
 }
 
 /** The role that can do everything, always: nobody can lock everyone out. */
@@ -73,6 +80,8 @@ export function cellOf(permissions: readonly PermissionShape[], place: AccessPla
     own: ownLevel(permissions, place),
     inherited: inheritedLevel(permissions, place),
     level: levelAt(permissions, place),
+    tap: givesTap(permissions, place),
+    tapInherited: inheritsTap(permissions, place),
   };
 }
 
@@ -97,20 +106,31 @@ export function withLevelEdited(drafts: readonly RoleDraft[], role: string, plac
   });
 }
 
+/** Opens raw topics at a place, or shuts them there. */
+export function withTapEdited(drafts: readonly RoleDraft[], role: string, place: AccessPlace, open: boolean): readonly RoleDraft[] {
+  return drafts.map((draft) =>
+    draft.role.id !== role || isFixed(draft.role) ? draft : { ...draft, permissions: withTap(draft.permissions, place, open) },
+  );
+}
+
 export function isChanged(draft: RoleDraft): boolean {
   return !samePermissions(draft.permissions, draft.role.permissions);
 }
 
-/** Every place whose own level was changed, in the order of the matrix. */
+/** Every place whose own level or raw topics were changed, in the order of the matrix. */
 export function changesOf(drafts: readonly RoleDraft[], lines: readonly MatrixLine[]): readonly RoleChange[] {
   return drafts.flatMap(({ role, permissions }) =>
     lines
-      .filter((line) => ownLevel(permissions, line) !== ownLevel(role.permissions, line))
+      .filter(
+        (line) =>
+          ownLevel(permissions, line) !== ownLevel(role.permissions, line) ||
+          givesTap(permissions, line) !== givesTap(role.permissions, line),
+      )
       .map((line) => ({
         role: role.name,
         place: placeName(line, lines),
-        before: levelAt(role.permissions, line),
-        after: levelAt(permissions, line),
+        before: accessText(role.permissions, line),
+        after: accessText(permissions, line),
       })),
   );
 }

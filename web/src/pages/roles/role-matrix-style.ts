@@ -95,6 +95,19 @@ export const matrixStyle = css`
     text-align: center;
     text-align-last: center;
   }
+  .tap {
+    display: inline-flex;
+    align-items: center;
+    gap: var(--t-space-1);
+    margin-block-start: var(--t-space-1);
+    padding-inline: var(--t-space-1);
+    border-radius: var(--t-radius-s);
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
+  }
+  .tap:has(:checked) {
+    color: var(--t-text);
+  }
   select.cell {
     cursor: pointer;
   }

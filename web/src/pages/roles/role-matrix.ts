@@ -6,6 +6,7 @@ import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
 import { LEVELS, levelRank, type AccessLevel } from "../../state/rights.js";
+import type { PermissionShape } from "../../generated/api.js";
 import { cellOf, isFixed, lineKey, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import { matrixStyle } from "./role-matrix-style.js";
 import "../../elements/forms/button.js";
@@ -17,8 +18,15 @@ export interface CellEdit {
   readonly level: AccessLevel;
 }
 
+export interface TapEdit {
+  readonly role: string;
+  readonly line: MatrixLine;
+  readonly open: boolean;
+}
+
 /**
  * @fires t-edit detail is the cell and its new level
+ * @fires t-tap detail is the cell, and whether raw topics are open there from now on
  * @fires t-role detail is the id of the role whose name or being is to be changed
  */
 @customElement("t-role-matrix")
@@ -117,7 +125,20 @@ export class RoleMatrix extends LitElement {
         choices,
         (candidate) => html`<option value=${candidate} .selected=${candidate === level}>${candidate === "none" ? "–" : candidate}</option>`,
       )}
-    </select>`;
+    </select>
+    ${this.renderTap(role.id, line, permissions, before.tap)}`;
+  }
+
+  private renderTap(role: string, line: MatrixLine, permissions: readonly PermissionShape[], before: boolean): TemplateResult {
+    const { tap, tapInherited } = cellOf(permissions, line);
+    const edit = (event: Event): void => {
+      if (!(event.target instanceof HTMLInputElement)) return;
+      this.dispatchEvent(new CustomEvent<TapEdit>("t-tap", { detail: { role, line, open: event.target.checked } }));
+    };
+    return html`<label class=${tap === before ? "tap" : "tap changed"} title=${tapInherited ? "Given by admin or a line above" : ""}>
+      <input type="checkbox" .checked=${tap || tapInherited} ?disabled=${this.busy || tapInherited} @change=${edit} />
+      <span>tap<span class="visually-hidden"> raw topics of ${line.name}</span></span>
+    </label>`;
   }
 
   private readonly onChoose = (event: CustomEvent<string>): void => {
@@ -131,6 +152,7 @@ declare global {
   }
   interface GlobalEventHandlersEventMap {
     "t-edit": CustomEvent<CellEdit>;
+    "t-tap": CustomEvent<TapEdit>;
     "t-role": CustomEvent<string>;
   }
 }

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { changesOf, cellOf, draftsOf, withLevelEdited, isChanged, matrixLines, updatedDrafts } from "../../../src/pages/roles/permission-matrix.js";
+import { changesOf, cellOf, draftsOf, withLevelEdited, withTapEdited, isChanged, matrixLines, updatedDrafts } from "../../../src/pages/roles/permission-matrix.js";
 import { ANY, EVERYWHERE } from "../../../src/state/rights.js";
 import type { DeviceSummary, PermissionShape, RoleShape } from "../../../src/generated/api.js";
 
@@ -32,13 +32,24 @@ describe("the lines", () => {
 describe("a cell", () => {
   test("says what is given there and what comes from above", () => {
     const cell = cellOf([{ right: "view", site: "agv", device: ANY }], base);
-    expect(cell).toEqual({ own: "none", inherited: "view", level: "view" });
+    expect(cell).toMatchObject({ own: "none", inherited: "view", level: "view" });
   });
 
   test("set to what comes from above gives nothing of its own", () => {
     const crew = role("crew", [{ right: "view", site: "agv", device: ANY }, { right: "use", ...base }]);
     const [draft] = withLevelEdited(draftsOf([crew]), "crew", base, "view");
     expect(draft?.permissions).toEqual([{ right: "view", site: "agv", device: ANY }]);
+  });
+
+  test("opens raw topics beside its level, and keeps them when the level changes", () => {
+    const crew = role("crew", [{ right: "view", ...base }]);
+    const opened = withTapEdited(draftsOf([crew]), "crew", base, true);
+    const [draft] = withLevelEdited(opened, "crew", base, "use");
+    expect(draft?.permissions).toEqual([{ right: "tap", ...base }, { right: "use", ...base }]);
+    expect(changesOf(opened, matrixLines(DEVICES, []))).toEqual([
+      { role: "crew", place: "Site agv, Device base", before: "view", after: "view, tap" },
+    ]);
+    expect(withTapEdited(opened, "crew", base, false)[0]?.permissions).toEqual(crew.permissions);
   });
 
   test("of the role that can do everything cannot be changed", () => {

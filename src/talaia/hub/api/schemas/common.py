@@ -128,7 +128,7 @@ class SetupAsk(Schema):
 
 
 class PermissionShape(Schema):
-    """A right (view, use or admin) on a site and a device; ``*`` stands for each of them."""
+    """A right (view, use, tap or admin) on a site and a device; ``*`` stands for each of them."""
 
     right: Right
     site: str = _PLACE

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.robot_events import RobotEvents
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
     from talaia.hub.store.sites.gateway_presence import GatewayPresence
@@ -80,6 +81,7 @@ class LinkService:
         samples: LiveSamples,
         sightings: SightingJournal,
         media: PictureFanout,
+        taps: TapFanout,
         history: History,
         attendance: GatewayPresence,
         links: OpenLinks,
@@ -96,6 +98,7 @@ class LinkService:
             samples: takes live samples.
             sightings: takes what cameras have seen.
             media: is told when a link can be asked for pictures.
+            taps: is told when a link can be asked for raw topics, and when it is gone.
             history: keeps samples.
             attendance: keeps when a gateway was there.
             links: closes a link whose key is revoked.
@@ -110,6 +113,7 @@ class LinkService:
         self._samples = samples
         self._sightings = sightings
         self._media = media
+        self._taps = taps
         self._history = history
         self._attendance = attendance
         self._links = links
@@ -172,7 +176,7 @@ class LinkService:
                 version=__version__,
                 acked=acked,
                 time_us=self._clock.wall_ns() // 1000,
-                takes=["seen", "newest", "enclosure"],
+                takes=["seen", "newest", "enclosure", "topic_list"],
             )
         )
         gateway = LinkedGateway(
@@ -253,6 +257,7 @@ class LinkService:
                 live, "description changed", message=f"catalogue {hello.catalogue}"
             )
         self._media.watch(site)
+        self._taps.link_up(site)
         _LOG.info("the gateway of %s is connected", site)
         return live
 
@@ -261,6 +266,7 @@ class LinkService:
         if live.link is not link:
             return
         live.detach(self._clock.wall_ns() // 1000)
+        self._taps.link_lost(live.name)
         self._describing.link_lost(live)
         self._reporting.link_lost(live)
         self._reporting.publish_site(live)

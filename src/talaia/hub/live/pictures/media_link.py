@@ -1,9 +1,12 @@
-"""The second connection of a gateway: pictures only, so that none stands before a command."""
+"""The second connection of a gateway: pictures, and behind them raw topics.
+
+It is apart from the link so that none of them stands before a command.
+"""
 
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from starlette.websockets import WebSocketDisconnect
 
@@ -19,6 +22,10 @@ from talaia.wire.frames import (
     DetectedBoxes,
     PictureFrame,
     StreamError,
+    TapError,
+    TapMessage,
+    TapSchema,
+    TopicList,
 )
 
 if TYPE_CHECKING:
@@ -30,14 +37,26 @@ if TYPE_CHECKING:
     from talaia.hub.live.gateways.open_links import OpenLinks
     from talaia.hub.live.pictures.picture_fanout import PictureFanout
     from talaia.hub.live.sites import Sites
+    from talaia.hub.live.taps.tap_fanout import TapFanout, TapFromGateway
     from talaia.hub.store.sites.site_registry import GatewayKey
 
-__all__ = ["GatewayCamera", "MediaLinks"]
+__all__ = ["GatewayCamera", "MediaLinks", "MediaReceivers"]
 
 # One that does not read must not hold up the end (s).
 _FAREWELL_S = 0.5
 # What a socket raises when the other side has gone or does not take anything.
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
+
+
+class MediaReceivers(NamedTuple):
+    """Who is handed what comes over one media connection."""
+
+    picture: Callable[[PictureFrame], None]
+    # What cannot be shown.
+    trouble: Callable[[StreamError], None]
+    # What is seen.
+    boxes: Callable[[DetectedBoxes], None]
+    taps: Callable[[TapFromGateway], None]
 
 
 class GatewayCamera:
@@ -56,18 +75,9 @@ class GatewayCamera:
         self._reason = self._reason or reason
         self._over.set()
 
-    async def serve(
-        self,
-        take: Callable[[PictureFrame], None],
-        trouble: Callable[[StreamError], None],
-        boxes: Callable[[DetectedBoxes], None],
-        now_us: Callable[[], int],
-    ) -> None:
-        """Hand each picture to ``take`` until either side ends it; answer beats.
-
-        ``trouble`` is told what cannot be shown, ``boxes`` what is seen.
-        """
-        results = await until_first(self._read(take, trouble, boxes, now_us), self._over.wait())
+    async def serve(self, receivers: MediaReceivers, now_us: Callable[[], int]) -> None:
+        """Hand on what comes until either side ends it; answer beats."""
+        results = await until_first(self._read(receivers, now_us), self._over.wait())
         reason, code = self._reason, 1000
         for result in results:
             if isinstance(result, PeerError):
@@ -81,13 +91,7 @@ class GatewayCamera:
         except _GONE:
             return
 
-    async def _read(
-        self,
-        take: Callable[[PictureFrame], None],
-        trouble: Callable[[StreamError], None],
-        boxes: Callable[[DetectedBoxes], None],
-        now_us: Callable[[], int],
-    ) -> None:
+    async def _read(self, receivers: MediaReceivers, now_us: Callable[[], int]) -> None:
         while True:
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
@@ -96,14 +100,16 @@ class GatewayCamera:
             message = MEDIA_FROM_GATEWAY.decode(event.get("text", "") if data is None else data)
             match message:
                 case PictureFrame():
-                    take(message)
+                    receivers.picture(message)
                 case Beat():
                     reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=now_us())
                     await self._socket.send_bytes(MEDIA_FROM_HUB.encode(reply))
                 case StreamError():
-                    trouble(message)
+                    receivers.trouble(message)
                 case DetectedBoxes():
-                    boxes(message)
+                    receivers.boxes(message)
+                case TapMessage() | TopicList() | TapSchema() | TapError():
+                    receivers.taps(message)
                 case BeatReply():
                     # The hub sends no beats here: the link's own tell how far the clocks are apart.
                     pass
@@ -113,11 +119,18 @@ class MediaLinks:
     """Takes in the pictures of gateways; of each site the newest connection counts."""
 
     def __init__(
-        self, *, sites: Sites, media: PictureFanout, links: OpenLinks, clock: Clock
+        self,
+        *,
+        sites: Sites,
+        media: PictureFanout,
+        taps: TapFanout,
+        links: OpenLinks,
+        clock: Clock,
     ) -> None:
-        """Hand pictures to ``media``; ``links`` closes a connection whose key is revoked."""
+        """Hand on pictures and taps; ``links`` closes a connection whose key is revoked."""
         self._sites = sites
         self._media = media
+        self._taps = taps
         self._links = links
         self._clock = clock
         # The open connection of each site; at most one, the newest.
@@ -131,14 +144,17 @@ class MediaLinks:
             # A gateway needs one; the older is likely a connection that is dead.
             before.dismiss("a newer connection was opened")
         self._open[site] = camera
+        # What the older has begun it will not end.
+        self._taps.media_lost(site)
         try:
             with self._links.opened(key.id, camera):
-                await camera.serve(
-                    lambda picture: self._publish(site, picture),
-                    lambda said: self._media.trouble(site, said),
-                    lambda boxes: self._media.boxes(site, boxes),
-                    self._now_us,
+                receivers = MediaReceivers(
+                    picture=lambda picture: self._publish(site, picture),
+                    trouble=lambda said: self._media.trouble(site, said),
+                    boxes=lambda boxes: self._media.boxes(site, boxes),
+                    taps=lambda said: self._receive_tap(site, camera, said),
                 )
+                await camera.serve(receivers, self._now_us)
         finally:
             # A newer one may have its place already.
             if self._open.get(site) is camera:
@@ -149,6 +165,11 @@ class MediaLinks:
         # Its offset turns the time of a picture into ours, so no link: no pictures.
         if live is not None and isinstance(live.link, GatewayLink):
             self._media.shot(live, picture, live.link.offset)
+
+    def _receive_tap(self, site: str, camera: GatewayCamera, said: TapFromGateway) -> None:
+        # Pieces of two connections make no message.
+        if self._open.get(site) is camera:
+            self._taps.receive(site, said)
 
     def _now_us(self) -> int:
         # Monotonic, as for the link: both compare the same clocks.

@@ -1,0 +1,49 @@
+"""Raw topics that may be tapped."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request
+
+from talaia.hub.api.access import live_of, who_of
+from talaia.hub.api.guarded_routes import GuardedRoute
+from talaia.hub.api.schemas.tap_schemas import TopicShape, TopicTable
+
+if TYPE_CHECKING:
+    from talaia.hub.live.taps.tap_fanout import TapFanout
+
+__all__ = ["TopicPages"]
+
+
+class TopicPages:
+    """The routes of raw topics."""
+
+    def __init__(self, taps: TapFanout) -> None:
+        """Answer from what gateways list."""
+        self._taps = taps
+
+    def router(self) -> APIRouter:
+        """Give the routes."""
+        router = APIRouter(route_class=GuardedRoute)
+        router.get("/api/sites/{site}/topics")(self.overview)
+        return router
+
+    async def overview(self, site: str, request: Request) -> TopicTable:
+        """List the raw topics of a site that you may tap, by name.
+
+        While its gateway is away, those that it listed last.
+        """
+        return TopicTable(
+            online=live_of(request).online,
+            topics=[
+                TopicShape(
+                    topic=found.topic,
+                    type=found.type,
+                    latched=found.latched,
+                    max_rate=found.max_rate,
+                    problem=found.why,
+                )
+                for found in self._taps.topics(site, who_of(request).grants)
+            ],
+        )
