@@ -12,6 +12,7 @@ from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
+from talaia.hub.features.connections.foxglove import FoxgloveFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
@@ -130,6 +131,7 @@ class Hub:
         self.client_protocols = ClientProtocolsFeature(
             core, people=self.people, service=service, audit=log
         )
+        self.foxglove = FoxgloveFeature(clients=self.client_protocols)
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
             core, admission=admission, service=service, sightings=self.sightings, audit=log
