@@ -25,6 +25,7 @@ class PublishedVelocity(NamedTuple):
     angular: float
 
 
+# Only what drives a vehicle is read of a Twist; the rest may be anything.
 class _Linear(msgspec.Struct, frozen=True):
     x: float = 0.0
 
@@ -51,6 +52,7 @@ def read_velocity(encoding: str, schema: str, data: bytes) -> PublishedVelocity 
         data: the message.
 
     """
+    # ROS 1 and ROS 2 write the package before it in different ways.
     kind = schema.rpartition("/")[2]
     if kind not in {_TWIST, _STAMPED}:
         return f"a device is driven by geometry_msgs/Twist or TwistStamped, not by {schema[:100]!r}"
@@ -80,6 +82,7 @@ def _read_cdr(data: bytes, *, stamped: bool) -> PublishedVelocity | str:
     order = "<" if data[1] == _LITTLE_ENDIAN else ">"
     content = data[_ENCAPSULATION:]
     try:
+        # Of the content, for the encapsulation does not count for alignment.
         begin = 0
         if stamped:
             # Seconds and nanoseconds, then the frame's name with its length before it.

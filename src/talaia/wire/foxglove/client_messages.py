@@ -53,6 +53,7 @@ class FoxgloveSubscribe(_ClientSaid, frozen=True, kw_only=True, tag="subscribe")
 class FoxgloveUnsubscribe(_ClientSaid, frozen=True, kw_only=True, tag="unsubscribe"):
     """Send no more, by the client's numbers."""
 
+    # One that is not there is no fault.
     subscription_ids: _Ids
 
 
@@ -60,6 +61,7 @@ class FoxgloveClientChannel(Struct, frozen=True, kw_only=True, rename="camel"):
     """A channel that the client is going to publish on."""
 
     id: _Id
+    # Any name: whether anything listens to it is seen later.
     topic: _Word
     encoding: _Word
     schema_name: _Word = ""
@@ -80,7 +82,9 @@ class FoxgloveUnadvertise(_ClientSaid, frozen=True, kw_only=True, tag="unadverti
 class FoxgloveGetParameters(_ClientSaid, frozen=True, kw_only=True, tag="getParameters"):
     """Give parameters; all of them when no name is given."""
 
+    # Empty: all.
     parameter_names: _Words = []
+    # Handed back with the answer.
     id: _Word | None = None
 
 
@@ -122,6 +126,7 @@ class FoxgloveUnsubscribeGraph(
 class FoxgloveFetchAsset(_ClientSaid, frozen=True, kw_only=True, tag="fetchAsset"):
     """Send a file, such as a robot's mesh."""
 
+    # Such as ``package://robot/mesh.stl``.
     uri: Annotated[str, Meta(max_length=2000)]
     request_id: _Id
 

@@ -37,10 +37,14 @@ class _ServerSaid(
 class ServerInfo(_ServerSaid, frozen=True, kw_only=True, tag="serverInfo"):
     """First message: what the server can do."""
 
+    # For people.
     name: str
+    # What may be asked besides subscribing; clients hide the rest.
     capabilities: list[str]
+    # In which clients may publish and call.
     supported_encodings: list[str]
     metadata: dict[str, str]
+    # Another one after a new connection: what a client remembers by number is void then.
     session_id: str
 
 
@@ -49,6 +53,7 @@ class ServerStatus(_ServerSaid, frozen=True, kw_only=True, tag="status"):
 
     level: int
     message: str
+    # By which it can be taken back; None: it cannot.
     id: str | None = None
 
 
@@ -61,10 +66,13 @@ class RemoveStatus(_ServerSaid, frozen=True, kw_only=True, tag="removeStatus"):
 class FoxgloveChannel(Struct, frozen=True, kw_only=True, rename="camel", omit_defaults=True):
     """A channel that may be subscribed to."""
 
+    # Ours, by which it is subscribed to.
     id: int
     topic: str
+    # Of the messages: ``json`` or ``cdr``.
     encoding: str
     schema_name: str
+    # Of the schema: ``jsonschema`` or ``ros2msg``.
     schema_encoding: str | None = None
     schema: str
 
@@ -95,6 +103,7 @@ class FoxgloveService(Struct, frozen=True, kw_only=True, rename="camel"):
 
     id: int
     name: str
+    # For people: request and response say how they are written.
     type: str
     request: FoxgloveSchema
     response: FoxgloveSchema
@@ -115,8 +124,10 @@ class UnadvertiseServices(_ServerSaid, frozen=True, kw_only=True, tag="unadverti
 class ServiceCallFailure(_ServerSaid, frozen=True, kw_only=True, tag="serviceCallFailure"):
     """A call has come to nothing."""
 
+    # As the call named both.
     service_id: int
     call_id: int
+    # For people.
     message: str
 
 
@@ -162,6 +173,7 @@ class ConnectionGraphUpdate(_ServerSaid, frozen=True, kw_only=True, tag="connect
     published_topics: list[GraphPublishers]
     subscribed_topics: list[GraphSubscribers]
     advertised_services: list[GraphProviders]
+    # Since the update before.
     removed_topics: list[str]
     removed_services: list[str]
 

@@ -64,6 +64,7 @@ class AdvertisedThings:
             self._number(self._service_ids, name, offered.request): name
             for name, offered in offer.services.items()
         }
+        # What is gone first: a topic may come back with another schema.
         messages: list[ServerMessage] = []
         lost = [number for number in self._topics if number not in channels]
         if lost:
@@ -72,10 +73,12 @@ class AdvertisedThings:
         if ended:
             messages.append(UnadvertiseServices(service_ids=ended))
         gone = [self._topics[number] for number in lost]
+        # The client's numbers of these are free again.
         for topic in gone:
             subscription = self._subscription_of.pop(topic, None)
             if subscription is not None:
                 del self._subscribed[subscription]
+        # A channel whose schema changed has another number: it is both lost and new.
         new = [number for number in channels if number not in self._topics]
         # The first one always: clients wait for it.
         if new or not self._topics:
@@ -133,6 +136,7 @@ class AdvertisedThings:
     def connection_graph(self, before: FoxgloveOffer) -> ConnectionGraphUpdate:
         """Say who publishes, listens to and provides what, and what of ``before`` is gone."""
         offer = self.offer
+        # A topic that is published or listened to is there.
         topics = {*offer.channels, *offer.driven}
         return ConnectionGraphUpdate(
             published_topics=[

@@ -102,6 +102,7 @@ def make_offer(site: Site, grants: Grants) -> FoxgloveOffer:
 
 def _offer_views(offer: FoxgloveOffer, site: Site, grants: Grants, *, device: str) -> None:
     described = site.devices[device]
+    # One by one: a public signal may be of a device that is not.
     for name, signal in described.signals.items():
         if sees_signal(grants, site, device, name):
             address = f"{device}/{name}"

@@ -66,7 +66,9 @@ _TIME = {
         "nsec": {"type": "integer", "minimum": 0, "maximum": 999_999_999},
     },
 }
+# Fields of these names are known to all of Foxglove's panels.
 _TEXT: _Json = {"type": "string"}
+# By these names clients know the fields without reading the schema.
 _POSE = _made(
     "foxglove.PoseInFrame",
     {
@@ -121,6 +123,7 @@ def signal_schema(signal: Signal, device: str) -> NamedSchema:
         case SignalType.TEXT:
             return _made("talaia.Text", {"timestamp": _TIME, "value": _TEXT}, description=title)
         case SignalType.STATE:
+            # A word that the description does not name may come: see `_state`.
             states: _Json = {"type": "string", "enum": list(signal.states)}
             value = states if signal.states else _TEXT
             return _made(
@@ -135,6 +138,7 @@ def signal_schema(signal: Signal, device: str) -> NamedSchema:
 
 def arguments_schema(name: str, command: Command) -> NamedSchema:
     """Give the schema of a command's arguments."""
+    # By the names that people give arguments, not by the paths they fill.
     properties = {key: _argument(argument) for key, argument in command.arguments.items()}
     required = [key for key, argument in command.arguments.items() if argument.default is None]
     return _made(f"talaia.{name.replace('/', '.')}", properties, required=required)
@@ -193,6 +197,7 @@ def encode_answer(phase: str, message: str) -> bytes:
 
 def _argument(argument: Argument) -> _Json:
     said: _Json = {"type": _TYPES[argument.type], "title": argument.name}
+    # What is not said in the description is left out.
     facts = {
         "description": argument.unit,
         "minimum": argument.minimum,
@@ -207,16 +212,19 @@ def _time_of(time_us: int) -> _Json:
 
 
 def _state(signal: Signal, value: float | str) -> _Json:
+    # Of a state that robots give as a text.
     if isinstance(value, str):
         return {"value": value, "index": -1}
     if not math.isfinite(value):
         return {"value": "", "index": -1}
+    # What a description names no word for is shown as its number.
     index = int(value)
     known = 0 <= index < len(signal.states)
     return {"value": signal.states[index] if known else str(index), "index": index}
 
 
 def _finite(values: Mapping[str, float | str], part: str, missing: float | None) -> float | None:
+    # NaN stands for unknown.
     value = values.get(part, math.nan)
     return value if not isinstance(value, str) and math.isfinite(value) else missing
 
@@ -225,6 +233,7 @@ def _pose(values: Mapping[str, float | str]) -> _Json | None:
     x, y = _finite(values, "x", None), _finite(values, "y", None)
     if x is None or y is None:
         return None
+    # About the vertical: half of the angle makes the quaternion.
     half = (_finite(values, "yaw", 0.0) or 0.0) / 2
     return {
         "frame_id": LOCAL_FRAME,

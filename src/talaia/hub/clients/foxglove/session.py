@@ -56,6 +56,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FoxgloveSession"]
 
+# Without ``time``: clients go by their own clock, and samples carry the robot's.
 _CAPABILITIES = [
     "clientPublish",
     "parameters",
@@ -63,11 +64,14 @@ _CAPABILITIES = [
     "services",
     "connectionGraph",
 ]
+# In which velocities may be published; commands are called with JSON.
 _ENCODINGS = ["json", "cdr"]
+# Of a status.
 _INFO, _WARNING, _ERROR = 0, 1, 2
 # Calls that wait for their end, and channels that a client publishes on.
 _MOST_CALLS = 100
 _MOST_PUBLISHED = 1000
+# Phases of a command after which more comes.
 _GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
 
 
@@ -77,12 +81,15 @@ class FoxgloveSession:
     def __init__(self, socket: WebSocket, connection: ClientConnection) -> None:
         """Speak over ``socket``, which is accepted, for ``connection``."""
         self._socket = socket
+        # Asks the hub by the rights of the token.
         self._connection = connection
         self._site = connection.live.name
+        # Numbers of what this client was told of.
         self._things = AdvertisedThings()
         self._subscriptions = SignalSubscriptions(self._site)
-        # By address: its topic. By topic: what is known of a position's parts.
+        # Of the offer of now, for samples come by address: the topic.
         self._topic_of: dict[str, str] = {}
+        # By topic: what is known of a position's parts, or of the single one.
         self._parts: dict[str, dict[str, float | str]] = {}
         # The client's own channels, by its number.
         self._published: dict[int, said.FoxgloveClientChannel] = {}
@@ -156,6 +163,7 @@ class FoxgloveSession:
 
     async def _subscribe(self, message: said.FoxgloveSubscribe) -> None:
         topics = []
+        # What is wrong with one is no reason to refuse the others.
         for one in message.subscriptions:
             try:
                 topics.append(self._things.subscribe_topic(one.id, one.channel_id))
@@ -195,6 +203,7 @@ class FoxgloveSession:
         if device is None:
             await self._refuse(f"nothing here listens to {channel.topic}")
             return
+        # By the type that the client named when it advertised the channel.
         velocity = read_velocity(channel.encoding, channel.schema_name, message.data)
         if isinstance(velocity, str):
             await self._refuse(f"{channel.topic}: {velocity}")
@@ -238,6 +247,7 @@ class FoxgloveSession:
         number = new_token()
         # Before it is asked: its end may come at once.
         self._calls[number] = message.service_id, message.call_id
+        # Rights, arguments and units are looked at there and at the gateway.
         problem = self._connection.request(
             PageCommand(
                 site=self._site,
@@ -345,6 +355,7 @@ class FoxgloveSession:
             await self._socket.send_bytes(encode_message_data(subscription, time_us * 1000, data))
 
     async def _end_call(self, message: CommandUpdate) -> None:
+        # Once: what comes of it later is told to pages.
         service, call = self._calls.pop(message.id)
         if message.phase is CommandPhase.SUCCEEDED:
             answer = encode_answer(message.phase.value, message.message)

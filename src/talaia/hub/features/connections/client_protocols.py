@@ -43,7 +43,9 @@ class ClientProtocolsFeature(Feature):
         # How often the table is read again: another process may have changed it.
         self._check_s = core.settings.check_s
         self._audit = audit
+        # Two tables: what is open, and who drives.
         store = ClientProtocols(core.database, core.clock)
+        # In memory, so that no connection waits for the database to be told yes or no.
         self.protocols = OpenProtocols(store)
         self.admission = ClientAdmission(
             access=people.access, limits=people.limits, protocols=self.protocols, sites=core.sites

@@ -22,5 +22,6 @@ class FoxgloveFeature(Feature):
 
     def __init__(self, *, clients: ClientProtocolsFeature) -> None:
         """Let clients in by what ``clients`` knows."""
+        # Both names of the protocol carry the same messages.
         sockets = clients.serve_sockets(FOXGLOVE, begin=FoxgloveSession, subprotocols=SUBPROTOCOLS)
         self.sockets = [sockets.router()]
