@@ -124,7 +124,7 @@ def told(
             if turn is EpisodeTurn.BEGAN:
                 kept[at] = score
             elif turn is EpisodeTurn.ENDED:
-                episodes.close()
+                episodes.end_episode()
         left[one.name] = kept
     return left
 
@@ -176,14 +176,14 @@ def place(given: str) -> Path:
 class Nowhere:
     """Takes what is written and knows nothing; what a database costs is measured elsewhere."""
 
-    async def append(self, *_what: object) -> None:
+    async def append_samples(self, *_what: object) -> None:
         """Take scores."""
 
-    async def of(self, _site: str) -> dict[tuple[str, str], bytes]:
+    async def states_of(self, _site: str) -> dict[tuple[str, str], bytes]:
         """Know of nothing that was learned."""
         return {}
 
-    async def save(self, _rows: object) -> None:
+    async def save_states(self, _rows: object) -> None:
         """Take what was learned."""
 
 
@@ -199,7 +199,7 @@ async def core_for_a_thousand() -> float:
         f"devices:\n  base:\n    name: Base\n    signals:\n{signals}"
     )
     sites, clock, nowhere = Sites(), SystemClock(), Nowhere()
-    live = sites.describe(site, "c")
+    live = sites.describe_site(site, "c")
     watching = AnomalyService(
         sites=sites, history=nowhere, learned=nowhere, fanout=Fanout(sites, clock), clock=clock
     )

@@ -11,7 +11,7 @@ import websockets
 from stack import PASSWORD, Stack, context
 
 from talaia.wire import browser
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 
 async def cookie(stack: Stack, name: str = "admin") -> str:
@@ -53,6 +53,6 @@ async def listen(
                 break
             message = browser.TO_BROWSER.decode(data)
             if isinstance(message, browser.Values) and not message.age_ms and now > warm:
-                columns = unpack(message)
+                columns = unpack_columns(message)
                 ages.append((time.time() * 1e6 - columns.value) / 1000)
     return np.concatenate(ages) if ages else np.array([])

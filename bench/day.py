@@ -37,5 +37,5 @@ async def fill_yesterday(settings: Settings, signals: int, rate: int) -> None:
         time_us = start + at * (1_000_000 // rate) + random.integers(0, 300, index.size)
         value = np.round(np.sin(at / 3000 + channel) + random.normal(0, 0.1, index.size), 3)
         columns = Columns(channel.astype(np.uint16), time_us, value, {})
-        await store.append("bench", "day", first, addresses=addresses, columns=columns)
+        await store.append_samples("bench", "day", first, addresses=addresses, columns=columns)
     await store.close()

@@ -6,7 +6,7 @@ import json
 import sys
 import time
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import load_site
 
 A_DEVICE = 50
@@ -35,7 +35,7 @@ def main() -> None:
     text = text_of(signals)
     began, used = time.perf_counter(), time.process_time()
     site = load_site(text)
-    findings = check(site)
+    findings = check_site(site)
     took = {"wall_s": time.perf_counter() - began, "cpu_s": time.process_time() - used}
     assert not findings
     assert len(site.channels()) == signals

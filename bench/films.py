@@ -136,10 +136,10 @@ def main() -> None:
             if file is None:
                 file = FilmFile(part, told)
             else:
-                file.add(told)
+                file.add_picture(told)
         assert file is not None
         wrote, ended = time.thread_time() - begin, time.perf_counter()
-        file.finish(part, whole)
+        file.finish_file(part, whole)
         took = time.perf_counter() - ended
         print(f"{'to write a picture of it':42s} {wrote / SECONDS / 30 * 1e6:6.1f} µs")
         size_mb = whole.stat().st_size / 1e6

@@ -118,14 +118,14 @@ async def measure_blocks(url: str, samples: int, signals: int) -> Figures:
             await asyncio.sleep(0.1)
             past = START + len(commits) * BATCH // signals * 10_000
             before = time.perf_counter()
-            await store.read("agv", ["base/s0"], past - MEANWHILE_US, past, width=PIXELS)
+            await store.read_series("agv", ["base/s0"], past - MEANWHILE_US, past, width=PIXELS)
             meanwhile.append(time.perf_counter() - before)
 
     looking = asyncio.create_task(look())
     for first in range(0, samples, BATCH):
         columns = batch(first, signals)
         before, cpu_before = time.perf_counter(), time.process_time()
-        await store.append("agv", "b", first, addresses=addresses, columns=columns)
+        await store.append_samples("agv", "b", first, addresses=addresses, columns=columns)
         commits.append(time.perf_counter() - before)
         cpu += time.process_time() - cpu_before
     looking.cancel()
@@ -142,7 +142,7 @@ async def measure_blocks(url: str, samples: int, signals: int) -> Figures:
     times = []
     for _ in range(6):
         before = time.perf_counter()
-        (series,) = await store.read("agv", ["base/s0"], *window, width=PIXELS)
+        (series,) = await store.read_series("agv", ["base/s0"], *window, width=PIXELS)
         times.append(time.perf_counter() - before)
         assert 0 < series.time_us.size <= 2 * PIXELS
     await store.close()
@@ -302,7 +302,7 @@ async def measure_idle_hub(path: Path, seconds: float) -> tuple[float, float]:
 
     async def append(first: int, columns: Columns) -> None:
         before = time.perf_counter()
-        await store.append("agv", "b", first, addresses=addresses, columns=columns)
+        await store.append_samples("agv", "b", first, addresses=addresses, columns=columns)
         waits.append(time.perf_counter() - before)
 
     made = [batch(40 * at, 20, 40) for at in range(int(seconds * 50))]

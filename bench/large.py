@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.clock import SystemClock
-from talaia.hub.history.blocks.block import BlockSamples, encode
+from talaia.hub.history.blocks.block import BlockSamples, encode_block
 from talaia.hub.history.engine import open_engine
 from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
 from talaia.hub.history.writing.bulk_writes import insert_rows
-from talaia.hub.history.writing.compaction import Newest, Sealed, seal
+from talaia.hub.history.writing.compaction import Newest, Sealed, seal_tail
 from talaia.hub.store import history_tables as tables
 from talaia.hub.store.tables import metadata
 
@@ -59,7 +59,7 @@ def build(url: str, signals: int, days: int) -> None:
     engine = open_engine(url, writes=True)
     metadata.create_all(engine, list(tables.HISTORY_TABLES))
     day = _day()
-    made = seal(
+    made = seal_tail(
         1,
         0,
         first_block=1,
@@ -70,7 +70,7 @@ def build(url: str, signals: int, days: int) -> None:
     )
     # Where in the day each block begins, to give the bodies of other days their own times.
     starts = np.cumsum([0, *(row["samples"] for row in made.blocks)]).tolist()
-    parts = [day.part(first, past) for first, past in pairwise(starts)]
+    parts = [day.slice_positions(first, past) for first, past in pairwise(starts)]
     with engine.begin() as connection:
         names = [_channel(number) for number in range(1, signals + 1)]
         insert_rows(connection, tables.channel, names)
@@ -113,7 +113,7 @@ def _write(
     for at, (row, part) in enumerate(zip(made.blocks, parts, strict=True), number):
         moved = {name: row[name] + shift_us for name in times}
         blocks.append({**row, **moved, "id": at, "channel_id": channel})
-        body = encode(part._replace(time_us=part.time_us + shift_us))
+        body = encode_block(part._replace(time_us=part.time_us + shift_us))
         bodies.append({"block_id": at, "body": body})
     rollups = {
         width_us: cells._replace(
@@ -128,7 +128,7 @@ def _write(
         channel=channel, first_block=number, blocks=blocks, bodies=bodies, rollups=rollups
     )
     with engine.begin() as connection:
-        newest = sealed.write(connection, newest)
+        newest = sealed.write_blocks(connection, newest)
     if engine.dialect.name == "sqlite":
         # The store does this beside its commits.
         opened = engine.raw_connection()
@@ -146,7 +146,7 @@ async def measure_reads(url: str, signals: int, days: int, windows: int = 60) ->
         each = []
         for _ in range(times + 1):
             before = time.perf_counter()
-            found = await store.read(SITE, addresses, from_us, to_us, width=PIXELS)
+            found = await store.read_series(SITE, addresses, from_us, to_us, width=PIXELS)
             each.append(time.perf_counter() - before)
             assert all(0 < series.time_us.size <= 2 * PIXELS for series in found)
         return float(np.median(each[1:])) * 1e3
@@ -169,7 +169,7 @@ async def measure_reads(url: str, signals: int, days: int, windows: int = 60) ->
         before = time.perf_counter()
         # Nearly as long as exact ones are given for; so near the quartiles each block has some.
         upto = min(past, FIRST_DAY_US + int(11.5 * DAY_US)) - 1
-        async for each in store.outliers(SITE, "base/s0", FIRST_DAY_US, upto, k=0.1):
+        async for each in store.count_outliers(SITE, "base/s0", FIRST_DAY_US, upto, k=0.1):
             if each is not None:
                 assert each.exact
                 assert each.outliers > 0

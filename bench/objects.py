@@ -115,8 +115,8 @@ async def seen(seconds: float = 20) -> Seen:
 async def _gateway(port: int) -> AsyncIterator[stack.Stack]:
     with tempfile.TemporaryDirectory(prefix="talaia-bench-") as name:
         folder = Path(name)
-        world = ros_domain.reserve().domain
-        here = ros_domain.environment(world)
+        world = ros_domain.reserve_domain().domain
+        here = ros_domain.domain_environment(world)
         (folder / "key").write_text("nobody-asks-for-it")
         (folder / "site.yaml").write_text(stack.site_text(1, camera=True, detect=DETECT))
         words = [
@@ -126,7 +126,7 @@ async def _gateway(port: int) -> AsyncIterator[stack.Stack]:
         ]  # fmt: skip
         gateway: ChildProcess = await start_talaia("gateway", words, folder / "gateway.log", here)
         try:
-            await gateway.says("linked to", 30)
+            await gateway.wait_line("linked to", 30)
             yield stack.Stack(folder, port, gateway, gateway, here)
         finally:
             await end_all([gateway])

@@ -10,7 +10,7 @@ import httpx
 import numpy as np
 
 from talaia.clock import SystemClock
-from talaia.hub.app import build
+from talaia.hub.app import build_hub
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.settings import Settings
 from talaia.hub.store.accounts.people import People
@@ -23,14 +23,14 @@ async def refusals(each: int) -> tuple[np.ndarray, np.ndarray]:
     """Time wrong passwords (ms) for as many known and unknown names, in turn."""
     with tempfile.TemporaryDirectory() as folder:
         settings = Settings(data=Path(folder), plain=True)
-        hub = build(settings, SystemClock())
+        hub = build_hub(settings, SystemClock())
         async with hub.running():
             database = Database(settings.url)
             try:
-                hashed = await Passwords(settings.password_cost).hash("what nobody tries")
+                hashed = await Passwords(settings.password_cost).hash_password("what nobody tries")
                 people = People(database, SystemClock())
                 for number in range(each):
-                    await people.add(f"known{number}", hashed, "guest")
+                    await people.add_person(f"known{number}", hashed, "guest")
                 found = {"known": [], "other": []}
                 await _refused(hub.asgi, "warm", 0)
                 for number in range(each):

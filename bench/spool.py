@@ -23,7 +23,7 @@ import talaia.gateway.adapters.ros2.adapter
 import talaia.gateway.run  # noqa: F401
 from talaia.gateway.samples.batching import records_of
 from talaia.gateway.spool.journal import SegmentHead, Spool
-from talaia.gateway.spool.segment import records
+from talaia.gateway.spool.segment import read_records
 from talaia.gateway.spool.sizes import USUAL
 from talaia.wire.columns import Columns
 
@@ -56,9 +56,9 @@ def rate() -> dict[str, float]:
         first, began, cpu = 0, time.perf_counter(), time.process_time()
         for columns in ready:
             for record in records_of(columns, "bench", "catalogue", first):
-                spool.append(record)
+                spool.append_record(record)
                 first = record.end
-            spool.sync()
+            spool.sync_to_disk()
         took, used = time.perf_counter() - began, time.process_time() - cpu
         spool.close()
     return {
@@ -75,13 +75,13 @@ def day() -> dict[str, float]:
         first, began = 0, time.process_time()
         for columns in batches(30_000, 20, 1000):
             for record in records_of(columns, "bench", "catalogue", first):
-                spool.append(record)
+                spool.append_record(record)
                 first = record.end
         used = time.process_time() - began
         # The segment that is being written is not packed yet; there is one, however long it takes.
         *closed, current = sorted(Path(folder).glob("*.seg"))
         packed = sum(each.stat().st_size for each in closed)
-        kept = next(each.first for _, each in records(current.read_bytes()) if each.samples)
+        kept = next(each.first for _, each in read_records(current.read_bytes()) if each.samples)
         spool.close()
     whole = packed / kept * 86_400_000 + USUAL.segment
     return {"gib_a_day": whole / 2**30, "bytes_a_sample": packed / kept, "cpu_s": used}

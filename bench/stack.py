@@ -90,8 +90,8 @@ async def running(
     with tempfile.TemporaryDirectory(prefix="talaia-bench-") as name:
         folder = Path(name)
         port = free_port()
-        world = ros_domain.reserve().domain
-        here = ros_domain.environment(world)
+        world = ros_domain.reserve_domain().domain
+        here = ros_domain.domain_environment(world)
         settings = Settings(data=folder, host="127.0.0.1", port=port)
         await accounts.create_user(settings, "admin", PASSWORD, "admin")
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
@@ -102,7 +102,7 @@ async def running(
             await before(settings)
         words = ["hub", "--data", str(folder), "--host", "127.0.0.1", "--port", str(port)]
         hub = await start_talaia("hub", words, folder / "hub.log")
-        await hub.says("ready", 30)
+        await hub.wait_line("ready", 30)
         words = [
             "gateway", str(folder / "site.yaml"), "--hub", f"wss://127.0.0.1:{port}",
             "--key-file", str(folder / "key"), "--ca", str(folder / "tls" / "cert.pem"),
@@ -110,7 +110,7 @@ async def running(
         ]  # fmt: skip
         gateway = await start_talaia("gateway", words, folder / "gateway.log", here)
         try:
-            await gateway.says("linked to", 30)
+            await gateway.wait_line("linked to", 30)
             yield Stack(folder, port, hub, gateway, here)
         finally:
             await end_all([gateway, hub])

@@ -7,7 +7,7 @@ import signal
 
 import pytest
 
-from talaia.resource_usage import report_usage_on_signal, usage
+from talaia.resource_usage import describe_usage, report_usage_on_signal
 
 
 async def waits(ended: asyncio.Event) -> None:
@@ -17,12 +17,12 @@ async def waits(ended: asyncio.Event) -> None:
 async def test_tasks_are_counted_by_what_they_run() -> None:
     ended = asyncio.Event()
     tasks = [asyncio.create_task(waits(ended)) for _ in range(7)]
-    said = usage(asyncio.get_running_loop())
+    said = describe_usage(asyncio.get_running_loop())
     assert said.startswith(f"usage: tasks {len(asyncio.all_tasks())}, threads ")
     assert "7 waits" in said
     ended.set()
     await asyncio.gather(*tasks)
-    assert "waits" not in usage(asyncio.get_running_loop())
+    assert "waits" not in describe_usage(asyncio.get_running_loop())
 
 
 async def test_the_signal_writes_it_to_the_log_and_ends_nothing(

@@ -127,8 +127,8 @@ def end(process: subprocess.Popen[bytes], number: int) -> None:
 @pytest.mark.skipif(not importlib.util.find_spec("rclpy"), reason="ROS 2 (rclpy) is missing")
 @pytest.mark.timeout(60 + KILLS * 10)
 def test_a_crash_loop_of_ros_nodes_leaves_nothing_and_a_living_one_is_spared() -> None:
-    with ros_domain.reserve() as reserved:
-        environment = ros_domain.environment(reserved.domain)
+    with ros_domain.reserve_domain() as reserved:
+        environment = ros_domain.domain_environment(reserved.domain)
         living = start_node(environment)
         try:
             spared, dead = segments_of(living.pid), dict[Path, int]()

@@ -21,7 +21,7 @@ from wire_words import CHANNELS, CLOSE_CODES, limits, meaning
 from talaia.cli.main import COMMANDS
 from talaia.clock import SystemClock
 from talaia.hub.api.openapi import describe_api, needs_in_words
-from talaia.hub.app import build
+from talaia.hub.app import build_hub
 from talaia.hub.settings import Settings
 from talaia.model import ai_services, connection, roles, site
 from talaia.model.base import FOREIGN_KEYS, SourceShape
@@ -165,7 +165,7 @@ def commands_page() -> str:
 def api() -> dict[str, Any]:
     """Describe the HTTP API; the hub is only put together for it, and nothing is opened."""
     with tempfile.TemporaryDirectory() as folder:
-        hub = build(Settings(data=Path(folder)), SystemClock())
+        hub = build_hub(Settings(data=Path(folder)), SystemClock())
     return describe_api(hub.app)
 
 

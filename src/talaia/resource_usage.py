@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["report_usage_on_signal", "usage"]
+__all__ = ["describe_usage", "report_usage_on_signal"]
 
 _LOG = logging.getLogger(__name__)
 # One line of a log; what leaks is among the most frequent.
@@ -29,16 +29,18 @@ _MOST_NAMED = 15
 def report_usage_on_signal(
     loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | None = None
 ) -> None:
-    """From now on write `usage` to the log at each SIGUSR1, where the system has that signal."""
+    """From now on write `describe_usage` to the log at each SIGUSR1, where there is that signal."""
     # Windows has none.
     if hasattr(signal, "SIGUSR1"):
         # On the loop, not in a signal handler: the set of tasks must not change while it is
         # counted.
-        report = partial(usage, loop, cached_bytes)
+        report = partial(describe_usage, loop, cached_bytes)
         loop.add_signal_handler(signal.SIGUSR1, lambda: _LOG.info("%s", report()))
 
 
-def usage(loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | None = None) -> str:
+def describe_usage(
+    loop: asyncio.AbstractEventLoop, cached_bytes: Callable[[], int] | None = None
+) -> str:
     """Say how many tasks, threads and open descriptors there are, and which tasks the most.
 
     ``cached_bytes``: gives the memory of what is kept only because it may be asked for again.

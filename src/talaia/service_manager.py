@@ -51,16 +51,16 @@ class ServiceManager:
 
     def report_ready(self) -> None:
         """Tell that the service has started."""
-        self._send("READY=1")
+        self._send_state("READY=1")
 
     def report_stopping(self) -> None:
         """Tell that the service is ending, as it was asked to."""
-        self._send("STOPPING=1")
+        self._send_state("STOPPING=1")
 
     def feed_watchdog(self) -> None:
         """Tell that the service still does its work."""
         if self.watchdog_s:
-            self._send("WATCHDOG=1")
+            self._send_state("WATCHDOG=1")
 
     def close(self) -> None:
         """Send nothing any more."""
@@ -68,7 +68,7 @@ class ServiceManager:
             self._socket.close()
             self._socket = None
 
-    def _send(self, state: str) -> None:
+    def _send_state(self, state: str) -> None:
         if self._socket is not None:
             # Missed once, it is sent again in a moment; a manager that is gone needs nothing.
             with contextlib.suppress(OSError):

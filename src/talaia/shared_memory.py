@@ -95,7 +95,7 @@ def _remove_if_dead(lock: Path) -> Removed:
     file = os.open(lock, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK)
     try:
         found = os.fstat(file)
-        if not _ours(found):
+        if not _is_ours(found):
             return Removed()
         # The wall clock, for a file's time is of it; one from the future counts as young.
         if time.time() - found.st_mtime < _SETTLED_S:
@@ -124,13 +124,13 @@ def _unlink_segment(path: Path) -> int:
     # Removed already, or its owner was killed before it was made.
     except FileNotFoundError:
         return 0
-    if not _ours(found):
+    if not _is_ours(found):
         raise PermissionError(f"{path} belongs to another user")
     path.unlink()
     # Blocks are of 512 bytes (stat(2)); a segment may be sparse, so its length says too much.
     return found.st_blocks * 512
 
 
-def _ours(found: os.stat_result) -> bool:
+def _is_ours(found: os.stat_result) -> bool:
     # Root could remove others' files as well: they are left to their owners.
     return stat.S_ISREG(found.st_mode) and found.st_uid == os.geteuid()

@@ -28,9 +28,9 @@ WAITING = [sys.executable, "-c", "import signal; signal.pause()"]
 async def test_a_parts_words_are_heard_and_kept_in_its_log(tmp_path: Path) -> None:
     part = await start_talaia("checker", ["--version"], tmp_path / "log")
     try:
-        assert "talaia" in await part.says("talaia", 30)
+        assert "talaia" in await part.wait_line("talaia", 30)
         with pytest.raises(PartStopped, match="exit code 0"):
-            await part.ended()
+            await part.wait_failure()
         assert "talaia" in (tmp_path / "log").read_text()
     finally:
         await end_all([part])
@@ -40,7 +40,7 @@ async def test_a_part_that_fails_at_the_start_is_told_with_its_last_words(tmp_pa
     part = await start_talaia("checker", ["nonsense"], tmp_path / "log")
     try:
         with pytest.raises(PartStopped) as caught:
-            await part.says("ready", 30)
+            await part.wait_line("ready", 30)
         assert caught.value.code == 2
         assert "unknown command 'nonsense'" in str(caught.value)
     finally:
@@ -56,7 +56,7 @@ async def test_a_part_is_in_a_session_of_its_own_and_ends_when_asked(tmp_path: P
     end = time.monotonic() + PATIENCE_S
     while psutil.Process(part.process.pid).status() != psutil.STATUS_STOPPED:
         assert time.monotonic() < end
-    await part.end(within=0.2)
+    await part.end_process(within=0.2)
     assert part.process.returncode == -signal.SIGKILL
 
 
@@ -101,7 +101,7 @@ async def test_a_part_that_does_not_stay_is_told_with_its_last_words(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     part = await start_talaia("checker", ["nonsense"], tmp_path / "log", restart=True)
-    keeping = asyncio.create_task(part.keep())
+    keeping = asyncio.create_task(part.keep_running())
     said, deadline = "", time.monotonic() + PATIENCE_S
     while "again and again" not in said:
         assert time.monotonic() < deadline
@@ -127,7 +127,7 @@ async def test_a_part_that_is_cut_short_while_it_starts_again_is_ended_with_the_
         return await asyncio.create_subprocess_exec(*WAITING, stdout=asyncio.subprocess.PIPE)
 
     part._relaunch = slowly
-    keeping = asyncio.create_task(part.keep())
+    keeping = asyncio.create_task(part.keep_running())
     first.kill()
     await launched.wait()
     keeping.cancel()

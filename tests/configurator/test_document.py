@@ -20,7 +20,7 @@ SPEED = ("devices", "base", "signals", "speed")
 
 
 def named(document: Document, name: str) -> bool:
-    return document.change("rename", msgspec.structs.replace(document.site, name=name))
+    return document.apply_change("rename", msgspec.structs.replace(document.site, name=name))
 
 
 @given(st.lists(st.one_of(st.none(), st.booleans(), st.sampled_from(["a", "b", "c", "d"]))))
@@ -60,7 +60,7 @@ def test_a_document_is_changed_until_it_is_saved_or_all_is_taken_back() -> None:
     document.undo()
     assert not document.is_changed
     document.redo()
-    document.was_saved(document.text())
+    document.was_saved(document.to_yaml())
     assert not document.is_changed
     document.undo()
     assert document.is_changed
@@ -71,13 +71,13 @@ def test_a_new_document_that_nobody_touched_needs_no_saving() -> None:
     assert not document.is_changed
     named(document, "Other")
     assert document.is_changed
-    assert load_site(document.text()) == document.site
+    assert load_site(document.to_yaml()) == document.site
 
 
 def test_saving_changes_one_line_and_leaves_the_comments() -> None:
     document = Document.of_text(AGV)
-    document.change("limit", with_value(document.site, (*SPEED, "maximum"), 0.5))
-    before, after = AGV.splitlines(), document.text().splitlines()
+    document.apply_change("limit", with_value(document.site, (*SPEED, "maximum"), 0.5))
+    before, after = AGV.splitlines(), document.to_yaml().splitlines()
     assert [(a, b) for a, b in zip(before, after, strict=True) if a != b] == [
         ("        maximum: 0.25", "        maximum: 0.5")
     ]
@@ -116,7 +116,7 @@ def test_each_problem_leads_to_the_thing_and_its_field(
 ) -> None:
     document = Document.of_text(AGV)
     assert document.problems == ()
-    document.change("break", with_value(document.site, path, value))
+    document.apply_change("break", with_value(document.site, path, value))
     first = document.problems[0]
     assert (first.spot.node, first.spot.field) == (node, field)
     assert str(first)
@@ -152,11 +152,11 @@ def test_devices_of_a_command_file_are_checked_but_not_saved(tmp_path: Path) -> 
     document = Document.of_text(text, elsewhere)
     assert document.problems == ()
     named(document, "Big dome")
-    assert "devices" not in document.text()
+    assert "devices" not in document.to_yaml()
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda each: each.parent.name)
 def test_every_example_opens_without_a_problem_and_saves_as_it_was(path: Path) -> None:
     document = Document.of_text(path.read_text(), read_site(path).devices)
     assert document.problems == ()
-    assert document.text() == path.read_text()
+    assert document.to_yaml() == path.read_text()

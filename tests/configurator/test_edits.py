@@ -11,7 +11,7 @@ from talaia.configurator import edits
 from talaia.configurator.errors import ConfiguratorError, WordTaken
 from talaia.configurator.presets import OTHERS, SENSORS
 from talaia.model.ai_services import AiServices
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.site import DriveMessage, Site
 from talaia.model.yaml_text.load import load_site, read_site
 from talaia.model.yaml_text.write import write_description
@@ -27,7 +27,7 @@ def kind(word: str) -> edits.SensorKind:
 @pytest.mark.parametrize("preset", SENSORS, ids=lambda each: each.word)
 def test_each_kind_in_the_list_makes_a_sensor_that_runs(preset: edits.SensorKind) -> None:
     site = edits.with_sensor(EMPTY, edits.NewSensor(preset, 1))
-    assert check(site) == []
+    assert check_site(site) == []
     signal = site.devices["sensors"].signals[f"{preset.word}1"]
     assert (signal.source.topic, signal.source.name) == ("/metric", f"{preset.word}1")
     assert signal.unit == preset.unit
@@ -49,7 +49,7 @@ def test_a_sensor_of_ones_own_has_an_address_whatever_it_is_called(name: str, nu
         return
     site = edits.with_sensor(EMPTY, new)
     # A name of things unseen is the person's to mend, and told; the address always fits.
-    assert all(each.where.endswith(".name") for each in check(site))
+    assert all(each.where.endswith(".name") for each in check_site(site))
 
 
 def test_a_sensor_of_ones_own_is_heard_under_the_name_as_it_was_typed() -> None:
@@ -64,7 +64,7 @@ def test_a_sensor_of_ones_own_is_heard_under_the_name_as_it_was_typed() -> None:
 
 def test_the_three_services_stand_together_and_see_each_other() -> None:
     site = edits.with_gps(edits.with_camera(edits.with_drive(EMPTY)))
-    assert check(site) == []
+    assert check_site(site) == []
     drive = site.devices["base"].drive
     assert drive is not None
     assert drive.message is DriveMessage.KEYS
@@ -78,7 +78,7 @@ def test_what_is_taken_out_leaves_no_reference_and_no_empty_device() -> None:
     site = edits.with_gps(edits.with_camera(edits.with_drive(EMPTY)))
     site = edits.without_things(site, [*edits.camera_paths(site), *edits.position_paths(site)])
     assert set(site.devices) == {"base"}
-    assert check(site) == []
+    assert check_site(site) == []
     site = edits.without_things(site, [("devices", "base", "drive")])
     assert site.devices == {}
 
@@ -89,7 +89,7 @@ def test_a_device_that_goes_takes_the_references_to_it_along() -> None:
         site, [("devices", "camera"), ("devices", "base", "signals", "speed")]
     )
     # What guards and what tells people never goes by itself: a person is told, and decides.
-    assert [each.where for each in check(site)] == [
+    assert [each.where for each in check_site(site)] == [
         "$.interlocks.person_ahead.when[0].signal",
         "$.alarms.person_in_the_way.signal",
     ]
@@ -119,4 +119,4 @@ def test_in_a_site_of_two_protocols_a_sensor_comes_over_ros() -> None:
     )
     site: Site = edits.with_sensor(load_site(text), edits.NewSensor(kind("speed"), 1))
     assert site.devices["sensors_2"].connection == "robot"
-    assert check(site) == []
+    assert check_site(site) == []

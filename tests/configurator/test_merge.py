@@ -8,7 +8,7 @@ from talaia.configurator import edits
 from talaia.configurator.description_paths import with_value
 from talaia.configurator.merge import merge_findings
 from talaia.configurator.presets import SENSORS
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.probe_report import FieldFound, Found, ServiceFound, TopicFound
 
 DATA = (FieldFound("data", "number"),)
@@ -34,7 +34,7 @@ EMPTY = edits.new_site("robot", "Robot", "UTC")
 
 def test_everything_found_fills_a_new_description_that_then_runs() -> None:
     result = merge_findings(EMPTY, FOUND)
-    assert check(result.site) == []
+    assert check_site(result.site) == []
     assert result.site.ros2 is not None
     assert result.site.ros2.domain == 7
     assert (result.count("signals"), result.count("streams"), result.count("commands")) == (4, 1, 1)
@@ -64,7 +64,7 @@ def test_what_a_person_named_and_moved_stays_as_it_is() -> None:
         if signal.source.topic == "/metric"
     ]
     assert sorted(metric) == ["light2", "speed1"]
-    assert check(result.site) == []
+    assert check_site(result.site) == []
 
 
 def test_a_device_of_that_name_at_another_protocol_is_left_alone() -> None:
@@ -80,7 +80,7 @@ def test_a_device_of_that_name_at_another_protocol_is_left_alone() -> None:
     result = merge_findings(mixed, found)
     assert result.site.devices["camera"] == mixed.devices["camera"]
     assert result.site.devices["camera_2"].connection == "robot"
-    assert check(result.site) == []
+    assert check_site(result.site) == []
 
 
 def test_a_sensor_that_was_found_is_not_added_a_second_time_by_its_number() -> None:

@@ -70,12 +70,14 @@ PLAIN = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-/@:~"
 
 def test_a_look_that_finds_something_is_done_and_its_progress_never_says_so_before() -> None:
     look = RobotDiscovery()
-    look.start("robot")
-    assert 0 < look.progress(1) < look.progress(5) < look.progress(600) < 1
-    look.ended(0, SOME, "listening …")
+    look.mark_started("robot")
+    assert (
+        0 < look.expected_progress(1) < look.expected_progress(5) < look.expected_progress(600) < 1
+    )
+    look.handle_exit(0, SOME, "listening …")
     assert look.phase is DiscoveryPhase.DONE
     assert look.found is not None
-    look.start("robot")
+    look.mark_started("robot")
     assert look.found is None
 
 
@@ -97,21 +99,21 @@ def test_a_look_that_finds_something_is_done_and_its_progress_never_says_so_befo
 )  # fmt: skip
 def test_each_failure_says_what_to_do(code: int, said: bytes, complained: str, told: str) -> None:
     look = RobotDiscovery()
-    look.start("robot")
-    look.ended(code, said, complained)
+    look.mark_started("robot")
+    look.handle_exit(code, said, complained)
     assert look.phase is DiscoveryPhase.FAILED
     assert told in look.problem
 
 
 def test_a_cancelled_look_changes_nothing_whatever_came_last() -> None:
     look = RobotDiscovery()
-    look.start("")
-    look.cancel()
-    look.ended(0, SOME, "")
+    look.mark_started("")
+    look.mark_cancelled()
+    look.handle_exit(0, SOME, "")
     assert look.phase is DiscoveryPhase.CANCELLED
     assert look.found is None
     with pytest.raises(ImpossibleStep, match="cancelled cannot become cancelling"):
-        look.cancel()
+        look.mark_cancelled()
 
 
 UP = """
@@ -133,34 +135,34 @@ def started() -> ProgramRun:
 def test_a_site_is_up_when_its_last_word_is_said_and_the_first_admin_is_made_first() -> None:
     run = started()
     for line in UP[:-1]:
-        run.line(line)
+        run.add_line(line)
         assert run.phase is ProgramPhase.STARTING
-    run.line(UP[-1])
+    run.add_line(UP[-1])
     assert run.phase is ProgramPhase.UP
     assert run.page == "http://127.0.0.1:8470/setup#abc_D-1"
     run.stop()
-    run.ended(0)
+    run.handle_exit(0)
     assert run.phase is ProgramPhase.ENDED
 
 
 def test_a_start_that_fails_tells_the_last_words() -> None:
     run = started()
-    run.line("talaia up: port 8470 is taken; choose another with --port")
-    run.line("")
-    run.line("stopping …")
-    run.ended(2)
+    run.add_line("talaia up: port 8470 is taken; choose another with --port")
+    run.add_line("")
+    run.add_line("stopping …")
+    run.handle_exit(2)
     assert run.phase is ProgramPhase.FAILED
     assert run.problem.startswith("talaia up: port 8470 is taken")
     run.start(["x"])
-    run.ended(3)
+    run.handle_exit(3)
     assert run.problem == "it ended with code 3"
 
 
 def test_a_site_that_stops_by_itself_has_failed_and_one_that_was_stopped_has_not() -> None:
     run = started()
     for line in UP:
-        run.line(line)
-    run.ended(1)
+        run.add_line(line)
+    run.handle_exit(1)
     assert run.phase is ProgramPhase.FAILED
     with pytest.raises(ImpossibleStep):
         run.stop()
@@ -172,8 +174,8 @@ def test_what_could_not_be_started_and_was_stopped_meanwhile_has_ended() -> None
     run.not_started("talaia")
     assert (run.phase, run.problem) == (ProgramPhase.ENDED, "")
     look = RobotDiscovery()
-    look.start("")
-    look.cancel()
+    look.mark_started("")
+    look.mark_cancelled()
     look.not_started("ssh")
     assert (look.phase, look.problem) == (DiscoveryPhase.CANCELLED, "")
 
@@ -183,13 +185,13 @@ def test_a_deployment_is_written_by_a_command_that_ends() -> None:
     words = deploy_command(HERE, "site.yaml", "to", "postgresql", tables=False, over=False)
     assert words == [*HERE, "generate", "site.yaml", "--to", "to", "--database", "postgresql"]
     run.start(words)
-    run.line("to: 14 files")
-    run.ended(0)
+    run.add_line("to: 14 files")
+    run.handle_exit(0)
     assert run.phase is ProgramPhase.ENDED
 
 
 def test_the_log_that_is_kept_is_bounded() -> None:
     run = started()
     for number in range(MAX_LINES * 2):
-        run.line(str(number))
+        run.add_line(str(number))
     assert len(run.lines) == MAX_LINES

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,6 +40,6 @@ def beside(target: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.syspath_prepend(str(target))
     before = os.environ.get("PYTHONPATH")
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(target), *([before] if before else [])]))
-    installed.cache_clear()
+    installed_extensions.cache_clear()
     yield target
-    installed.cache_clear()
+    installed_extensions.cache_clear()

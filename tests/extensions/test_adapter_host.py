@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.extensions.installed import installed
-from talaia.gateway.change_policy import AcceptedChanges, forbidden
+from talaia.extensions.installed import installed_extensions
+from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
 from talaia.gateway.errors import SettingsError
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire.frames import CommandPhase
 
@@ -71,9 +71,9 @@ def written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    installed.cache_clear()
+    installed_extensions.cache_clear()
     yield write
-    installed.cache_clear()
+    installed_extensions.cache_clear()
 
 
 async def test_values_are_scaled_words_are_states_and_wrong_ones_are_named_once(
@@ -138,7 +138,7 @@ async def test_an_adapter_that_breaks_is_named_and_begun_again(
         assert why in bench.lost[0]
         assert bench.lost[0] == bench.lost[1]
     if "failed" in why:
-        assert [each.name for each in installed().broken()] == ["thing"]
+        assert [each.name for each in installed_extensions().list_broken()] == ["thing"]
 
 
 async def test_an_adapter_that_blocks_is_ended_with_the_gateway_and_holds_nothing_up(
@@ -155,7 +155,7 @@ async def test_an_adapter_that_blocks_is_ended_with_the_gateway_and_holds_nothin
 
 
 def test_an_extension_that_is_not_installed_is_refused_and_named(tmp_path: Path) -> None:
-    installed.cache_clear()
+    installed_extensions.cache_clear()
     with pytest.raises(SettingsError, match=r"needs the extension 'thing', .*installed adapters:"):
         Bench(SITE, tmp_path)
 
@@ -163,8 +163,11 @@ def test_an_extension_that_is_not_installed_is_refused_and_named(tmp_path: Path)
 async def test_keys_that_do_not_fit_are_told_with_their_place(written, tmp_path: Path) -> None:
     written()
     wrong = SITE.replace("word: v", "wort: v").replace("word: hello", "word: 5")
-    assert check(load_site(wrong)) == []
-    where = [each.where for each in check(load_site(wrong), installed().rules())]
+    assert check_site(load_site(wrong)) == []
+    where = [
+        each.where
+        for each in check_site(load_site(wrong), installed_extensions().description_rules())
+    ]
     assert where == [
         "$.connections.one.keys.word", "$.devices.box.signals.speed.source.keys.wort",
     ]  # fmt: skip
@@ -177,16 +180,16 @@ async def test_keys_that_do_not_fit_are_told_with_their_place(written, tmp_path:
 def test_commands_of_an_extension_are_checked_by_its_keys(written) -> None:
     written()
     wrong = SITE.replace("field: angle", "field: angel").replace("target: place", "target: ''")
-    found = check(load_site(wrong), installed().rules())
+    found = check_site(load_site(wrong), installed_extensions().description_rules())
     assert [each.where for each in found] == ["$.devices.box.commands.go.fixed.angel"]
     no_kind = SITE.replace("kind: extension\n        target", "target")
-    (found,) = check(load_site(no_kind))
+    (found,) = check_site(load_site(no_kind))
     assert found.remedy == "write one of: extension"
 
 
 def test_a_hub_without_the_extension_keeps_every_key() -> None:
     site = load_site(SITE)
-    assert check(site) == []
+    assert check_site(site) == []
     assert load_site(dump_site(site)) == site
     assert site.devices["box"].signals["speed"].source.keys == {"word": "v"}
 
@@ -199,4 +202,4 @@ def test_what_an_extension_is_asked_for_is_not_changed_from_the_hub(
     before: str, after: str
 ) -> None:
     changed = load_site(SITE.replace(before, after))
-    assert forbidden(load_site(SITE), changed, AcceptedChanges.ALL)
+    assert forbidden_changes(load_site(SITE), changed, AcceptedChanges.ALL)

@@ -18,7 +18,7 @@ import talaia.extend.importer
 import talaia.extend.notifier
 from talaia.extend import API_VERSION
 from talaia.extensions.declarations import NotifierExtension
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 
 from .broken_packages import DETECTOR, write_package
 from .conftest import EXAMPLES, PACKAGES
@@ -41,8 +41,10 @@ def test_every_example_is_found_by_its_entry_point_and_none_is_broken(beside: Pa
         points = tomllib.loads((package / "pyproject.toml").read_text())["project"]["entry-points"]
         declared |= {(group, name) for group, names in points.items() for name in names}
     assert declared
-    assert {(each.group, each.name) for each in installed().every()} == declared
-    assert installed().broken() == []
+    assert {
+        (each.group, each.name) for each in installed_extensions().list_extensions()
+    } == declared
+    assert installed_extensions().list_broken() == []
 
 
 def test_the_command_lists_them_with_their_keys(target: Path) -> None:
@@ -100,15 +102,15 @@ def test_a_broken_extension_is_named_once_and_takes_no_other_with_it(
     code, expected = BROKEN[how]
     write_package(tmp_path, f"broken_{abs(hash(how))}", "talaia.detectors", "broken_one", code)
     monkeypatch.syspath_prepend(str(tmp_path))
-    found = installed()
-    assert "cusum" in found.detectors()
-    assert "broken_one" not in found.detectors()
-    (broken,) = found.broken()
+    found = installed_extensions()
+    assert "cusum" in found.detectors_by_name()
+    assert "broken_one" not in found.detectors_by_name()
+    (broken,) = found.list_broken()
     assert (broken.group, broken.name) == ("talaia.detectors", "broken_one")
     assert broken.package.startswith("x-broken")
     assert expected in broken.problem
-    found.detectors()
-    found.every()
+    found.detectors_by_name()
+    found.list_extensions()
     said = [each for each in caplog.messages if "broken_one" in each]
     assert len(said) == 1
 
@@ -133,15 +135,15 @@ def test_of_two_with_one_name_the_second_is_broken(
     code = DETECTOR.format(see="return 0.0")
     write_package(tmp_path, "twice", "talaia.detectors", "cusum", code)
     monkeypatch.syspath_prepend(str(tmp_path))
-    assert "cusum" in installed().detectors()
-    (broken,) = installed().broken()
+    assert "cusum" in installed_extensions().detectors_by_name()
+    (broken,) = installed_extensions().list_broken()
     assert "brings one of the same name" in broken.problem
 
 
 def test_a_failure_while_it_is_used_is_named_with_its_package(beside: Path) -> None:
-    installed().note_failure(NotifierExtension, "irc", "it fails")
-    installed().note_failure(NotifierExtension, "irc", "it fails")
-    assert [str(each) for each in installed().broken()] == [
+    installed_extensions().note_failure(NotifierExtension, "irc", "it fails")
+    installed_extensions().note_failure(NotifierExtension, "irc", "it fails")
+    assert [str(each) for each in installed_extensions().list_broken()] == [
         "the extension 'irc' (talaia.notifiers) of talaia-irc 1.0 is broken: it fails"
     ]
 

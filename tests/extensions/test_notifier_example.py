@@ -68,7 +68,9 @@ async def server(beside: Path) -> AsyncIterator[IrcServer]:
 
 async def send(name: str, keys: Mapping[str, str], networks=LOOPBACK) -> DeliveryResult:
     way = Way(1, "way", WayKind.EXTENSION, {"extension": name}, ("keys",))
-    return await Sender(networks).send(way, {"keys": json.dumps(keys)}, target="", message=SAID)
+    return await Sender(networks).send_message(
+        way, {"keys": json.dumps(keys)}, target="", message=SAID
+    )
 
 
 def keys_for(server: IrcServer, **more: str) -> dict[str, str]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 from patience import PATIENCE_S
 
-from talaia.sim.ros_domain import reserve
+from talaia.sim.ros_domain import reserve_domain
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # test modules are imported by path; their shared parts by name
@@ -33,14 +33,14 @@ def own_domain() -> Iterator[int]:
         # That of a rosbridge which runs already.
         yield int(given)
         return
-    with reserve() as reservation:
+    with reserve_domain() as reservation:
         yield reservation.domain
 
 
 @pytest.fixture(scope="session")
 def other_domain() -> Iterator[int]:
     """Another domain; see `own_domain`."""
-    with reserve() as reservation:
+    with reserve_domain() as reservation:
         yield reservation.domain
 
 

@@ -16,7 +16,7 @@ from patience import PATIENCE_S
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 from talaia.wire.frames import (
     FILES_FROM_GATEWAY,
     FILES_FROM_HUB,
@@ -247,7 +247,7 @@ class FakeHub:
     def _store(self, frame: SampleBatch) -> None:
         self.old_batches += not frame.live
         addresses = frame.addresses or self._lists[frame.catalogue]
-        columns = unpack(frame)
+        columns = unpack_columns(frame)
         have = self.samples[frame.boot]
         for index in range(len(columns)):
             sequence = frame.first + index

@@ -177,7 +177,7 @@ async def running(
         file.write_text(text)  # noqa: ASYNC240 - before anything runs
         copy = DescriptionFile(file)
     site = raise_first(load_site(text))
-    hub = HubAddress.checked(url, fingerprint=fingerprint, allow_plain=True)
+    hub = HubAddress.from_text(url, fingerprint=fingerprint, allow_plain=True)
     settings = GatewaySettings(hub=hub, key=key, data=data, accepts=accepts)
     gateway = Gateway(site=site, settings=settings, clock=SystemClock(), file=copy)
     ended = asyncio.Event()

@@ -251,9 +251,9 @@ async def test_a_gateway_that_starts_on_a_disk_that_takes_nothing_guards_all_the
 def test_two_gateways_on_one_folder_are_told_apart_on_a_read_only_disk(tmp_path: Path) -> None:
     with small_disk(tmp_path / "data") as data:
         remount(data, "ro")
-        lock = persistence.locked(data)
+        lock = persistence.lock_folder(data)
         with pytest.raises(SpoolError, match="used by another gateway"):
-            persistence.locked(data)
+            persistence.lock_folder(data)
         os.close(lock)
 
 
@@ -265,12 +265,12 @@ def test_a_stop_that_the_disk_did_not_take_is_written_when_it_does(
     with monkeypatch.context() as patch:
         fail_with(patch, errno.EROFS)
         with pytest.raises(OSError, match="Read-only"):
-            stops.write("base", latched)
+            stops.write_stop("base", latched)
     assert stops.behind
-    assert stops.get("base") == latched
+    assert stops.find_stop("base") == latched
     stops.write_waiting()
     assert not stops.behind
-    assert persistent_state.PersistentStops(tmp_path / "stops.json").get("base") == latched
+    assert persistent_state.PersistentStops(tmp_path / "stops.json").find_stop("base") == latched
 
 
 def test_where_stops_and_epochs_cannot_be_read_all_is_stopped_and_nobody_drives(
@@ -280,14 +280,14 @@ def test_where_stops_and_epochs_cannot_be_read_all_is_stopped_and_nobody_drives(
     for name in ("stops.json", "epochs.json"):
         (tmp_path / name).mkdir()
     stops = persistent_state.PersistentStops(tmp_path / "stops.json")
-    found = stops.get("base")
+    found = stops.find_stop("base")
     assert found is not None
     assert "cannot read its disk" in found.who
     with pytest.raises(OSError, match="cannot be read"):
-        stops.write("base", None)
+        stops.write_stop("base", None)
     epochs = persistent_state.LeaseEpochs(tmp_path / "epochs.json")
     with pytest.raises(OSError, match="directory"):
-        epochs.next()
+        epochs.next_epoch()
 
 
 def test_a_journal_that_cannot_be_read_is_not_written_over(tmp_path: Path) -> None:
@@ -295,5 +295,5 @@ def test_a_journal_that_cannot_be_read_is_not_written_over(tmp_path: Path) -> No
     journal = CommandJournal(tmp_path / "c.jsonl")
     state = CommandState(id="a", device="d", command="c", phase=CommandPhase.ACCEPTED)
     with pytest.raises(OSError, match="what was done before cannot be read"):
-        journal.write(state, sure=True)
+        journal.write_state(state, sure=True)
     assert journal.behind

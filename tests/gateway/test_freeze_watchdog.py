@@ -13,7 +13,7 @@ TICK = SECOND // 10
 def look(credit: FreezeCredit, from_ns: int, to_ns: int) -> int:
     """Let it run, ten looks a second; give when."""
     for now in range(from_ns, to_ns + 1, TICK):
-        credit.at(now)
+        credit.mark_running(now)
     return to_ns
 
 
@@ -52,12 +52,12 @@ def test_silence_counts_after_two_seconds_of_running_however_often_it_stands_sti
                 assert age == now
         now += still * TICK
         slept += still * TICK
-        credit.at(now)
+        credit.mark_running(now)
 
 
 def test_process_that_stood_still_knows_from_when_to_when() -> None:
     stalls = FreezeDetector(0)
-    assert stalls.at(1_000 * SECOND, SECOND) is None
+    assert stalls.detect_stall(1_000 * SECOND, SECOND) is None
     # The wall clock may have been set meanwhile: how long it was is the other clock's to say.
-    assert stalls.at(5_000 * SECOND, 31 * SECOND) == (4_970_000_000, 5_000_000_000)
-    assert stalls.at(5_001 * SECOND, 32 * SECOND) is None
+    assert stalls.detect_stall(5_000 * SECOND, 31 * SECOND) == (4_970_000_000, 5_000_000_000)
+    assert stalls.detect_stall(5_001 * SECOND, 32 * SECOND) is None

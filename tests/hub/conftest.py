@@ -21,7 +21,7 @@ import websockets
 from patience import PATIENCE_S
 
 from talaia.clock import SystemClock
-from talaia.hub.app import build
+from talaia.hub.app import build_hub
 from talaia.hub.auth.passwords import Passwords
 from talaia.hub.history.queries.series import Series
 from talaia.hub.run import server_of
@@ -30,7 +30,7 @@ from talaia.hub.store.accounts.people import People
 from talaia.hub.store.sites.site_registry import add_key
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
-from talaia.wire.columns import Columns, pack
+from talaia.wire.columns import Columns, pack_columns
 from talaia.wire.frames import (
     LINK_FROM_GATEWAY,
     LINK_FROM_HUB,
@@ -77,15 +77,15 @@ class MemoryHistory:
 
     async def close(self) -> None: ...
 
-    async def describe(self, site) -> None: ...
+    async def describe_site(self, site) -> None: ...
 
-    async def rename(self, site, moves) -> None:
+    async def rename_channels(self, site, moves) -> None:
         for (where, _), stored in self.samples.items():
             for number, row in stored.items():
                 if where == site and row and row[0] in moves:
                     stored[number] = (moves[row[0]], *row[1:])
 
-    async def append(self, site, boot, first, *, addresses, columns) -> None:
+    async def append_samples(self, site, boot, first, *, addresses, columns) -> None:
         await self.gate.wait()
         for at in range(len(columns)):
             address = addresses[columns.channel[at]]
@@ -104,7 +104,7 @@ class MemoryHistory:
             below += 1
         return below
 
-    def knows(self, site, address) -> bool:
+    def has_channel(self, site, address) -> bool:
         return any(
             where == site and row and row[0] == address
             for (where, _), stored in self.samples.items()
@@ -113,10 +113,14 @@ class MemoryHistory:
 
     def kind_of(self, site, address) -> None: ...
 
-    async def read(self, site, addresses, from_us, to_us, *, width, steps=()) -> list[Series]:
+    async def read_series(
+        self, site, addresses, from_us, to_us, *, width, steps=()
+    ) -> list[Series]:
         return [self._series(site, address, from_us, to_us) for address in addresses]
 
-    async def last(self, site, addresses, to_us=2**62) -> dict[str, tuple[int, float, str]]:
+    async def last_readings(
+        self, site, addresses, to_us=2**62
+    ) -> dict[str, tuple[int, float, str]]:
         found = {}
         for (where, _), stored in self.samples.items():
             for row in stored.values():
@@ -219,7 +223,7 @@ class Gateway(Peer):
         """Send rows of address, time (µs), value or text."""
         first = self.sequence if first is None else first
         texts = {at: row[2] for at, row in enumerate(rows) if isinstance(row[2], str)}
-        packed = pack(
+        packed = pack_columns(
             Columns(
                 np.array([self.channels[row[0]] for row in rows], np.uint16),
                 np.array([row[1] for row in rows], np.int64),
@@ -245,7 +249,7 @@ class RunningHub:
     def __init__(self, settings: Settings, history: MemoryHistory) -> None:
         self.settings = settings
         self.history = history
-        self.hub = build(settings, SystemClock(), history)
+        self.hub = build_hub(settings, SystemClock(), history)
         self.people = People(self.hub.core.database, SystemClock())
         self.keys = {}
         self._stack = AsyncExitStack()
@@ -274,11 +278,11 @@ class RunningHub:
         _forget_routes()
 
     async def populate(self) -> None:
-        hashed = await Passwords(4).hash(PASSWORD)
+        hashed = await Passwords(4).hash_password(PASSWORD)
         # In one transaction: each waits for the disk.
         async with self.hub.core.database.write() as connection:
             for role in ("guest", "operator", "admin"):
-                await self.people._insert(connection, role, hashed, role)
+                await self.people._insert_person(connection, role, hashed, role)
             now_us = SystemClock().wall_ns() // 1000
             _, self.keys["agv"], _ = await add_key(connection, "agv", "", now_us)
 
@@ -439,7 +443,7 @@ async def shared_gateway(shared_hub):
 @pytest.fixture
 def hub_parts(settings, history):
     """A hub that is put together and not started."""
-    return build(settings, SystemClock(), history)
+    return build_hub(settings, SystemClock(), history)
 
 
 @pytest.fixture

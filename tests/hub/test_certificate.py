@@ -16,9 +16,14 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
 from talaia.gateway.uplink.certificate_der import public_key_of
-from talaia.hub.certificate import fingerprint, fresh_certificate, key_hash, own_certificate
+from talaia.hub.certificate import (
+    certificate_fingerprint,
+    fresh_certificate,
+    key_hash,
+    own_certificate,
+)
 from talaia.hub.errors import CannotStart
-from talaia.hub.run import renewed
+from talaia.hub.run import renew_certificate
 from talaia.hub.settings import Settings
 
 from .everyone.secure_hub import secure
@@ -129,9 +134,9 @@ def test_own_key_gets_its_rights_back(tmp_path) -> None:
 
 def test_renewal_and_another_name_keep_the_key_that_gateways_know(tmp_path) -> None:
     own = own_certificate(Settings(data=tmp_path), NOW)
-    before, key = fingerprint(own.cert), key_hash(own.cert)
+    before, key = certificate_fingerprint(own.cert), key_hash(own.cert)
     own_certificate(Settings(data=tmp_path), NOW + 800 * DAY)
-    assert fingerprint(own.cert) != before
+    assert certificate_fingerprint(own.cert) != before
     assert key_hash(own.cert) == key
     own_certificate(Settings(data=tmp_path, hosts=("hub.example",)), NOW + 800 * DAY)
     assert key_hash(own.cert) == key
@@ -152,11 +157,11 @@ def test_own_certificate_that_is_broken_is_made_anew(tmp_path) -> None:
 
 def test_certificate_that_did_not_change_is_not_loaded_again(tmp_path) -> None:
     settings = Settings(data=tmp_path)
-    shown = fingerprint(own_certificate(settings, NOW).cert)
+    shown = certificate_fingerprint(own_certificate(settings, NOW).cert)
     assert fresh_certificate(settings, NOW, shown) is None
     found = fresh_certificate(settings, NOW + 800 * DAY, shown)
     assert found is not None
-    assert fingerprint(found.cert) != shown
+    assert certificate_fingerprint(found.cert) != shown
 
 
 def test_gateway_finds_the_same_public_key_in_a_certificate_as_the_hub(tmp_path) -> None:
@@ -184,13 +189,15 @@ async def test_renewed_certificate_is_shown_without_a_restart(
     now = dt.datetime.now(dt.UTC)
     cert, key = made(tmp_path, begins=now - DAY, ends=now + DAY)
     async with secure(hub_that_stores, settings, cert=cert, key=key) as running:
-        context, shown = running._server.config.ssl, fingerprint(cert)
+        context, shown = running._server.config.ssl, certificate_fingerprint(cert)
         before = await shown_by(running.port)
         cert.write_text("half written")
         with caplog.at_level(logging.WARNING):
-            assert await renewed(context, running.settings, shown) == shown
+            assert await renew_certificate(context, running.settings, shown) == shown
         assert "the certificate of before stays" in caplog.text
         assert await shown_by(running.port) == before
         made(tmp_path, begins=now - DAY, ends=now + 90 * DAY)
-        assert await renewed(context, running.settings, shown) == fingerprint(cert)
+        assert await renew_certificate(context, running.settings, shown) == certificate_fingerprint(
+            cert
+        )
         assert await shown_by(running.port) != before

@@ -8,7 +8,7 @@ import pytest
 from patience import PATIENCE_S
 
 from talaia.hub.features.feature import BackgroundTask, Feature
-from talaia.hub.lifecycle import opened
+from talaia.hub.lifecycle import open_features
 
 # Before a task that died begins again.
 SHORT_S = 0.001
@@ -55,7 +55,7 @@ class Kept(Feature):
 
 async def test_features_open_in_order_and_close_in_reverse():
     diary = Diary()
-    async with opened(diary, [Kept("first", diary), Kept("second", diary)]):
+    async with open_features(diary, [Kept("first", diary), Kept("second", diary)]):
         diary.write("serves")
     assert diary.lines == [
         "core opens", "first opens", "second opens", "serves",
@@ -66,7 +66,7 @@ async def test_features_open_in_order_and_close_in_reverse():
 async def test_a_feature_that_cannot_open_closes_those_before_it():
     diary = Diary()
     with pytest.raises(RuntimeError, match="second"):
-        async with opened(diary, [Kept("first", diary), Kept("second", diary, opens=False)]):
+        async with open_features(diary, [Kept("first", diary), Kept("second", diary, opens=False)]):
             diary.write("serves")
     assert diary.lines == ["core opens", "first opens", "first closes", "core closes"]
 
@@ -80,7 +80,7 @@ async def test_a_task_ends_before_its_feature_closes_and_writes_what_waits():
         diary.write("writes the rest")
 
     tasks = [BackgroundTask(name="work", run=work, stop=stopping.set)]
-    async with opened(diary, [Kept("first", diary, tasks=tasks), Kept("second", diary)]):
+    async with open_features(diary, [Kept("first", diary, tasks=tasks), Kept("second", diary)]):
         await diary.reads("works")
     assert diary.lines[-4:] == [
         "second closes", "writes the rest", "first closes", "core closes",
@@ -97,7 +97,9 @@ async def test_a_task_without_a_stop_is_cancelled():
         finally:
             diary.write("is cancelled")
 
-    async with opened(diary, [Kept("first", diary, tasks=[BackgroundTask(name="work", run=work)])]):
+    async with open_features(
+        diary, [Kept("first", diary, tasks=[BackgroundTask(name="work", run=work)])]
+    ):
         await diary.reads("works")
     assert diary.lines[-3:] == ["is cancelled", "first closes", "core closes"]
 
@@ -112,7 +114,7 @@ async def test_a_task_that_dies_is_logged_by_name_and_begins_again(caplog):
         await asyncio.Event().wait()
 
     tasks = [BackgroundTask(name="work", run=work)]
-    async with opened(diary, [Kept("first", diary, tasks=tasks)], SHORT_S):
+    async with open_features(diary, [Kept("first", diary, tasks=tasks)], SHORT_S):
         await diary.reads("works", times=3)
         names = {task.get_name() for task in asyncio.all_tasks()}
     assert "first: work" in names
@@ -130,6 +132,6 @@ async def test_a_task_that_died_writes_what_waits_before_it_ends():
         diary.write("writes the rest")
 
     tasks = [BackgroundTask(name="work", run=work, stop=stopping.set)]
-    async with opened(diary, [Kept("first", diary, tasks=tasks)], PATIENCE_S):
+    async with open_features(diary, [Kept("first", diary, tasks=tasks)], PATIENCE_S):
         await diary.reads("works")
     assert diary.lines[-3:] == ["writes the rest", "first closes", "core closes"]

@@ -124,14 +124,14 @@ async def test_route_that_shuts_someone_out_is_found(world, monkeypatch) -> None
 async def test_route_without_a_line_is_found_and_denied_to_everyone(
     hub_that_stores, monkeypatch
 ) -> None:
-    listed = SitePages.router
+    listed = SitePages.make_router
 
     def forgetful(pages: SitePages) -> APIRouter:
         router = listed(pages)
         router.get("/api/forgotten")(lambda: "secret")
         return router
 
-    monkeypatch.setattr(SitePages, "router", forgetful)
+    monkeypatch.setattr(SitePages, "make_router", forgetful)
     async with hub_that_stores() as hub:
         await hub.populate()
         assert routes_of(hub.hub.app) - set(ROUTES) == {("GET", "/api/forgotten")}

@@ -14,7 +14,7 @@ import pytest
 from cryptography import x509
 from patience import PATIENCE_S
 
-from talaia.hub.certificate import fingerprint, own_certificate
+from talaia.hub.certificate import certificate_fingerprint, own_certificate
 from talaia.hub.errors import CannotStart
 from talaia.hub.settings import Settings
 
@@ -50,7 +50,7 @@ async def test_hub_says_where_it_is_and_ends_cleanly(tmp_path, number) -> None:
     setup = (await process.stdout.readline()).decode()
     address = ready.split()[-1]
     assert ready.startswith("talaia hub is ready: https://localhost:")
-    assert fingerprint(tmp_path / "data" / "tls" / "cert.pem") in print_
+    assert certificate_fingerprint(tmp_path / "data" / "tls" / "cert.pem") in print_
     assert f"{address}/setup#" in setup
     trust = ssl.create_default_context(cafile=str(tmp_path / "data" / "tls" / "cert.pem"))
     async with httpx.AsyncClient(verify=trust, trust_env=False) as client:
@@ -93,9 +93,15 @@ def test_certificate_of_our_own_covers_every_name_of_this_hub(tmp_path) -> None:
 
 def test_certificate_is_kept_until_a_month_before_its_end(tmp_path) -> None:
     settings = Settings(data=tmp_path)
-    first = fingerprint(own_certificate(settings, NOW).cert)
-    assert fingerprint(own_certificate(settings, NOW + dt.timedelta(days=790)).cert) == first
-    assert fingerprint(own_certificate(settings, NOW + dt.timedelta(days=800)).cert) != first
+    first = certificate_fingerprint(own_certificate(settings, NOW).cert)
+    assert (
+        certificate_fingerprint(own_certificate(settings, NOW + dt.timedelta(days=790)).cert)
+        == first
+    )
+    assert (
+        certificate_fingerprint(own_certificate(settings, NOW + dt.timedelta(days=800)).cert)
+        != first
+    )
 
 
 def test_certificate_without_its_key_is_refused(tmp_path) -> None:

@@ -109,11 +109,11 @@ async def test_what_was_noted_meanwhile_is_written_down_later(hub, gateway) -> N
     with Away(hub):
         await page.say(page_wire.PageStop(site="agv", device="base", id="s1"))
         await gateway.hear(StopRequest)
-    await hub.hub.audit.log.written()
-    found, _ = await hub.hub.audit.log.find(AuditFilter(site="agv"), 50)
+    await hub.hub.audit.log.wait_written()
+    found, _ = await hub.hub.audit.log.find_records(AuditFilter(site="agv"), 50)
     kinds = [row.entry.kind for row in found]
     assert "stop pressed" in kinds
-    assert (await hub.hub.audit.log.verify()).broken == 0
+    assert (await hub.hub.audit.log.verify_chain()).broken == 0
 
 
 # PostgreSQL alone can shut one database and leave the others open.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.derived_signals import counts_of, with_counts
 from talaia.model.site import Visibility
 from talaia.model.yaml_text.load import dump_site, load_site
@@ -51,7 +51,7 @@ alarms:
 
 
 def found(text: str) -> list[str]:
-    return [str(each) for each in check(load_site(text))]
+    return [str(each) for each in check_site(load_site(text))]
 
 
 def changed(old: str, new: str, text: str = TEXT) -> list[str]:
@@ -70,7 +70,7 @@ def test_each_class_of_a_camera_that_detects_has_a_signal_that_counts() -> None:
     assert not light.primary
     assert light.visibility is Visibility.PUBLIC
     assert with_counts(site) is site
-    assert check(site) == []
+    assert check_site(site) == []
     assert counts_of(site).keys() == {
         "base/in_path", "base/front_person", "base/front_traffic_light",
     }  # fmt: skip

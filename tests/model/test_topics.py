@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.topics import TopicRight, TopicRule, matches_topic, rule_of
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
@@ -76,7 +76,7 @@ def test_the_first_rule_that_fits_counts() -> None:
     ],
 )
 def test_a_rule_that_does_not_fit_is_told(rule, said) -> None:
-    findings = check(load_site(_SITE.format(rules=rule)))
+    findings = check_site(load_site(_SITE.format(rules=rule)))
     assert [str(finding) for finding in findings if said in str(finding)]
     assert all(finding.where.startswith("$.topics[") for finding in findings)
 
@@ -85,5 +85,5 @@ def test_rules_are_written_and_read_back() -> None:
     site = load_site(
         _SITE.format(rules="{pattern: /**/tf, right: view}, {pattern: /a, right: tap, max_rate: 5}")
     )
-    assert not check(site)
+    assert not check_site(site)
     assert load_site(write_description(site)) == site

@@ -109,7 +109,7 @@ def test_yolo_tells_boxes_by_centre_and_size() -> None:
     told = np.zeros((1, 6, 3), np.float32)
     told[0, :, 1] = (32, 32, 16, 32, 0.1, 0.8)
     detector = Detector(Setting(OutputFormat.YOLO, 64), ["cat", "dog"], lambda _: [told])
-    (box,) = detector.seen(np.zeros((64, 64, 3), np.uint8), 0.5)
+    (box,) = detector.detect_objects(np.zeros((64, 64, 3), np.uint8), 0.5)
     assert box == pytest.approx((1, 0.8, 0.375, 0.25, 0.625, 0.75))
 
 
@@ -123,7 +123,7 @@ def test_colours_come_in_the_order_and_size_that_the_setting_says() -> None:
     picture = np.zeros((8, 8, 3), np.uint8)
     picture[..., 0] = 100
     setting = Setting(OutputFormat.YOLO, 8, (1.0, 2.0, 50.0), (2.0, 2.0, 2.0), blue_first=True)
-    Detector(setting, ["cat"], run).seen(picture, 0.5)
+    Detector(setting, ["cat"], run).detect_objects(picture, 0.5)
     assert given_to[0].shape == (1, 3, 8, 8)
     assert given_to[0][0, :, 0, 0].tolist() == [-0.5, -1.0, 25.0]
 
@@ -132,4 +132,4 @@ def test_colours_come_in_the_order_and_size_that_the_setting_says() -> None:
 def test_file_that_gives_other_numbers_is_named_with_what_it_gives(kind: OutputFormat) -> None:
     detector = Detector(Setting(kind, 64), ["cat"], lambda _: [np.zeros((1, 7, 3), np.float32)])
     with pytest.raises(DetectorError, match="this file gives 1 × 7 × 3: choose another kind"):
-        detector.seen(np.zeros((8, 8, 3), np.uint8), 0.5)
+        detector.detect_objects(np.zeros((8, 8, 3), np.uint8), 0.5)

@@ -32,12 +32,12 @@ def source(
 def test_only_those_are_counted_whose_feet_are_in_the_part() -> None:
     path = source((0.3, 0.6, 0.7, 1.0))
     one = eyes(all=source(), path=path, dogs=source(sees="dog"))
-    assert one.count([person(), person(left=0.0), person(bottom=0.5)]) == {
+    assert one.count_things([person(), person(left=0.0), person(bottom=0.5)]) == {
         "all": 3, "path": 1, "dogs": 0,
     }  # fmt: skip
-    assert one.count([person(score=0.4)]) == {"all": 0, "path": 0, "dogs": 0}
-    one.recount({"path": path})
-    assert one.count([person()]) == {"path": 1}
+    assert one.count_things([person(score=0.4)]) == {"all": 0, "path": 0, "dogs": 0}
+    one.apply_counts({"path": path})
+    assert one.count_things([person()]) == {"path": 1}
 
 
 def test_boxes_are_told_that_count_for_nothing_but_are_fairly_sure() -> None:
@@ -58,7 +58,7 @@ def test_thumbnail_is_of_the_surest_moment_before_it_is_told() -> None:
     # Told of the same again without a surer moment: it is there already.
     (more,) = one.add_picture([person(0.8), person(0.8)], GREY, 4 * STEP)
     assert more.thumbnail == b""
-    (over,) = one.end()
+    (over,) = one.end_sightings()
     assert (over.sighting.most, over.thumbnail) == (2, b"")
 
 

@@ -81,7 +81,7 @@ def test_the_made_file_is_the_known_one_and_sees_a_person_and_a_cat() -> None:
     detector = Detector(NANODET, COCO, lambda shown: running.run(None, {name: shown}))
     for picture, what in (("astronaut", "person"), ("cat", "cat")):
         with Image.open(PICTURES / f"{picture}.jpg") as opened:
-            best = detector.seen(np.array(opened.convert("RGB")), 0.5)[0]
+            best = detector.detect_objects(np.array(opened.convert("RGB")), 0.5)[0]
         assert COCO[best.label] == what
 
 

@@ -62,15 +62,15 @@ def test_classes_nobody_asked_for_and_unsure_ones_are_no_sighting() -> None:
     watch = watching()
     for at in range(5):
         assert watch.add_picture([box("chair"), box("dog", 0.4)], at * STEP) == []
-    assert watch.end() == []
+    assert watch.end_sightings() == []
 
 
 def test_what_is_still_in_sight_ends_when_nobody_looks_any_more() -> None:
     watch = watching()
     for at in range(3):
         watch.add_picture([box("dog")], at * STEP)
-    assert watch.end() == [ObjectSighting("dog", 1, 0.8, 0, 2 * STEP)]
-    assert watch.end() == []
+    assert watch.end_sightings() == [ObjectSighting("dog", 1, 0.8, 0, 2 * STEP)]
+    assert watch.end_sightings() == []
 
 
 pictures = st.lists(
@@ -90,7 +90,7 @@ def test_sightings_of_a_class_follow_each_other_and_each_ends_once(told) -> None
     for later, labels in told:
         at += later
         news += watch.add_picture([box(each) for each in labels], at)
-    news += watch.end()
+    news += watch.end_sightings()
     for label in ("person", "dog"):
         own = [each for each in news if each.label == label]
         # What is told again of one that goes on is no beginning.

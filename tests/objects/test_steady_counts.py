@@ -15,7 +15,9 @@ def person(score: float = 0.8, left: float = 0.4) -> Detection:
 
 def told(pictures: list[list[Detection]], hold: float = 2.0) -> list[int]:
     counts = SteadyCounts(Detect(confidence=0.5, hold=hold))
-    return [counts.count(things, PERSON, at * STEP)["path"] for at, things in enumerate(pictures)]
+    return [
+        counts.count_things(things, PERSON, at * STEP)["path"] for at, things in enumerate(pictures)
+    ]
 
 
 def test_a_person_whom_the_detector_misses_for_a_moment_is_still_there() -> None:
@@ -44,5 +46,5 @@ def test_more_count_at_once_and_without_hold_time_each_picture_counts() -> None:
 
 def test_a_clock_that_is_put_back_begins_anew() -> None:
     counts = SteadyCounts(Detect(confidence=0.5))
-    assert counts.count([person()], PERSON, 10_000_000)["path"] == 1
-    assert counts.count([], PERSON, 5_000_000)["path"] == 0
+    assert counts.count_things([person()], PERSON, 10_000_000)["path"] == 1
+    assert counts.count_things([], PERSON, 5_000_000)["path"] == 0

@@ -65,7 +65,7 @@ async def test_person_and_a_cat_are_found_where_they_are(tmp_path: Path) -> None
             picture = np.full((480, 640, 3), 110, np.uint8)
             pixels = simplejpeg.decode_jpeg(data)
             picture[20 : 20 + pixels.shape[0], 100 : 100 + pixels.shape[1]] = pixels
-            shown[name] = await bench.worker.seen("", picture, 0.5)
+            shown[name] = await bench.worker.detect_objects("", picture, 0.5)
     person, cat = shown["astronaut"][0], shown["cat"][0]
     assert (person.label, cat.label) == ("person", "cat")
     # The pictures are in the left part of the canvas, from 100 of 640 px on.
@@ -78,17 +78,17 @@ async def test_detector_of_ones_own_is_shown_pictures_of_any_size(tmp_path: Path
     async with Bench(tmp_path) as bench:
         for height, width in ((48, 64), (1, 1), (3000, 2400)):
             picture = np.full((height, width, 3), (255, 0, 0), np.uint8)
-            (thing,) = await bench.worker.seen("red", picture, 0.5)
+            (thing,) = await bench.worker.detect_objects("red", picture, 0.5)
             assert thing.label == "red thing"
             # Beside a narrow picture the square is grey.
             assert thing.left < 0.5 < thing.right
-        assert await bench.worker.seen("red", GREY, 0.5) == []
+        assert await bench.worker.detect_objects("red", GREY, 0.5) == []
         assert bench.said == []
 
 
 async def test_its_process_gives_way_to_all_others(tmp_path: Path) -> None:
     async with Bench(tmp_path) as bench:
-        await bench.worker.seen("red", RED, 0.5)
+        await bench.worker.detect_objects("red", RED, 0.5)
         process = bench.process()
         assert process.nice() == min(19, os.nice(0) + 10)
         assert os.sched_getscheduler(process.pid) == os.SCHED_BATCH
@@ -102,14 +102,14 @@ async def test_killed_process_is_begun_anew_and_both_are_said_once(
     tmp_path: Path,
 ) -> None:
     async with Bench(tmp_path, WorkerTimes(first_wait=0.05, steady=0.0)) as bench:
-        await bench.worker.seen("red", RED, 0.5)
+        await bench.worker.detect_objects("red", RED, 0.5)
         first = bench.process()
         first.send_signal(signal.SIGSEGV)
         problems = []
         async with asyncio.timeout(PATIENCE_S):
             while not (bench.said and not bench.said[-1][1]):
                 try:
-                    await bench.worker.seen("red", RED, 0.5)
+                    await bench.worker.detect_objects("red", RED, 0.5)
                 except DetectorError as error:
                     problems.append(str(error))
         assert "ended by signal 11" in problems[0]
@@ -150,14 +150,14 @@ async def test_one_that_hangs_is_ended_and_holds_up_no_other(
 ) -> None:
     other = ObjectModel(file="red.onnx", kind=ModelKind.YOLO, classes=("other",), side=32)
     async with Bench(tmp_path, other=other) as bench:
-        await bench.worker.seen("red", RED, 0.5)
+        await bench.worker.detect_objects("red", RED, 0.5)
         process = bench.process()
-        await bench.worker.seen("other", RED, 0.5)
+        await bench.worker.detect_objects("other", RED, 0.5)
         monkeypatch.setattr(module, "PATIENCE_S", 2.0)
         process.suspend()
         hung, seen = await asyncio.gather(
-            bench.worker.seen("red", RED, 0.5),
-            bench.worker.seen("other", RED, 0.5),
+            bench.worker.detect_objects("red", RED, 0.5),
+            bench.worker.detect_objects("other", RED, 0.5),
             return_exceptions=True,
         )
         assert isinstance(hung, DetectorError)
@@ -187,10 +187,10 @@ async def test_file_that_is_none_is_said_once_with_what_to_do(
     async with Bench(tmp_path, bad=model) as bench:
         for _ in range(3):
             with pytest.raises(DetectorError, match=problem):
-                await bench.worker.seen("bad", RED, 0.5)
+                await bench.worker.detect_objects("bad", RED, 0.5)
         assert [name for name, _ in bench.said] == ["bad"]
         # The others see.
-        assert await bench.worker.seen("red", RED, 0.5)
+        assert await bench.worker.detect_objects("red", RED, 0.5)
 
 
 def test_a_detector_that_prints_where_its_answer_belongs_is_ended_and_named() -> None:
@@ -212,18 +212,18 @@ async def test_runtime_that_is_missing_is_said_with_what_to_install(
         found = os.pathsep.join([str(tmp_path / "hidden"), *filter(None, sys.path)])
         monkeypatch.setenv("PYTHONPATH", found)
         with pytest.raises(DetectorError, match=r"install talaia\[objects\]"):
-            await bench.worker.seen("red", RED, 0.5)
+            await bench.worker.detect_objects("red", RED, 0.5)
 
 
 async def test_detector_that_is_described_otherwise_is_loaded_anew(tmp_path: Path) -> None:
     async with Bench(tmp_path) as bench:
-        await bench.worker.seen("red", RED, 0.5)
+        await bench.worker.detect_objects("red", RED, 0.5)
         first = bench.process()
         red = ObjectModel(file="red.onnx", kind=ModelKind.YOLO, classes=("fire",), side=32)
         bench.worker.redescribe({"red": red})
-        (thing,) = await bench.worker.seen("red", RED, 0.5)
+        (thing,) = await bench.worker.detect_objects("red", RED, 0.5)
         assert thing.label == "fire"
         bench.worker.redescribe({})
         with pytest.raises(DetectorError, match="there is no model 'red'"):
-            await bench.worker.seen("red", RED, 0.5)
+            await bench.worker.detect_objects("red", RED, 0.5)
     assert not psutil.pid_exists(first.pid)

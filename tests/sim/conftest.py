@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import talaia
-from talaia.sim.ros_domain import environment, reserve
+from talaia.sim.ros_domain import domain_environment, reserve_domain
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -141,8 +141,8 @@ def ros() -> None:
 @pytest.fixture(scope="session")
 def domain(ros: None) -> Iterator[int]:
     """A ROS domain for the tests of this folder, and the variables that keep it here."""
-    with reserve() as reservation, pytest.MonkeyPatch.context() as patch:
-        for name, value in environment(reservation.domain).items():
+    with reserve_domain() as reservation, pytest.MonkeyPatch.context() as patch:
+        for name, value in domain_environment(reservation.domain).items():
             patch.setenv(name, value)
         yield reservation.domain
 

@@ -13,7 +13,7 @@ from typing import Any
 from patience import PATIENCE_S
 from ports import free_port
 
-from talaia.gateway.watchdog.feeding import dismiss
+from talaia.gateway.watchdog.feeding import dismiss_watchdog
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.sim import ros_domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
@@ -38,8 +38,8 @@ class Observatory:
         self._roof = roof
         self.folder = folder
         self._ros1 = ["--ros1"] if ros1 else []
-        self._world = ros_domain.reserve()
-        self.environment = ros_domain.environment(self._world.domain)
+        self._world = ros_domain.reserve_domain()
+        self.environment = ros_domain.domain_environment(self._world.domain)
         if ros1:
             uri = f"http://127.0.0.1:{free_port()}"
             self.environment = {
@@ -110,5 +110,5 @@ class Observatory:
         for part in reversed(self.parts):
             part.end()
         # That of a gateway that was killed.
-        dismiss(self.folder / "gateway" / "watchdog.lock")
+        dismiss_watchdog(self.folder / "gateway" / "watchdog.lock")
         self._world.release()

@@ -15,7 +15,7 @@ from patience import PATIENCE_S
 from websockets.asyncio.client import ClientConnection, connect
 
 from talaia.wire import browser
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 from talaia.wire.frames import LeaseOp
 
 from .stack import PASSWORD, SITE, Stack, until
@@ -162,7 +162,11 @@ class Page:
 
     def values(self) -> list[float]:
         """Every number that came, of all subscriptions."""
-        return [float(value) for each in self.all(browser.Values) for value in unpack(each).value]
+        return [
+            float(value)
+            for each in self.all(browser.Values)
+            for value in unpack_columns(each).value
+        ]
 
     async def close(self) -> None:
         await self.vanish()

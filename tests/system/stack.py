@@ -205,8 +205,8 @@ class Stack:
         self.description = description or self.description
         self._people = PEOPLE if people is None else people
         self._link_port = link_port
-        self._world = ros_domain.reserve()
-        self._ros = {**ros_domain.environment(self._world.domain), **self.more}
+        self._world = ros_domain.reserve_domain()
+        self._ros = {**ros_domain.domain_environment(self._world.domain), **self.more}
         self.port = self._free_port()
         finish(self._accounts())
         (folder / "site.yaml").write_text(self.description)

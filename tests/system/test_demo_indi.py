@@ -78,7 +78,7 @@ async def test_the_demo_starts_turns_a_dome_and_ends_with_everything_it_started(
         assert place is not None
         jd = astronomy.julian_day(time.time())
         here = astronomy.Observer(place.latitude, place.longitude, place.elevation)
-        assert astronomy.altaz(*astronomy.sun(jd), here, jd).alt < -8
+        assert astronomy.equatorial_to_horizontal(*astronomy.sun_position(jd), here, jd).alt < -8
         # Its station measures humidity, so that dew closes the roof.
         assert 5 <= simulator(demo, "Weather Watcher.WEATHER_PARAMETERS.WEATHER_HUMIDITY") <= 100
         longitude = simulator(demo, "Telescope Simulator.GEOGRAPHIC_COORD.LONG")

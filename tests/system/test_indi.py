@@ -21,10 +21,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/adapters/indi"))
 from indi_server import server_of
 
 from talaia.clock import SystemClock
-from talaia.gateway.run import serve
+from talaia.gateway.run import serve_gateway
 from talaia.gateway.settings import GatewaySettings as GatewaySettings, HubAddress
 from talaia.hub import accounts
-from talaia.hub.app import build
+from talaia.hub.app import build_hub
 from talaia.hub.run import server_of as hub_server_of
 from talaia.hub.settings import Settings
 from talaia.model.checks.site_checks import raise_first
@@ -54,7 +54,7 @@ async def observatory(port: int, data: Path) -> AsyncIterator[tuple[httpx.AsyncC
     settings = Settings(data=data, plain=True, port=0, password_cost=4)
     await accounts.create_user(settings, "operator", PASSWORD, "operator")
     key = await accounts.create_gateway(settings, "sky")
-    hub = build(settings, SystemClock())
+    hub = build_hub(settings, SystemClock())
     listener = socket.create_server(("127.0.0.1", 0))
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     place = f"127.0.0.1:{listener.getsockname()[1]}"
@@ -63,10 +63,10 @@ async def observatory(port: int, data: Path) -> AsyncIterator[tuple[httpx.AsyncC
     serving = asyncio.ensure_future(server.serve(sockets=[listener]))
     await asyncio.wait_for(ready.wait(), PATIENCE_S)
     gateway = asyncio.ensure_future(
-        serve(
+        serve_gateway(
             raise_first(load_site(DESCRIPTION % port)),
             GatewaySettings(
-                hub=HubAddress.checked(f"ws://{place}", allow_plain=True),
+                hub=HubAddress.from_text(f"ws://{place}", allow_plain=True),
                 key=key,
                 data=data / "gateway",
             ),

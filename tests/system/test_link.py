@@ -103,7 +103,7 @@ async def on_disk(stack: Stack, from_us: int) -> Series:
     store = HistoryStore(settings.url, SystemClock())
     await store.open()
     try:
-        (series,) = await store.read(SITE, [COUNT], from_us, _now_us(), width=10_000)
+        (series,) = await store.read_series(SITE, [COUNT], from_us, _now_us(), width=10_000)
     finally:
         await store.close()
     return series

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import RosSource, Source
 from talaia.model.yaml_text.load import read_site
 from talaia.sim import ros_domain
@@ -30,8 +30,8 @@ def robot() -> Iterator[dict[str, str]]:
     """The unknown robot, running; gives the environment that reaches it."""
     if not importlib.util.find_spec("rclpy"):
         missing("rclpy")
-    place = ros_domain.reserve()
-    here = {**os.environ, **ros_domain.environment(place.domain), "PYTHONUNBUFFERED": "1"}
+    place = ros_domain.reserve_domain()
+    here = {**os.environ, **ros_domain.domain_environment(place.domain), "PYTHONUNBUFFERED": "1"}
     script = Path(__file__).with_name("unknown_robot.py")
     process = subprocess.Popen(
         [sys.executable, str(script)], env=here, stdout=subprocess.PIPE, text=True
@@ -58,7 +58,7 @@ def test_what_a_probe_writes_on_the_robot_becomes_a_description_elsewhere(
     made = talaia(robot, "init", "--found", "-", "-o", str(target), given=probed.stdout)
     assert made.returncode == 0, made.stderr
     site = read_site(target)
-    assert check(site) == []
+    assert check_site(site) == []
     assert site.devices["rover_power"].signals["charge_level"].scale == 100.0
     assert site.devices["rover_power"].signals["power_supply_status"].states[2] == "Discharging"
     assert site.devices["rover_base"].drive is not None

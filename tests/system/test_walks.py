@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "gateway/adapters/ros1"))
 import ros1_bench
 from indi_server import server_of
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import read_site
 from talaia.sim import ros_domain
 
@@ -54,8 +54,12 @@ def ros2_world() -> Iterator[tuple[dict[str, str], int]]:
     for module in ("rclpy", "mujoco"):
         if not importlib.util.find_spec(module):
             missing(module)
-    with ros_domain.reserve() as place:
-        here = {**os.environ, **ros_domain.environment(place.domain), "PYTHONUNBUFFERED": "1"}
+    with ros_domain.reserve_domain() as place:
+        here = {
+            **os.environ,
+            **ros_domain.domain_environment(place.domain),
+            "PYTHONUNBUFFERED": "1",
+        }
         here.pop("ROS_MASTER_URI", None)
         yield here, place.domain
 
@@ -169,7 +173,7 @@ def test_a_ros1_robot_is_looked_at_listed_and_described(tmp_path: Path) -> None:
     made = talaia(elsewhere, "init", "--found", "-", "-o", str(target), given=probed.stdout)
     assert made.returncode == 0, made.stderr
     site = read_site(target)
-    assert check(site) == []
+    assert check_site(site) == []
     assert site.connections["ros1"].master == here["ROS_MASTER_URI"]
 
 

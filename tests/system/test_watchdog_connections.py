@@ -25,7 +25,7 @@ import yaml
 from aiosmtpd.smtp import SMTP
 from ports import free_port
 
-from talaia.gateway.watchdog.feeding import dismiss
+from talaia.gateway.watchdog.feeding import dismiss_watchdog
 
 from . import command_roof
 from .conftest import need_indi
@@ -135,7 +135,7 @@ class Site(ABC):
     def close(self) -> None:
         for part in reversed(self.parts):
             part.end()
-        dismiss(self.folder / "gateway" / "watchdog.lock")
+        dismiss_watchdog(self.folder / "gateway" / "watchdog.lock")
 
 
 class CommandSite(Site):

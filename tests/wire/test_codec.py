@@ -14,7 +14,7 @@ from hypothesis import given, strategies as st
 
 from talaia.wire import browser, frames
 from talaia.wire.errors import PeerError, UnknownKind
-from talaia.wire.message import PROTOCOL, Codec, speaks
+from talaia.wire.message import PROTOCOL, Codec, is_compatible
 
 CODECS: list[Codec] = [
     frames.LINK_FROM_GATEWAY,
@@ -259,6 +259,6 @@ def test_a_kind_of_a_later_version_is_told_apart_from_garbage() -> None:
 
 
 def test_one_version_more_or_less_is_spoken() -> None:
-    assert [each for each in range(PROTOCOL + 4) if speaks(each)] == [
+    assert [each for each in range(PROTOCOL + 4) if is_compatible(each)] == [
         PROTOCOL - 1, PROTOCOL, PROTOCOL + 1
     ]  # fmt: skip

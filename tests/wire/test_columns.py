@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.wire.columns import MAX_SAMPLES, Columns, PackedColumns, pack, unpack
+from talaia.wire.columns import MAX_SAMPLES, Columns, PackedColumns, pack_columns, unpack_columns
 from talaia.wire.errors import PeerError
 
 NOON_US = 1_700_000_000_000_000
@@ -27,7 +27,7 @@ def columns_of(rows: list[tuple[int, int, float]], texts: dict[int, str] | None 
 @given(st.lists(sample, max_size=50))
 def test_what_is_packed_is_unpacked_to_the_bit(rows: list[tuple[int, int, float]]) -> None:
     columns = columns_of(rows)
-    again = unpack(pack(columns))
+    again = unpack_columns(pack_columns(columns))
     assert again.channel.tolist() == columns.channel.tolist()
     assert again.time_us.tolist() == columns.time_us.tolist()
     assert again.value.tobytes() == columns.value.tobytes()
@@ -37,12 +37,12 @@ def test_what_is_packed_is_unpacked_to_the_bit(rows: list[tuple[int, int, float]
 @given(st.binary(max_size=60), st.binary(max_size=60), st.binary(max_size=60))
 def test_any_three_columns_are_a_batch_or_a_peer_error(a: bytes, b: bytes, c: bytes) -> None:
     with suppress(PeerError):
-        assert len(unpack(PackedColumns(NOON_US, a, b, c, {}))) * 2 == len(a)
+        assert len(unpack_columns(PackedColumns(NOON_US, a, b, c, {}))) * 2 == len(a)
 
 
 def test_a_batch_that_spans_more_than_its_offsets_hold_is_the_callers_to_cut() -> None:
     with pytest.raises(ValueError, match="spans more time"):
-        pack(columns_of([(0, 0, 1.0), (0, 2**31, 2.0)]))
+        pack_columns(columns_of([(0, 0, 1.0), (0, 2**31, 2.0)]))
 
 
 def test_a_batch_that_is_too_long_is_refused_on_both_sides() -> None:
@@ -50,14 +50,14 @@ def test_a_batch_that_is_too_long_is_refused_on_both_sides() -> None:
     zeros = np.zeros(count)
     columns = Columns(zeros.astype(np.uint16), zeros.astype(np.int64), zeros, {})
     with pytest.raises(ValueError, match="do not fit"):
-        pack(columns)
+        pack_columns(columns)
     with pytest.raises(PeerError) as caught:
-        unpack(PackedColumns(0, bytes(2 * count), bytes(4 * count), bytes(8 * count), {}))
+        unpack_columns(PackedColumns(0, bytes(2 * count), bytes(4 * count), bytes(8 * count), {}))
     assert caught.value.code == 1009
 
 
 def test_a_text_outside_its_batch_is_refused() -> None:
-    packed = pack(columns_of([(0, 0, float("nan"))], {0: "on"}))
-    assert unpack(packed).texts == {0: "on"}
+    packed = pack_columns(columns_of([(0, 0, float("nan"))], {0: "on"}))
+    assert unpack_columns(packed).texts == {0: "on"}
     with pytest.raises(PeerError, match="outside"):
-        unpack(packed._replace(texts={1: "on"}))
+        unpack_columns(packed._replace(texts={1: "on"}))

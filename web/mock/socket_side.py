@@ -15,7 +15,7 @@ from world import World, now_columns
 from talaia.hub.anomaly.selection import score_channels
 from talaia.wire import browser as wire
 from talaia.wire.browser import FROM_BROWSER, MEDIA_FROM_BROWSER, MEDIA_TO_BROWSER, TO_BROWSER
-from talaia.wire.columns import pack
+from talaia.wire.columns import pack_columns
 from talaia.wire.frames import CommandPhase, LeaseOp
 
 if TYPE_CHECKING:
@@ -213,7 +213,7 @@ class Browser:
         columns = now_columns(self.world, list(ask.channels), self.known, times)
         if not len(columns):
             return
-        base, channel, offset, value = pack(columns)
+        base, channel, offset, value = pack_columns(columns)
         age = 0.0 if self.world.online else (time.time() - self.world.since) * 1000
         self.say(
             wire.Values(

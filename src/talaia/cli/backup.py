@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from talaia.clock import SystemClock
 from talaia.hub.settings import Settings
-from talaia.hub.store.backup import backup
+from talaia.hub.store.backup import write_backup
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,5 +28,5 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--data", type=Path, required=True, help="the hub's data folder")
     options = parser.parse_args(argv)
     settings = Settings(data=options.data, database_url=Settings.url_from(os.environ))
-    print(f"backup: {backup(settings.url, options.data, options.folder, SystemClock())}")
+    print(f"backup: {write_backup(settings.url, options.data, options.folder, SystemClock())}")
     return 0

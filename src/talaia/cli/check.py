@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.extensions.declarations import AdapterExtension, DetectorExtension
-from talaia.extensions.installed import installed
-from talaia.model.checks.site_checks import check
+from talaia.extensions.installed import installed_extensions
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import ExtensionConnection
 from talaia.model.errors import DescriptionError
 from talaia.model.interlocks.unguarded import unguarded_notice
@@ -44,7 +44,7 @@ def main(argv: Sequence[str]) -> int:
             wrong += 1
             continue
         # With the extensions' own rules, for the keys that they add.
-        findings = check(site, installed().rules())
+        findings = check_site(site, installed_extensions().description_rules())
         for finding in findings:
             print(f"{path}: {finding}", file=sys.stderr)
         if findings:
@@ -59,14 +59,17 @@ def main(argv: Sequence[str]) -> int:
             for sight in detection_availability(site, path.parent):
                 print(f"{path}: {sight.said}")
     # Told, but no mistake of a description: it does not change the exit code.
-    for broken in installed().broken():
+    for broken in installed_extensions().list_broken():
         print(broken, file=sys.stderr)
     return 1 if wrong else 0
 
 
 def _not_judged(site: Site) -> Iterator[str]:
     """Name the extensions that a description needs and that are not here."""
-    adapters, detectors = installed().adapters(), installed().detectors()
+    adapters, detectors = (
+        installed_extensions().adapters_by_name(),
+        installed_extensions().detectors_by_name(),
+    )
     needed = {
         (AdapterExtension, connection.extension, "its gateway")
         for connection in site.connections.values()

@@ -44,7 +44,7 @@ class ChildProcess:
     ) -> None:
         """Take a process that was just started with its output piped.
 
-        With ``relaunch`` it is started again when it ends by itself; see `keep`.
+        With ``relaunch`` it is started again when it ends by itself; see `keep_running`.
         """
         # What people read: "hub", "gateway of the vehicle".
         self.name = name
@@ -62,9 +62,9 @@ class ChildProcess:
         self._waiting: list[tuple[str, asyncio.Future[str]]] = []
         # Reads until the output ends, then tells everybody who waits for a word; one for each
         # process.
-        self._reader = asyncio.create_task(self._read())
+        self._reader = asyncio.create_task(self._read_output())
 
-    async def says(self, word: str, within: float) -> str:
+    async def wait_line(self, word: str, within: float) -> str:
         """Wait for a line of output that holds ``word`` and give it.
 
         Raises:
@@ -83,7 +83,7 @@ class ChildProcess:
             words = "\n".join([*self.last, f"(it did not say {word!r} within {within:.0f} s)"])
             raise PartStopped(self.name, self.process.returncode or 0, words) from error
 
-    async def ended(self) -> None:
+    async def wait_failure(self) -> None:
         """Wait for the end that nobody asked for, and raise it.
 
         Raises:
@@ -92,7 +92,7 @@ class ChildProcess:
         """
         raise PartStopped(self.name, await self._exit_code(), "\n".join(self.last))
 
-    async def keep(self) -> None:
+    async def keep_running(self) -> None:
         """Start it again whenever it ends, as a service manager does, if it is of that kind.
 
         The waits double while it does not stay. It is said once that it stopped, and once more
@@ -117,7 +117,7 @@ class ChildProcess:
             sys.stdout.flush()
             await asyncio.sleep(backoff.after(lasted))
             await self._start_again(self._relaunch)
-        await self.ended()
+        await self.wait_failure()
 
     async def _exit_code(self) -> int:
         # The output first, for a process that has ended may have left lines in the pipe. Shielded:
@@ -134,9 +134,9 @@ class ChildProcess:
             # Cut short just now: what is starting already is ended with the others.
             self.process = await starting
             self._began = time.monotonic()
-            self._reader = asyncio.create_task(self._read())
+            self._reader = asyncio.create_task(self._read_output())
 
-    async def end(self, within: float = 5.0) -> None:
+    async def end_process(self, within: float = 5.0) -> None:
         """Ask the process to end, and end it when it does not."""
         if self.process.returncode is None:
             with contextlib.suppress(ProcessLookupError):
@@ -151,7 +151,7 @@ class ChildProcess:
         # The log is complete only then.
         await self._reader
 
-    async def _read(self) -> None:
+    async def _read_output(self) -> None:
         output = self.process.stdout
         if output is None:
             return
@@ -207,7 +207,8 @@ async def start_program(
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT,
-            # Python holds output to a pipe back otherwise, and `says` would wait for a full buffer.
+            # Python holds output to a pipe back otherwise, and `wait_line` would wait for a full
+            # buffer.
             env={**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})},
             start_new_session=True,
             preexec_fn=_follow_parent if sys.platform == "linux" else None,
@@ -243,7 +244,9 @@ async def run_together(begin: Callable[[list[ChildProcess]], Coroutine[None, Non
             ready.cancel()
             return
         await ready
-        kept: list[asyncio.Future[object]] = [asyncio.ensure_future(part.keep()) for part in parts]
+        kept: list[asyncio.Future[object]] = [
+            asyncio.ensure_future(part.keep_running()) for part in parts
+        ]
         done, _ = await asyncio.wait([stopped, *kept], return_when=asyncio.FIRST_COMPLETED)
         for task in kept:
             task.cancel()
@@ -260,7 +263,7 @@ async def run_together(begin: Callable[[list[ChildProcess]], Coroutine[None, Non
 
 async def end_all(parts: Sequence[ChildProcess]) -> None:
     """End every part at once."""
-    await asyncio.gather(*(part.end() for part in parts))
+    await asyncio.gather(*(part.end_process() for part in parts))
 
 
 # Loaded before any fork: a forked child should do as little as it can.

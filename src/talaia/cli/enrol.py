@@ -56,7 +56,7 @@ def main(argv: Sequence[str]) -> int:
 
 def _write_key_file(settings: Settings, options: argparse.Namespace) -> int:
     now = dt.datetime.now(dt.UTC)
-    address = HubAddress.checked(options.hub, allow_plain=options.allow_plain)
+    address = HubAddress.from_text(options.hub, allow_plain=options.allow_plain)
     # Safe to run at each start of a container: a key that works is not replaced.
     if asyncio.run(is_good(settings, options.to, options.site)):
         print(f"{options.to} is valid already", file=sys.stderr)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from talaia.extend import API_VERSION
 from talaia.extensions.declarations import AdapterExtension, DetectorExtension, NotifierExtension
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 from talaia.extensions.key_descriptions import keys_shown
 from talaia.extensions.tile_folder import TileFolder, read_tiles
 
@@ -42,8 +42,8 @@ def main(argv: Sequence[str]) -> int:
     except OSError as error:
         print(f"{folder} cannot be read: {error.strerror or error}", file=sys.stderr)
         return 2
-    found = installed()
-    every = found.every()
+    found = installed_extensions()
+    every = found.list_extensions()
     for extension in every:
         print(
             f"{extension.group.removeprefix('talaia.').removesuffix('s')} {extension.name}: "
@@ -59,11 +59,11 @@ def main(argv: Sequence[str]) -> int:
     if not every and not tiles.tiles:
         print(f"no extensions are installed here (talaia.extend version {API_VERSION})")
     # Errors' stream: a script that reads the list gets only what can be used.
-    for broken in found.broken():
+    for broken in found.list_broken():
         print(broken, file=sys.stderr)
     for broken_tile in tiles.broken:
         print(f"tile {broken_tile.name}: broken: {broken_tile.problem}", file=sys.stderr)
-    return 1 if found.broken() or tiles.broken else 0
+    return 1 if found.list_broken() or tiles.broken else 0
 
 
 def _key_sets(declared: Declared) -> Iterator[tuple[str, type[ExtensionKeys]]]:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from talaia.cli.errors import CliError
 from talaia.cli.local_machine import zone_here
 from talaia.cli.probe import add_options, probe_robot
-from talaia.model.checks.site_checks import check
-from talaia.model.discovery.generate_description import propose
+from talaia.model.checks.site_checks import check_site
+from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import Found, found_from
 from talaia.model.discovery.ros_units import word_of
 from talaia.model.interlocks.unguarded import unguarded_notice
@@ -55,7 +55,7 @@ def main(argv: Sequence[str]) -> int:
         raise CliError(f"{options.output} is there already; choose another with -o, or --force")
     found = _read_report(options.found) if options.found else probe_robot(options)
     host = socket.gethostname().split(".", 1)[0]
-    made = propose(
+    made = propose_description(
         found,
         # Cut, for people type it in commands and addresses.
         options.site or word_of(host)[:40],
@@ -74,7 +74,7 @@ def main(argv: Sequence[str]) -> int:
     else:
         options.output.write_text(text)
     _print_summary(options.output, made, shown=shown)
-    return 1 if check(made.site) else 0
+    return 1 if check_site(made.site) else 0
 
 
 def _read_report(where: str) -> Found:

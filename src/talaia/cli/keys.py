@@ -46,6 +46,6 @@ async def make_key(settings: Settings, path: Path, content: KeyFile) -> None:
     place = KeyPlace(path)
     try:
         key = await accounts.create_gateway(settings, content.site)
-        place.keep(replace(content, key=key))
+        place.save_key(replace(content, key=key))
     finally:
         place.close()

@@ -146,7 +146,7 @@ def _answering_master() -> str | None:
 
     try:
         # The variable alone says little: it may stay set on machines whose ROS 1 is long gone.
-        RosMaster(named).check()
+        RosMaster(named).check_master()
     except AdapterLost:
         return None
     # Errors' stream: with --json the output must be JSON and nothing else.

@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 from talaia.model.schema import site_schema
 
 if TYPE_CHECKING:
@@ -22,5 +22,9 @@ def main(argv: Sequence[str]) -> int:
         description="Print the JSON schema of the site description, with the keys of the"
         " extensions that are installed here.",
     ).parse_args(argv)
-    print(json.dumps(site_schema(installed().rules()), indent=2, ensure_ascii=False))
+    print(
+        json.dumps(
+            site_schema(installed_extensions().description_rules()), indent=2, ensure_ascii=False
+        )
+    )
     return 0

@@ -119,7 +119,7 @@ async def _start_parts(
     parts.append(
         await start_talaia("hub", [*hub, *(["--plain"] if plain else [])], data / "hub.log")
     )
-    address = _find_line(_ADDRESS, await parts[0].says("ready: ", READY_S))
+    address = _find_line(_ADDRESS, await parts[0].wait_line("ready: ", READY_S))
     # "All addresses" is none that one can connect to.
     inside = "127.0.0.1" if options.host in ("0.0.0.0", "::") else options.host  # noqa: S104
     # An IPv6 address needs brackets in a URL (RFC 3986).
@@ -140,11 +140,11 @@ async def _start_parts(
         # Said on purpose: a gateway does not speak without TLS by itself.
         gateway.append("--allow-plain")
     else:
-        shown = await parts[0].says("certificate: ", READY_S)
+        shown = await parts[0].wait_line("certificate: ", READY_S)
         # The hub's certificate is its own; no authority signs for it, so it is known by its hash.
         gateway += ["--fingerprint", _find_line(_FINGERPRINT, shown)]
     parts.append(await start_talaia("gateway", gateway, data / "gateway.log"))
-    await parts[1].says("linked to", READY_S)
+    await parts[1].wait_line("linked to", READY_S)
     setup = next((found[0] for line in parts[0].last if (found := _SETUP.search(line))), "")
     return _Up(address, setup)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from talaia.cli.errors import CliError
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site, text_of
 from talaia.model.yaml_text.upgrade import upgrade_text
@@ -64,7 +64,7 @@ def _upgrade_file(path: Path, *, write: bool) -> bool:
         print(f"{path}: {change}", file=sys.stderr)
     # The new text is read again, so that a mistake of the upgrade itself is told before it is
     # written.
-    findings = check(load_site(after))
+    findings = check_site(load_site(after))
     for finding in findings:
         print(f"{path}: {finding}", file=sys.stderr)
     if write:

@@ -64,25 +64,25 @@ def with_value(site: Site, path: Path, value: object) -> Site:
         NoSuchPlace: what the path goes through is not there.
 
     """
-    made = _replaced(site, path, value, path)
+    made = _replace_value(site, path, value, path)
     assert isinstance(made, type(site))  # noqa: S101 - the same type comes out
     return _with_fitting_sources(made, path)
 
 
-def _replaced(value: object, rest: Path, new: object, path: Path) -> object:
+def _replace_value(value: object, rest: Path, new: object, path: Path) -> object:
     if not rest:
         return new
     step, *more = rest
     last = len(rest) == 1
     if isinstance(value, dict) and (last or step in value):
         # A copy with one key changed: all sites of before stay what they are, for undo.
-        return {**value, step: _replaced(value.get(step), tuple(more), new, path)}
+        return {**value, step: _replace_value(value.get(step), tuple(more), new, path)}
     # A source's keys depend on its protocol, and another key may make another protocol of it.
     if isinstance(value, SourceShape) and last:
         if step not in SOURCE_KEYS:
             raise NoSuchPlace(f"the description has nothing at {'.'.join(('$', *path))}")
         return _source_with(value, step, new)
-    inner = _replaced(_child_at(value, step, path), tuple(more), new, path)
+    inner = _replace_value(_child_at(value, step, path), tuple(more), new, path)
     assert isinstance(value, msgspec.Struct)  # noqa: S101 - `_child_at` knows dicts and structs
     return msgspec.structs.replace(value, **{step: inner})
 
@@ -120,7 +120,7 @@ def _with_fitting_sources(site: Site, path: Path) -> Site:
     for place in places:
         plain = cast("dict[str, object]", plain_of(value_at(site, place)))
         source = source_of_plain(plain, None if link is None else kind_of(link))
-        made = _replaced(site, place, source, place)
+        made = _replace_value(site, place, source, place)
         assert isinstance(made, type(site))  # noqa: S101 - the same type comes out
         site = made
     return site

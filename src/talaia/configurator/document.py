@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.configurator.description_paths import Spot, find_spot
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.save import save_into_text
 from talaia.model.yaml_text.write import write_description
@@ -115,7 +115,7 @@ class Document:
         """What `redo` would do again, in words; empty when there is nothing."""
         return self._steps[self._now + 1].what if self._now + 1 < len(self._steps) else ""
 
-    def change(self, what: str, site: Site) -> bool:
+    def apply_change(self, what: str, site: Site) -> bool:
         """Make a step; false when nothing is different.
 
         The oldest of more than `MAX_STEPS` steps is forgotten.
@@ -142,7 +142,7 @@ class Document:
         self._now += 1
         return True
 
-    def text(self) -> str:
+    def to_yaml(self) -> str:
         """Give the YAML to save, with what a person wrote in the file left as it was.
 
         Raises:
@@ -156,7 +156,7 @@ class Document:
         )
 
     def was_saved(self, text: str) -> None:
-        """Take note that ``text``, which `text` gave, is in the file now."""
+        """Take note that ``text``, which `to_yaml` gave, is in the file now."""
         self._text, self._saved = text, self.site
 
     @property
@@ -168,7 +168,7 @@ class Document:
             # Rules may name devices of another file; without them each would be a problem.
             whole = msgspec.structs.replace(site, devices={**self._elsewhere, **site.devices})
             found = tuple(
-                Problem(*finding, find_spot(site, finding.where)) for finding in check(whole)
+                Problem(*finding, find_spot(site, finding.where)) for finding in check_site(whole)
             )
             self._checked = (site, found)
         return self._checked[1]

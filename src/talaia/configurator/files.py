@@ -42,10 +42,10 @@ def save_document(document: Document, file: Path, *, over: bool = False) -> None
     Raises:
         FileChanged: the file is not as it was opened.
         NotWritten: the file or its folder cannot be written; it is as before.
-        DescriptionError: see `Document.text`.
+        DescriptionError: see `Document.to_yaml`.
 
     """
-    text = document.text()
+    text = document.to_yaml()
     try:
         # Compared by text, not by time: a file that was only copied or touched is the same.
         there = file.read_text() if file.exists() else document.opened

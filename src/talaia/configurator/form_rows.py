@@ -21,7 +21,7 @@ from talaia.configurator.description_paths import Path, value_at
 from talaia.configurator.errors import BadValue
 from talaia.model.base import SourceShape
 from talaia.model.connection import ROS_KINDS, ConnectionKind, kind_of
-from talaia.model.discovery.ros_units import human
+from talaia.model.discovery.ros_units import readable_name
 from talaia.model.site import Command, CommandKind, Signal, SignalType, Stream
 from talaia.model.units.unit import UNITS
 
@@ -180,7 +180,7 @@ def _optional_shape(kind: msgspec.inspect.Type) -> type[msgspec.Struct] | None:
 
 
 def _row_of(path: Path, kind: msgspec.inspect.Type) -> Row | None:
-    label = _LABELS.get(path) or human(path[-1])
+    label = _LABELS.get(path) or readable_name(path[-1])
     if isinstance(kind, msgspec.inspect.EnumType):
         words = tuple(str(member.value) for member in kind.cls)
         return Row(path, label, RowKind.CHOICE, choices=words)

@@ -12,9 +12,9 @@ import msgspec
 
 from talaia.configurator.description_paths import Path, value_at, with_value
 from talaia.configurator.edits import free_word
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import kind_of
-from talaia.model.discovery.generate_description import propose
+from talaia.model.discovery.generate_description import propose_description
 
 if TYPE_CHECKING:
     from talaia.model.discovery.probe_report import Found
@@ -46,7 +46,7 @@ class Merged(NamedTuple):
 def merge_findings(site: Site, found: Found) -> Merged:
     """Add to ``site`` what a probe found and it does not describe yet."""
     # The same proposal as `talaia init` makes, so that both ways lead to one description.
-    proposal = propose(found, site.site, site.name, site.zone)
+    proposal = propose_description(found, site.site, site.name, site.zone)
     links = site.links()
     # Also a domain that the description does not say yet; one that it says stays.
     if not links or (found.domain and site.ros2 and site.ros2.domain is None):
@@ -147,7 +147,7 @@ def _without_open_ends(site: Site, added: list[Path]) -> Site:
     """Clear what the new driving refers to and the merge has put elsewhere."""
     for path in [added_path for added_path in added if added_path[-1] == "drive"]:
         prefix = ".".join(("$", *path))
-        for finding in check(site):
+        for finding in check_site(site):
             if not finding.where.startswith(prefix):
                 continue
             key = finding.where.removeprefix(f"{prefix}.")

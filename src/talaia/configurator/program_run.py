@@ -105,7 +105,7 @@ class ProgramRun:
             else " ".join(words)
         )
 
-    def line(self, text: str) -> None:
+    def add_line(self, text: str) -> None:
         """Take in a line that it said."""
         self.lines.append(text)
         if self.phase is not ProgramPhase.STARTING:
@@ -122,7 +122,7 @@ class ProgramRun:
         """Take note that a person wants it to end."""
         self._set_phase(ProgramPhase.STOPPING)
 
-    def ended(self, code: int) -> None:
+    def handle_exit(self, code: int) -> None:
         """Take in the end of the process."""
         if self.phase is ProgramPhase.STOPPING or (
             self.phase is ProgramPhase.STARTING and code == 0

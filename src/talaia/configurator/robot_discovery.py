@@ -113,23 +113,23 @@ class RobotDiscovery:
         # How long the look should take (s), for the progress.
         self._planned = SECONDS + START_S
 
-    def start(self, host: str, seconds: float = SECONDS) -> None:
+    def mark_started(self, host: str, seconds: float = SECONDS) -> None:
         """Take note that the probe's process is being started."""
         self._set_state(DiscoveryPhase.RUNNING)
         self.found, self.problem = None, ""
         self._where = host.strip() or "this machine"
         self._planned = seconds + START_S
 
-    def progress(self, elapsed: float) -> float:
+    def expected_progress(self, elapsed: float) -> float:
         """Say how far it should be after ``elapsed`` seconds, 0 to 1; never quite 1."""
         # Full only when the answer is there: a slow network must not look like a look that is over.
         return min(elapsed / self._planned, 0.97)
 
-    def cancel(self) -> None:
+    def mark_cancelled(self) -> None:
         """Take note that a person wants no more of it."""
         self._set_state(DiscoveryPhase.CANCELLING)
 
-    def ended(self, code: int, said: bytes, complained: str) -> None:
+    def handle_exit(self, code: int, said: bytes, complained: str) -> None:
         """Take in the end of the process: its exit code, its output, and its errors."""
         if self.phase is DiscoveryPhase.CANCELLING:
             self._set_state(DiscoveryPhase.CANCELLED)

@@ -130,7 +130,7 @@ def _gateway_image(site: Site, version: str) -> str:
     # Whether objects are seen on its cameras' pictures may be chosen while it runs.
     if any(device.streams for device in site.devices.values()):
         extras.append("objects")
-    if site.filmed():
+    if site.filmed_cameras():
         extras.append("camera")
     old = any(isinstance(link, Ros1Connection) for link in links)
     return write_dockerfile(extras, version, ROS1_PACKAGES if old else ())

@@ -42,7 +42,7 @@ from talaia.extensions.adapter_messages import (
     write_message,
 )
 from talaia.extensions.declarations import ExtensionKeys
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 from talaia.model.checks.extension_rules import keys_fit
 
 if TYPE_CHECKING:
@@ -119,9 +119,9 @@ class _Session:
         # Commands under way, by the gateway's number; the gateway may cancel one by it.
         self._acts: dict[int, asyncio.Task[None]] = {}
 
-    async def serve(self, reader: asyncio.StreamReader) -> EndMessage:
+    async def serve_gateway(self, reader: asyncio.StreamReader) -> EndMessage:
         running = asyncio.ensure_future(self._run_adapter())
-        hearing = asyncio.ensure_future(self._hear(reader))
+        hearing = asyncio.ensure_future(self._read_messages(reader))
         try:
             await asyncio.wait([running, hearing], return_when=asyncio.FIRST_COMPLETED)
             # When both end at once, what the adapter says is told.
@@ -142,7 +142,7 @@ class _Session:
             return _end_of_broken(error)
         return EndMessage("its run ended by itself", broken=True)
 
-    async def _hear(self, reader: asyncio.StreamReader) -> None:
+    async def _read_messages(self, reader: asyncio.StreamReader) -> None:
         while line := await reader.readline():
             match read_to_adapter(line):
                 case ActMessage() as act:
@@ -220,12 +220,12 @@ async def _exchange_messages(connection: socket.socket) -> None:
 async def _serve_gateway(
     job: AdapterJob, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
 ) -> EndMessage:
-    declared = installed().adapters().get(job.extension)
+    declared = installed_extensions().adapters_by_name().get(job.extension)
     if declared is None:
         # Why it could not be loaded, if that is the reason.
         said = [
             str(broken_extension)
-            for broken_extension in installed().broken()
+            for broken_extension in installed_extensions().list_broken()
             if broken_extension.name == job.extension
         ]
         return EndMessage("; ".join(said) or "it is not installed here", broken=True)
@@ -237,7 +237,7 @@ async def _serve_gateway(
         adapter = declared.make(msgspec.convert(job.keys, declared.connection), host)
     except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
         return _end_of_broken(error)
-    return await _Session(host, adapter, declared).serve(reader)
+    return await _Session(host, adapter, declared).serve_gateway(reader)
 
 
 def _job_findings(job: AdapterJob, declared: AdapterExtension) -> Iterator[Finding]:

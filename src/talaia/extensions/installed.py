@@ -36,7 +36,7 @@ __all__ = [
     "BrokenExtension",
     "InstalledExtension",
     "InstalledExtensions",
-    "installed",
+    "installed_extensions",
 ]
 
 _LOG = logging.getLogger(__name__)
@@ -96,27 +96,27 @@ class InstalledExtensions:
         # What is broken, once for each reason, however often it is asked for.
         self._broken: dict[tuple[str, str, str], BrokenExtension] = {}
 
-    def adapters(self) -> Mapping[str, AdapterExtension]:
+    def adapters_by_name(self) -> Mapping[str, AdapterExtension]:
         """Give the adapters by name."""
         return self._declared_parts(AdapterExtension)
 
-    def detectors(self) -> Mapping[str, DetectorExtension]:
+    def detectors_by_name(self) -> Mapping[str, DetectorExtension]:
         """Give the detectors by name."""
         return self._declared_parts(DetectorExtension)
 
-    def notifiers(self) -> Mapping[str, NotifierExtension]:
+    def notifiers_by_name(self) -> Mapping[str, NotifierExtension]:
         """Give the notifiers by name."""
         return self._declared_parts(NotifierExtension)
 
-    def importers(self) -> Mapping[str, ImporterExtension]:
+    def importers_by_name(self) -> Mapping[str, ImporterExtension]:
         """Give the importers by name."""
         return self._declared_parts(ImporterExtension)
 
-    def names(self, kind: type[Declared]) -> list[str]:
+    def names_of(self, kind: type[Declared]) -> list[str]:
         """Name those of a kind, without loading any: some of them may be broken."""
         return sorted({point.name for point in self._points_of(kind)})
 
-    def every(self) -> list[InstalledExtension]:
+    def list_extensions(self) -> list[InstalledExtension]:
         """List all that can be used, in the order of `KINDS_OF_EXTENSION`, by name."""
         return [
             found
@@ -124,18 +124,18 @@ class InstalledExtensions:
             for _, found in sorted(self._usable_parts(kind).items())
         ]
 
-    def broken(self) -> list[BrokenExtension]:
+    def list_broken(self) -> list[BrokenExtension]:
         """List what could not be loaded so far, and what failed while it was used."""
         return sorted(self._broken.values())
 
-    def rules(self) -> ExtensionRules:
+    def description_rules(self) -> ExtensionRules:
         """Give what they ask for in a description."""
         return ExtensionRules(
             adapters={
                 name: AdapterRules(adapter.connection, adapter.source, adapter.command)
-                for name, adapter in self.adapters().items()
+                for name, adapter in self.adapters_by_name().items()
             },
-            detectors={name: detector.keys for name, detector in self.detectors().items()},
+            detectors={name: detector.keys for name, detector in self.detectors_by_name().items()},
         )
 
     def note_failure(self, kind: type[Declared], name: str, problem: str) -> None:
@@ -197,7 +197,7 @@ class InstalledExtensions:
 
 
 @cache
-def installed() -> InstalledExtensions:
+def installed_extensions() -> InstalledExtensions:
     """Give the extensions of this process."""
     return InstalledExtensions()
 

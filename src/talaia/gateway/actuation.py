@@ -21,7 +21,7 @@ from talaia.gateway.driving.drive_service import DriveService
 from talaia.gateway.driving.persistent_state import LeaseEpochs, PersistentStops
 from talaia.gateway.driving.stop_writer import StopWriter
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.model.renames import touched
+from talaia.model.renames import changed_devices
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -85,7 +85,7 @@ class Actuation:
             site=site,
             readings=readings,
             output=output,
-            run=sequence_due.emit,
+            run=sequence_due.emit_sequence,
             now_ns=clock.monotonic_ns(),
             wall_ns=clock.wall_ns,
         )
@@ -95,7 +95,7 @@ class Actuation:
             output=output,
             readings=readings,
             # Its file is read here: a damaged one ends the start, before anything can be driven.
-            next_epoch=LeaseEpochs(data / "epochs.json").next,
+            next_epoch=LeaseEpochs(data / "epochs.json").next_epoch,
             stops=StopWriter(
                 stops=PersistentStops(data / "stops.json"), on_disk=on_disk, output=output
             ),
@@ -116,7 +116,7 @@ class Actuation:
             send=output.send,
         )
         # Finished before the timers of commands are stopped.
-        self.requests = RequestTasks(self.timer.touch)
+        self.requests = RequestTasks(self.timer.reset_timer)
         self.sequences = SequenceRunner(
             commands=self.commands,
             output=output,
@@ -124,7 +124,7 @@ class Actuation:
             is_reached=guard.is_reached,
         )
         # From here on an interlock that fires begins its sequence.
-        sequence_due.connect(self.sequences.begin)
+        sequence_due.connect(self.sequences.begin_sequence)
 
     @property
     def busy(self) -> bool:
@@ -141,7 +141,7 @@ class Actuation:
 
     def redescribe(self, site: Site) -> None:
         """Decide by another description."""
-        devices, self._site = touched(self._site, site), site
+        devices, self._site = changed_devices(self._site, site), site
         # Interlocks first: driving and commands ask them in the same turn.
         self.interlocks.redescribe(site, self._clock.monotonic_ns())
         self.driving.redescribe(site, devices)

@@ -154,7 +154,9 @@ class Gateway:
         self._manager.report_ready()
         asked = asyncio.create_task(ended.wait(), name="end asked for")
         # Waits until nothing moves, so a restart never cuts off a motion.
-        due = asyncio.create_task(self._restart.due(self._actuation.is_busy), name="restart due")
+        due = asyncio.create_task(
+            self._restart.wait_due(self._actuation.is_busy), name="restart due"
+        )
         try:
             # Any end of a task ends the gateway: one that guards and is gone must not go unnoticed.
             await asyncio.wait([asked, due, *tasks], return_when=asyncio.FIRST_COMPLETED)
@@ -163,7 +165,7 @@ class Gateway:
             asked.cancel()
             due.cancel()
             # The zero goes out while there is still an adapter to carry it.
-            self._actuation.halt()
+            self._actuation.halt_all()
             await asyncio.sleep(HALT_S)
             # An adapter that ends has no readings any more: that is no unsafe weather.
             self._actuation.stop_judging()

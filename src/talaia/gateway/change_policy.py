@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Device, Site
 
-__all__ = ["AcceptedChanges", "forbidden"]
+__all__ = ["AcceptedChanges", "forbidden_changes"]
 
 _FILE = "change it in the gateway's own file"
 _ALL = "start the gateway with --accept-changes all, or " + _FILE
@@ -45,19 +45,19 @@ class AcceptedChanges(StrEnum):
     ALL = "all"
 
 
-def forbidden(before: Site, after: Site, accepts: AcceptedChanges) -> list[Finding]:
+def forbidden_changes(before: Site, after: Site, accepts: AcceptedChanges) -> list[Finding]:
     """List what of a change may not come from the hub; an empty list means it may."""
     if accepts is AcceptedChanges.NO:
         remedy = "start the gateway with --accept-changes readings, or " + _FILE
         return [Finding("$", "this gateway takes no changes from the hub", remedy)]
     # At every level: even with all accepted, these come from the file alone.
-    findings = [*_always(before, after)]
+    findings = [*_check_always(before, after)]
     if accepts is AcceptedChanges.READINGS:
         findings += _beyond_readings(before, after)
     return findings
 
 
-def _always(before: Site, after: Site) -> Iterator[Finding]:
+def _check_always(before: Site, after: Site) -> Iterator[Finding]:
     if after.site != before.site:
         yield Finding("$.site", "a site keeps its short name", f"leave it {before.site!r}")
     if after.connections != before.connections or after.ros2 != before.ros2:
@@ -67,15 +67,15 @@ def _always(before: Site, after: Site) -> Iterator[Finding]:
         # A detector is a program of this machine, too.
         problem = "which detectors run beside the robot is not changed from the hub"
         yield Finding("$.object_models", problem, _FILE)
-    had = _runs(before)
+    had = _programs_of(before)
     # By path, so that a word is compared with what stood in the same place.
-    for where, words in _runs(after).items():
+    for where, words in _programs_of(after).items():
         # Words that are gone are no finding: what is not run any more harms nobody.
         if had.get(where) != words:
             yield Finding(where, "what is run beside the robot is not changed from the hub", _FILE)
 
 
-def _runs(site: Site) -> dict[str, str]:
+def _programs_of(site: Site) -> dict[str, str]:
     """Give what runs on the gateway's machine, by path."""
     links = site.links()
     runs: dict[str, str] = {}
@@ -108,12 +108,14 @@ def _beyond_readings(before: Site, after: Site) -> Iterator[Finding]:
         if getattr(before, key) != getattr(after, key):
             yield Finding(f"$.{key}", "only what is read may be changed from the hub", _ALL)
     for name in before.devices.keys() | after.devices.keys():
-        yield from _device(f"$.devices.{name}", before.devices.get(name), after.devices.get(name))
+        yield from _check_device(
+            f"$.devices.{name}", before.devices.get(name), after.devices.get(name)
+        )
     # Of both: a signal must not be freed and changed in one step.
-    guarded = before.guarded() | after.guarded()
+    guarded = before.safety_signals() | after.safety_signals()
     for address in sorted(guarded):
         # Compared as safety sees it; another name, or other decimals, are let through.
-        if _meant(before, address) != _meant(after, address):
+        if _safety_meaning(before, address) != _safety_meaning(after, address):
             device, _, signal = address.partition("/")
             yield Finding(
                 f"$.devices.{device}.signals.{signal}",
@@ -122,7 +124,7 @@ def _beyond_readings(before: Site, after: Site) -> Iterator[Finding]:
             )
 
 
-def _device(where: str, before: Device | None, after: Device | None) -> Iterator[Finding]:
+def _check_device(where: str, before: Device | None, after: Device | None) -> Iterator[Finding]:
     for key in ("commands", "drive", "link_loss", "pointing"):
         was = getattr(before, key, None) or None
         now = getattr(after, key, None) or None
@@ -132,12 +134,12 @@ def _device(where: str, before: Device | None, after: Device | None) -> Iterator
     if before is not None and after is not None and before.connection != after.connection:
         yield Finding(f"{where}.connection", "only what is read may be changed from the hub", _ALL)
     # Whether it is shown to guests is for those who answer for the robot.
-    if _opened(before, after):
+    if _was_opened(before, after):
         problem = "what only people with an account saw is not shown to guests from the hub"
         yield Finding(f"{where}.visibility", problem, _ALL)
 
 
-def _opened(before: Device | None, after: Device | None) -> bool:
+def _was_opened(before: Device | None, after: Device | None) -> bool:
     if after is None:
         return False
     # A new device counts as hidden, so that it cannot come as a public one.
@@ -152,7 +154,7 @@ def _opened(before: Device | None, after: Device | None) -> bool:
     return any(value == "public" and was.get(key) == "view" for key, value in now.items())
 
 
-def _meant(site: Site, address: str) -> tuple[object, ...] | None:
+def _safety_meaning(site: Site, address: str) -> tuple[object, ...] | None:
     """Give what safety depends on of a signal, and of the camera it counts on: not how it looks."""
     device, _, name = address.partition("/")
     described = site.devices.get(device)

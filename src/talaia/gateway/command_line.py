@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from talaia.gateway.key_file import KeyFile
     from talaia.model.site import Site
 
-__all__ = ["parsed", "settings_of"]
+__all__ = ["parse_arguments", "settings_of"]
 
 
 class _Parser(argparse.ArgumentParser):
@@ -28,7 +28,7 @@ class _Parser(argparse.ArgumentParser):
         self.exit(2, f"talaia gateway: {message}\n")
 
 
-def parsed(argv: Sequence[str]) -> argparse.Namespace:
+def parse_arguments(argv: Sequence[str]) -> argparse.Namespace:
     """Read the words; a mistake ends the process with 2 and one line."""
     parser = _Parser(prog="talaia gateway", description="Run the gateway beside a robot.")
     parser.add_argument("site", type=Path, help="site description (YAML)")
@@ -45,14 +45,14 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--data", type=Path, metavar="DIR", help="what must survive a restart")
     parser.add_argument(
         "--spool-mb",
-        type=_positive,
+        type=_read_positive,
         default=1024,
         metavar="N",
         help="most disk for samples that wait for the hub (MB; the oldest give way)",
     )
     parser.add_argument(
         "--spool-days",
-        type=_positive,
+        type=_read_positive,
         default=14,
         metavar="N",
         help="longest that samples wait for the hub",
@@ -78,7 +78,9 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
     classic = parser.add_argument_group(
         "door for clients of the founding observatory (WebSocket messages over TLS)"
     )
-    classic.add_argument("--classic-port", type=_port, metavar="N", help="open it; 0 takes any")
+    classic.add_argument(
+        "--classic-port", type=_read_port, metavar="N", help="open it; 0 takes any"
+    )
     classic.add_argument(
         "--classic-host",
         default="127.0.0.1",
@@ -94,14 +96,14 @@ def parsed(argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def _port(text: str) -> int:
+def _read_port(text: str) -> int:
     # ASCII digits only: `int` takes those of other scripts as well.
     if not text.isascii() or not text.isdigit() or not 0 <= int(text) <= 65_535:
         raise argparse.ArgumentTypeError(f"{text} is not a port from 0 to 65535")
     return int(text)
 
 
-def _positive(text: str) -> float:
+def _read_positive(text: str) -> float:
     number = float(text)
     # Not `> 0` alone: NaN and infinity are turned away by this, too.
     if not 0 < number < 1e9:
@@ -129,7 +131,7 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
     # Where state belongs that must survive a restart (XDG Base Directory).
     state = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return GatewaySettings(
-        hub=_hub(arguments, kept),
+        hub=_hub_address(arguments, kept),
         key=kept.key,
         data=arguments.data or Path(state) / "talaia" / "gateway" / site.site,
         # Paths in a description begin where it stands, wherever the gateway is started.
@@ -137,13 +139,13 @@ def settings_of(arguments: argparse.Namespace, site: Site) -> GatewaySettings:
         domain=arguments.ros_domain,
         spool_bytes=round(arguments.spool_mb * 1024 * 1024),
         spool_age_s=arguments.spool_days * 86400.0,
-        door=_door(arguments),
+        door=_legacy_settings(arguments),
         accepts=arguments.accept_changes,
         notices=read_notice_settings(arguments.notices) if arguments.notices else None,
     )
 
 
-def _door(arguments: argparse.Namespace) -> LegacySettings | None:
+def _legacy_settings(arguments: argparse.Namespace) -> LegacySettings | None:
     if arguments.classic_port is None:
         return None
     if (arguments.classic_cert is None) != (arguments.classic_key is None):
@@ -157,11 +159,11 @@ def _door(arguments: argparse.Namespace) -> LegacySettings | None:
     )
 
 
-def _hub(arguments: argparse.Namespace, kept: KeyFile) -> HubAddress:
+def _hub_address(arguments: argparse.Namespace, kept: KeyFile) -> HubAddress:
     """Take the address and the trust of the words, else those of the key file."""
     # A fingerprint that is given stands for all trust: the file's authority is not asked as well.
     ca = arguments.ca or (Path(kept.ca) if kept.ca and not arguments.fingerprint else None)
-    return HubAddress.checked(
+    return HubAddress.from_text(
         arguments.hub or kept.hub,
         fingerprint=arguments.fingerprint or ("" if arguments.ca else kept.fingerprint),
         ca=ca,

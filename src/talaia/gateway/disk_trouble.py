@@ -21,11 +21,11 @@ class DiskTrouble:
         self._output = output
         self._failing: set[str] = set()  # Names of what failed at its last write.
 
-    def failing(self, what: str) -> bool:
+    def is_failing(self, what: str) -> bool:
         """Tell whether the last write of it failed."""
         return what in self._failing
 
-    def failed(self, what: str, error: OSError) -> None:
+    def record_failure(self, what: str, error: OSError) -> None:
         """Tell of a write that failed; ``what`` names what was written, as *journal*."""
         # Told once: a full disk fails with every write.
         if what in self._failing:
@@ -36,7 +36,7 @@ class DiskTrouble:
         if self._output is not None:
             self._output.record_event("disk_failed", "", message, "", good=False)
 
-    def worked(self, what: str) -> None:
+    def record_success(self, what: str) -> None:
         """Tell of a write that came through."""
         # Most writes: nothing was wrong, so there is nothing to say.
         if what not in self._failing:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from talaia.wire.enrolment import EnrolmentCode
 
-__all__ = ["enrol", "main"]
+__all__ = ["enrol_gateway", "main"]
 
 # A hub on a slow line; a person waits at a terminal.
 _WAIT_S = 20.0
@@ -49,7 +49,7 @@ class EnrolmentAnswer(NamedTuple):
 
 def main(argv: Sequence[str]) -> int:
     """Enrol, keep the key, and say how to go on; 2 when that cannot be done."""
-    options = _options(argv)
+    options = _read_options(argv)
     try:
         found = _enrol_into(options)
     except TalaiaError as error:
@@ -69,21 +69,21 @@ def _enrol_into(options: argparse.Namespace) -> KeyFile:
     # First: a code is used up by asking, and a key that cannot be kept would be lost.
     place = KeyPlace(options.key_file)
     try:
-        found = enrol(
+        found = enrol_gateway(
             options.hub,
             text=options.code,
             name=options.name,
             ca=options.ca,
             allow_plain=options.allow_plain,
         )
-        place.keep(found)
+        place.save_key(found)
     # Also after a failure, so that no half-made file stays.
     finally:
         place.close()
     return found
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _read_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "talaia gateway enrol",
         description="Enrol this gateway with a one-time code from the hub's page.",
@@ -106,7 +106,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def enrol(
+def enrol_gateway(
     url: str, *, text: str, name: str, ca: Path | None = None, allow_plain: bool = False
 ) -> KeyFile:
     """Trade a code for a key.
@@ -120,7 +120,7 @@ def enrol(
     """
     # Before anybody is asked: a slip of the finger shows in its last two characters.
     code = read_code(text)
-    hub = HubAddress.checked(
+    hub = HubAddress.from_text(
         url if "://" in url else f"https://{url}", ca=ca, allow_plain=allow_plain
     )
     # The pin is a short hash: the full one is taken from the key itself and used from then on.
@@ -128,9 +128,9 @@ def enrol(
         hub = HubAddress(hub.url, _key_hash(hub, code))
     # With the pin it accepts only a certificate of the key that was just looked at.
     context = asyncio.run(HubTrust(hub).context())
-    answer = _ask(hub, context, {"code": str(code), "name": name})
+    answer = _request_key(hub, context, {"code": str(code), "name": name})
     if answer.status != http.HTTPStatus.OK:
-        raise EnrolRefused(answer.body.get("code", ""), _words(hub, answer))
+        raise EnrolRefused(answer.body.get("code", ""), _refusal_words(hub, answer))
     # An authority's certificate is renewed with another key; ours keeps its own.
     pinned = bool(hub.fingerprint) and not _vouched_for(hub)
     try:
@@ -155,7 +155,7 @@ def _key_hash(hub: HubAddress, code: EnrolmentCode) -> str:
     except ValueError as error:
         raise HubUnreachable(f"{hub.url} shows a certificate that cannot be read") from error
     # Before the request: an impostor is never told the code.
-    if not code.fits(found):
+    if not code.matches_key(found):
         raise HubUnreachable(
             f"{hub.url} shows another key than the code names, so it was not told the code; "
             "is the address that of the hub whose page shows the code? If the hub's certificate "
@@ -181,7 +181,9 @@ def _vouched_for(hub: HubAddress) -> bool:
     return True
 
 
-def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) -> EnrolmentAnswer:
+def _request_key(
+    hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]
+) -> EnrolmentAnswer:
     parts = urlsplit(hub.url)
     host = parts.hostname or ""
     connection = (
@@ -209,10 +211,12 @@ def _ask(hub: HubAddress, context: ssl.SSLContext | None, said: dict[str, str]) 
         ) from error
     finally:
         connection.close()
-    return EnrolmentAnswer(response.status, _body(text), response.headers.get("Retry-After", ""))
+    return EnrolmentAnswer(
+        response.status, _read_body(text), response.headers.get("Retry-After", "")
+    )
 
 
-def _body(text: bytes) -> dict[str, str]:
+def _read_body(text: bytes) -> dict[str, str]:
     # Not JSON: some other server, or a proxy's page.
     try:
         found = json.loads(text)
@@ -224,7 +228,7 @@ def _body(text: bytes) -> dict[str, str]:
     return {key: value for key, value in found.items() if isinstance(value, str)}
 
 
-def _words(hub: HubAddress, answer: EnrolmentAnswer) -> str:
+def _refusal_words(hub: HubAddress, answer: EnrolmentAnswer) -> str:
     said = answer.body.get("message", "")
     if not said:
         return f"{hub.url} answers HTTP {answer.status}; is it a Talaia hub?"

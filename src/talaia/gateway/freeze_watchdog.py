@@ -35,7 +35,7 @@ class FreezeDetector:
         """Begin at a moment."""
         self._monotonic_ns = monotonic_ns  # When it was last told the time (monotonic ns).
 
-    def at(self, wall_ns: int, monotonic_ns: int) -> tuple[int, int] | None:
+    def detect_stall(self, wall_ns: int, monotonic_ns: int) -> tuple[int, int] | None:
         """Give the time of a stall that has just ended (µs UTC, from and to), or none."""
         # By the monotonic clock: one that is set makes no stall.
         stood_ns = monotonic_ns - self._monotonic_ns
@@ -66,22 +66,22 @@ class FreezeCredit:
         # When this process stood still (from, to), oldest first.
         self._stalls: deque[tuple[int, int]] = deque(maxlen=self.KEPT)
 
-    def at(self, now_ns: int) -> None:
+    def mark_running(self, now_ns: int) -> None:
         """Take in that it runs now."""
         if now_ns - self._at_ns >= self.LEAST_NS:
             self._stalls.append((self._at_ns, now_ns))
         # `max`: two callers may hand in their times in the other order.
         self._at_ns = max(self._at_ns, now_ns)
 
-    def settling(self, now_ns: int) -> bool:
+    def is_settling(self, now_ns: int) -> bool:
         """Tell whether it has just stood still, so that ages may be judged with credit."""
-        self.at(now_ns)
+        self.mark_running(now_ns)
         # Standstills that follow each other stretch the time to settle.
         return any(now_ns - to_ns <= self.SETTLE_NS for _, to_ns in self._stalls)
 
     def age_ns(self, since_ns: int, now_ns: int) -> int:
         """Give the age of something that was at ``since_ns``."""
-        self.at(now_ns)
+        self.mark_running(now_ns)
         age_ns, slept_ns, first_ns = now_ns - since_ns, 0, now_ns
         for from_ns, to_ns in reversed(self._stalls):
             if to_ns <= since_ns:
@@ -98,7 +98,7 @@ async def watch_stalls(clock: Clock, missed: Callable[[int, int, str], None]) ->
     stalls = FreezeDetector(clock.monotonic_ns())
     while True:
         await asyncio.sleep(_EVERY_S)
-        span = stalls.at(clock.wall_ns(), clock.monotonic_ns())
+        span = stalls.detect_stall(clock.wall_ns(), clock.monotonic_ns())
         if span is not None:
             log.warning("this gateway stood still for %.1f s", (span[1] - span[0]) / 1e6)
             missed(*span, STOOD)

@@ -109,7 +109,7 @@ class KeyPlace:
                 f"--key-file {path} cannot be written: {error.strerror}; choose another place"
             ) from error
 
-    def keep(self, content: KeyFile) -> None:
+    def save_key(self, content: KeyFile) -> None:
         """Put the file in its place, whole and on disk.
 
         Raises:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["NO_ROOM", "locked", "read_whole", "write_in_place", "write_whole"]
+__all__ = ["NO_ROOM", "lock_folder", "read_whole", "write_in_place", "write_whole"]
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
@@ -101,7 +101,7 @@ def read_whole(path: Path, kind: type[T], otherwise: Callable[[], T]) -> T:
         ) from error
 
 
-def locked(data: Path) -> int:
+def lock_folder(data: Path) -> int:
     """Make the data folder this process's own, also on a disk that takes nothing now.
 
     Raises:

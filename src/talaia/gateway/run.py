@@ -15,7 +15,7 @@ from talaia.clock import SystemClock
 from talaia.errors import TalaiaError
 from talaia.gateway import enrolment
 from talaia.gateway.app import Gateway
-from talaia.gateway.command_line import parsed, settings_of
+from talaia.gateway.command_line import parse_arguments, settings_of
 from talaia.gateway.notices import own_notices
 from talaia.gateway.reload.description_file import DescriptionFile
 from talaia.gateway.reload.discovered_devices import with_kept
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from talaia.gateway.settings import GatewaySettings
     from talaia.model.site import Site
 
-__all__ = ["main", "serve"]
+__all__ = ["main", "serve_gateway"]
 
 
 def main(argv: Sequence[str]) -> int:
@@ -40,7 +40,7 @@ def main(argv: Sequence[str]) -> int:
         return enrolment.main(argv[1:])
     if argv and argv[0] == "test-notice":
         return own_notices.main(argv[1:])
-    arguments = parsed(argv)
+    arguments = parse_arguments(argv)
     # Says where each thread stood when a service manager ends a process that stands still.
     # The process's own, which has a descriptor; whoever calls this may have put another in place.
     if sys.__stderr__ is not None:
@@ -59,24 +59,24 @@ def main(argv: Sequence[str]) -> int:
         site = raise_first(site_in(copy.text, arguments.site))
         settings = settings_of(arguments, site)
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-            runner.run(_serve(site, settings, copy))
+            runner.run(_serve_until_signal(site, settings, copy))
     except TalaiaError as error:
         sys.stderr.write(f"talaia gateway: {error}\n")
         return 2
     return 0
 
 
-async def _serve(site: Site, settings: GatewaySettings, copy: DescriptionFile) -> None:
+async def _serve_until_signal(site: Site, settings: GatewaySettings, copy: DescriptionFile) -> None:
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
     # Both end it well: the watchdog is told goodbye, and leaves the roof alone.
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
     report_usage_on_signal(loop)
-    await serve(site, settings, ended, copy)
+    await serve_gateway(site, settings, ended, copy)
 
 
-async def serve(
+async def serve_gateway(
     site: Site, settings: GatewaySettings, ended: asyncio.Event, copy: DescriptionFile | None = None
 ) -> None:
     """Run gateways until ``ended``: one after the other as devices are found.
@@ -85,7 +85,7 @@ async def serve(
     """
     if copy is not None:
         # With nothing found yet: what earlier runs found is joined below.
-        copy.counts(site, copy.text)
+        copy.accept_text(site, copy.text)
     # One for all gateways of this process.
     manager = own_service_manager()
     following: Site | None = with_kept(settings.data, site)

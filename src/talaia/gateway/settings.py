@@ -36,7 +36,7 @@ class HubAddress:
     ca: Path | None = None
 
     @classmethod
-    def checked(
+    def from_text(
         cls, url: str, *, fingerprint: str = "", ca: Path | None = None, allow_plain: bool = False
     ) -> HubAddress:
         """Check an address as a person gave it.

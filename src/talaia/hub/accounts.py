@@ -46,9 +46,9 @@ async def create_user(settings: Settings, name: str, password: str, role: str) -
     check_name(name)
     check_password(password, name)
     # Before the database is opened: bcrypt takes a while, and needs none.
-    hashed = await Passwords(settings.password_cost).hash(password)
-    async with _opened(settings) as database:
-        await People(database, SystemClock()).add(name, hashed, role)
+    hashed = await Passwords(settings.password_cost).hash_password(password)
+    async with _open_database(settings) as database:
+        await People(database, SystemClock()).add_person(name, hashed, role)
         await append_audit_record(database, "person added", f"{name} ({role})")
 
 
@@ -61,8 +61,8 @@ async def set_password(settings: Settings, name: str, password: str) -> None:
 
     """
     check_password(password, name)
-    hashed = await Passwords(settings.password_cost).hash(password)
-    async with _opened(settings) as database:
+    hashed = await Passwords(settings.password_cost).hash_password(password)
+    async with _open_database(settings) as database:
         await People(database, SystemClock()).set_password(name, hashed)
         await append_audit_record(database, "person changed", f"{name}: new password")
 
@@ -77,12 +77,12 @@ async def remove_factor(settings: Settings, name: str) -> bool:
         HubError: there is nobody of that name, or the database cannot be opened.
 
     """
-    async with _opened(settings) as database:
-        person = await People(database, SystemClock()).find(name)
+    async with _open_database(settings) as database:
+        person = await People(database, SystemClock()).find_by_name(name)
         if person is None:
             raise UnknownPerson(f"there is no person named {name!r}")
         key = settings.data / SEAL_FILE
-        removed = await SecondFactors(database, SystemClock(), lambda: seal_of(key)).remove(
+        removed = await SecondFactors(database, SystemClock(), lambda: seal_of(key)).remove_factor(
             person.id
         )
         # Whoever had the lost device may be signed in somewhere.
@@ -98,7 +98,7 @@ async def create_gateway(settings: Settings, site: str) -> str:
         HubError: the database cannot be opened.
 
     """
-    async with _opened(settings) as database:
+    async with _open_database(settings) as database:
         key = await SiteRegistry(database, SystemClock()).new_key(site)
         await append_audit_record(database, "gateway key made", "", site)
     return key
@@ -111,7 +111,7 @@ async def gateway_site(settings: Settings, key: str) -> str | None:
         HubError: the database cannot be opened.
 
     """
-    async with _opened(settings) as database:
+    async with _open_database(settings) as database:
         found = await SiteRegistry(database, SystemClock()).gateway_of(key)
     return None if found is None else found.site
 
@@ -142,7 +142,7 @@ async def append_audit_record(database: Database, kind: str, message: str, site:
 
 
 @asynccontextmanager
-async def _opened(settings: Settings) -> AsyncIterator[Database]:
+async def _open_database(settings: Settings) -> AsyncIterator[Database]:
     # A command may be the first thing ever run on this folder.
     make_data_folder(settings)
     database = Database(settings.url)

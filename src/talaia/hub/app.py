@@ -12,7 +12,6 @@ from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
-from talaia.hub.features.connections.foxglove import FoxgloveFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
@@ -31,7 +30,7 @@ from talaia.hub.features.recordings import RecordingsFeature
 from talaia.hub.features.robot_events import RobotEventsFeature
 from talaia.hub.features.sightings import SightingsFeature
 from talaia.hub.features.storage import StorageFeature
-from talaia.hub.lifecycle import opened
+from talaia.hub.lifecycle import open_features
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -43,7 +42,7 @@ if TYPE_CHECKING:
     from talaia.hub.ports import History
     from talaia.hub.settings import Settings
 
-__all__ = ["Hub", "build"]
+__all__ = ["Hub", "build_hub"]
 
 
 class Hub:
@@ -124,40 +123,25 @@ class Hub:
         )
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=store)
-        self._add_connections()
+        self.connections = ConnectionsFeature(
+            core, seats=seats, reporting=reporting, sightings=self.sightings, audit=log
+        )
+        service = self.connections.service
+        self.client_protocols = ClientProtocolsFeature(
+            core, people=self.people, service=service, audit=log
+        )
+        # Last: its route takes every path, so any route added after it would never be asked.
+        self.pages = PagesFeature(
+            core, admission=admission, service=service, sightings=self.sightings, audit=log
+        )
         # In the order in which they are built above: no feature can be forgotten.
         self.features = tuple(
             feature for feature in vars(self).values() if isinstance(feature, Feature)
         )
         # The guard goes first: the limits count by the person that it finds.
-        guards = (self.people.access.guard, self.people.limits.ask)
+        guards = (self.people.access.guard_request, self.people.limits.check_request)
         self.app = web_application(self.features, guards, self.running)
         self.asgi: ASGIApp = RequestGuard(self.app, settings)
-
-    def _add_connections(self) -> None:
-        """Build what serves pages and clients of other tools, from all that was built before."""
-        core, log = self.core, self.audit.log
-        self.connections = ConnectionsFeature(
-            core,
-            seats=self.people.seats,
-            reporting=self.robot_events.reporting,
-            sightings=self.sightings,
-            audit=log,
-        )
-        service = self.connections.service
-        # Before each of the protocols, which it lets clients in for.
-        self.client_protocols = ClientProtocolsFeature(
-            core, people=self.people, service=service, audit=log
-        )
-        self.foxglove = FoxgloveFeature(clients=self.client_protocols)
-        # Last: its route takes every path, so any route added after it would never be asked.
-        self.pages = PagesFeature(
-            core,
-            admission=self.people.admission,
-            service=service,
-            sightings=self.sightings,
-            audit=log,
-        )
 
     @asynccontextmanager
     async def running(self, _app: FastAPI | None = None) -> AsyncIterator[None]:
@@ -168,14 +152,14 @@ class Hub:
             CannotStart: the key that seals secrets cannot be read.
 
         """
-        async with opened(self.core, self.features):
+        async with open_features(self.core, self.features):
             yield
 
     def cached_bytes(self) -> int:
         """Give the memory of what was read of the history and may be asked for again (bytes)."""
         return self.history.store.cached_bytes
 
-    def driven(self) -> bool:
+    def is_driven(self) -> bool:
         """Tell whether somebody has control of a device anywhere."""
         # A lease with a session is held by somebody; one without is free.
         return any(
@@ -183,7 +167,7 @@ class Hub:
         )
 
 
-def build(settings: Settings, clock: Clock, history: History | None = None) -> Hub:
+def build_hub(settings: Settings, clock: Clock, history: History | None = None) -> Hub:
     """Put a hub together; ``history`` takes the place of the one in the settings' database.
 
     Raises:

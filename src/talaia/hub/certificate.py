@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Certificate",
+    "certificate_fingerprint",
     "certificate_of",
-    "fingerprint",
     "fresh_certificate",
     "key_hash",
     "own_certificate",
@@ -109,10 +109,10 @@ def fresh_certificate(settings: Settings, now: dt.datetime, shown: str) -> Certi
     """
     found = own_certificate(settings, now)
     # Compared by fingerprint, not by the file's time: a copy of the same certificate is no news.
-    return None if fingerprint(found.cert) == shown else found
+    return None if certificate_fingerprint(found.cert) == shown else found
 
 
-def fingerprint(cert: Path) -> str:
+def certificate_fingerprint(cert: Path) -> str:
     """Give the SHA-256 of the first certificate in a file, as browsers show it.
 
     Raises:
@@ -130,13 +130,13 @@ def key_hash(cert: Path) -> str:
         CannotStart: the file holds no certificate.
 
     """
-    return hashlib.sha256(_public(_read_cert(cert).public_key())).hexdigest()
+    return hashlib.sha256(_public_key(_read_cert(cert).public_key())).hexdigest()
 
 
 def _check_given(given: Certificate, now: dt.datetime) -> None:
     cert, key = _read_cert(given.cert), _read_key(given.key)
     # OpenSSL would refuse the pair, too, but names neither file.
-    if _public(cert.public_key()) != _public(key.public_key()):
+    if _public_key(cert.public_key()) != _public_key(key.public_key()):
         raise CannotStart(
             f"the key {given.key} is not that of the first certificate in {given.cert}",
             "give the two that were made together; in a chain, the hub's own stands first",
@@ -190,7 +190,7 @@ def _bytes_of(path: Path) -> bytes:
 
 
 # The SubjectPublicKeyInfo is what is pinned: it stays the same when the key is certified anew.
-def _public(key: CertificatePublicKeyTypes) -> bytes:
+def _public_key(key: CertificatePublicKeyTypes) -> bytes:
     return key.public_bytes(
         serialization.Encoding.DER, serialization.PublicFormat.SubjectPublicKeyInfo
     )
@@ -205,7 +205,7 @@ def _is_good(own: Certificate, names: Iterable[str], now: dt.datetime) -> bool:
     except (CannotStart, x509.ExtensionNotFound):
         # Ours, and unreadable: it is made anew rather than keep the hub from starting.
         return False
-    if _public(found.public_key()) != _public(key.public_key()):
+    if _public_key(found.public_key()) != _public_key(key.public_key()):
         return False
     # Names that are covered and wanted no more do no harm until the next renewal.
     covered = {str(name.value).lower() for name in said}
@@ -216,7 +216,7 @@ def _make(own: Certificate, names: Iterable[str], now: dt.datetime) -> None:
     key = _key_of(own)
     # For people only: what counts are the alternative names (RFC 9110, 4.3.4).
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "Talaia hub")])
-    alternatives = [_alternative(name) for name in sorted(names)]
+    alternatives = [_alternative_name(name) for name in sorted(names)]
     cert = (
         x509.CertificateBuilder()
         .subject_name(name)
@@ -261,7 +261,7 @@ def _key_of(own: Certificate) -> _Key:
     return key
 
 
-def _alternative(name: str) -> x509.GeneralName:
+def _alternative_name(name: str) -> x509.GeneralName:
     try:
         # An address must be said as one: browsers do not take it from a DNS name.
         return x509.IPAddress(ipaddress.ip_address(name))

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.features.feature import BackgroundTask, Core, Feature
 
-__all__ = ["RunningTask", "opened"]
+__all__ = ["RunningTask", "open_features"]
 
 _LOG = logging.getLogger(__name__)
 # Before a task that died begins again: doubled each time, up to the longest (s).
@@ -35,12 +35,12 @@ class RunningTask:
         self._first_pause_s = first_pause_s
         # For the log, and for whoever lists the tasks of the loop.
         self._name = f"{feature}: {task.name}"
-        # Set once, by `end`, and never cleared.
+        # Set once, by `end_task`, and never cleared.
         self._stopping = asyncio.Event()
         # Kept, so that it is waited for; the loop itself holds tasks only weakly.
-        self._running = asyncio.create_task(self._supervise(), name=self._name)
+        self._running = asyncio.create_task(self._supervise_task(), name=self._name)
 
-    async def end(self) -> None:
+    async def end_task(self) -> None:
         """Let the task end, and wait until it has."""
         # Before the task is told: what ends because of that must not count as a death.
         self._stopping.set()
@@ -52,7 +52,7 @@ class RunningTask:
         # A cancellation comes back as a value here: it is what was asked for.
         await asyncio.gather(self._running, return_exceptions=True)
 
-    async def _supervise(self) -> None:
+    async def _supervise_task(self) -> None:
         # The loop's clock is monotonic: a set wall clock makes no pause longer or shorter.
         loop, pause_s = asyncio.get_running_loop(), self._first_pause_s
         while True:
@@ -79,7 +79,7 @@ class RunningTask:
 
 
 @asynccontextmanager
-async def opened(
+async def open_features(
     core: Core, features: Sequence[Feature], first_pause_s: float = FIRST_PAUSE_S
 ) -> AsyncIterator[None]:
     """Open what is given and run its tasks; close it again, the last one first.
@@ -102,7 +102,7 @@ async def opened(
         await core.open()
         for feature in features:
             await feature.open()
-            stack.push_async_callback(_close, feature, running[feature.name])
+            stack.push_async_callback(_close_feature, feature, running[feature.name])
         for feature in features:
             running[feature.name] += [
                 RunningTask(feature.name, task, first_pause_s) for task in feature.tasks
@@ -111,7 +111,7 @@ async def opened(
 
 
 # Its tasks end while all that they use is still open.
-async def _close(feature: Feature, running: list[RunningTask]) -> None:
+async def _close_feature(feature: Feature, running: list[RunningTask]) -> None:
     for task in reversed(running):
-        await task.end()
+        await task.end_task()
     await feature.close()

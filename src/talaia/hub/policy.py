@@ -234,9 +234,7 @@ SOCKETS: Mapping[str, AccessNeed] = {
 
 # Of other tools, while an admin has opened their protocol, by token alone; each message over them
 # is looked up in the tables below, like a page's.
-CLIENT_SOCKETS: Mapping[str, AccessNeed] = {
-    "/clients/foxglove/{site}": AccessNeed.SEE,
-}
+CLIENT_SOCKETS: Mapping[str, AccessNeed] = {}
 
 FROM_BROWSER: Mapping[type[Message], AccessNeed] = {
     # Each channel is looked at besides; what may not be seen is refused by name.
@@ -398,10 +396,10 @@ def allows(
         return True
     # Of the whole hub, or of a site that nobody knows: it takes the right on every site.
     if need is AccessNeed.ADMIN and site is None:
-        return grants.may(Right.ADMIN, ANY)
+        return grants.has_right(Right.ADMIN, ANY)
     # What is not there is open to nobody, so that a refusal does not tell the two apart.
     if site is None or (device and device not in site.devices):
         return False
     if need is AccessNeed.SEE:
         return sees_device(grants, site, device) if device else sees_site(grants, site)
-    return grants.may(_RIGHT[need], site.site, device or ANY)
+    return grants.has_right(_RIGHT[need], site.site, device or ANY)

@@ -39,11 +39,11 @@ class History(Protocol):
         """Let go of everything; what was appended is already safe."""
         ...
 
-    async def describe(self, site: Site) -> None:
+    async def describe_site(self, site: Site) -> None:
         """Make a place for every signal of a description; the rest of the history stays."""
         ...
 
-    async def rename(self, site: str, moves: Mapping[str, str]) -> None:
+    async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """Let channels go on under other addresses, with all their history.
 
         Args:
@@ -54,7 +54,7 @@ class History(Protocol):
         """
         ...
 
-    async def append(
+    async def append_samples(
         self, site: str, boot: str, first: int, *, addresses: Sequence[str], columns: Columns
     ) -> None:
         """Store samples for good; durable on return, and twice the same changes nothing.
@@ -90,11 +90,11 @@ class History(Protocol):
         """Give the first sequence number that is neither stored nor in a recorded gap."""
         ...
 
-    def knows(self, site: str, address: str) -> bool:
+    def has_channel(self, site: str, address: str) -> bool:
         """Tell whether a channel has ever had a sample."""
         ...
 
-    async def read(
+    async def read_series(
         self,
         site: str,
         addresses: Sequence[str],
@@ -114,7 +114,7 @@ class History(Protocol):
         """
         ...
 
-    async def last(
+    async def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = 2**62
     ) -> dict[str, tuple[int, float, str]]:
         """Give the newest stored sample up to ``to_us`` of each address that has one.
@@ -123,13 +123,13 @@ class History(Protocol):
         """
         ...
 
-    async def statistics(
+    async def read_statistics(
         self, site: str, addresses: Sequence[str], from_us: int, to_us: int
     ) -> list[Statistics]:
         """Sum up a window of each address."""
         ...
 
-    def outliers(
+    def count_outliers(
         self, site: str, address: str, from_us: int, to_us: int, *, k: float
     ) -> AsyncGenerator[Outliers | None]:
         """Find how many samples of a window, both ends included, are far outside its quartiles.
@@ -143,14 +143,14 @@ class History(Protocol):
         """Give what a channel's signal is, or was when it was last described."""
         ...
 
-    async def channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
+    async def list_channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
         """List every channel of a site that has history, those of former descriptions too.
 
         Those that are named in ``without`` are left out, and cost nothing.
         """
         ...
 
-    async def storage(self) -> Storage:
+    async def measure_storage(self) -> Storage:
         """Tell how much room the history takes."""
         ...
 
@@ -173,7 +173,7 @@ class History(Protocol):
         """Give how long a channel is kept (µs); 0 is for good."""
         ...
 
-    def export(
+    def export_samples(
         self,
         site: str,
         columns: Sequence[ExportColumn],
@@ -218,7 +218,7 @@ class AnomalyReport(NamedTuple):
 class AnomalySink(Protocol):
     """Who wants to hear of anomalies."""
 
-    def anomaly(self, news: AnomalyReport) -> None:
+    def report_anomaly(self, news: AnomalyReport) -> None:
         """Take the news in order, on the event loop; must not wait and not raise."""
         ...
 
@@ -226,7 +226,7 @@ class AnomalySink(Protocol):
 class DetectorSink(Protocol):
     """Who shows how detectors stand: pages."""
 
-    def detector(self, site: str, watched: DetectorRunner) -> None:
+    def report_detector(self, site: str, watched: DetectorRunner) -> None:
         """Take how a detector of a site stands now; must not wait and not raise."""
         ...
 
@@ -258,6 +258,6 @@ class SightingEvent(NamedTuple):
 class SightingSink(Protocol):
     """Who wants to hear of sightings."""
 
-    def sighting(self, news: SightingEvent) -> None:
+    def report_sighting(self, news: SightingEvent) -> None:
         """Take the news in order, on the event loop; must not wait and not raise."""
         ...

@@ -27,11 +27,11 @@ from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
 from talaia.hub.api.server.http_limits import HubProtocol
-from talaia.hub.app import build
+from talaia.hub.app import build_hub
 from talaia.hub.auth.tokens import mask_tokens
 from talaia.hub.certificate import (
+    certificate_fingerprint,
     certificate_of,
-    fingerprint,
     fresh_certificate,
     own_certificate,
 )
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from talaia.hub.settings import Network
     from talaia.service_manager import ServiceManager
 
-__all__ = ["HubServer", "main", "renewed", "server_of"]
+__all__ = ["HubServer", "main", "renew_certificate", "server_of"]
 
 _LOG = logging.getLogger(__name__)
 # Between two looks at the certificate (s); it is due 30 days before its end.
@@ -92,7 +92,7 @@ class HubServer(uvicorn.Server):
         if not self.started:
             return
         for listener in sockets or ():
-            doorway = AcceptQueue(listener, self._protocol, self.config.ssl)
+            doorway = AcceptQueue(listener, self._make_protocol, self.config.ssl)
             doorway.open()
             self._doorways.append(doorway)
         self._on_ready()
@@ -104,7 +104,7 @@ class HubServer(uvicorn.Server):
             await doorway.close()
         await super().shutdown(sockets)
 
-    def _protocol(self) -> asyncio.Protocol:
+    def _make_protocol(self) -> asyncio.Protocol:
         # As uvicorn's own startup makes them, for each connection.
         protocol: asyncio.Protocol = self.config.http_protocol_class(  # type: ignore[call-arg]
             config=self.config, server_state=self.server_state, app_state=self.lifespan.state
@@ -116,7 +116,7 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
     """Make the server of a hub; run it with ``serve(sockets=[…])``."""
     settings = hub.settings
     # Made at the first start, so that the hub answers over TLS without any set-up.
-    tls = None if settings.plain else own_certificate(settings, _now())
+    tls = None if settings.plain else own_certificate(settings, _utc_now())
     config = uvicorn.Config(
         hub.asgi,
         ws="websockets-sansio",
@@ -149,10 +149,9 @@ def server_of(hub: Hub, on_ready: Callable[[], None] = lambda: None) -> HubServe
 
 def main(argv: Sequence[str]) -> int:
     """Serve until SIGTERM or SIGINT; 0 after a clean end, 2 when it cannot start."""
-    options = _options(argv)
+    options = _read_options(argv)
     # Says where each thread stood when a service manager ends a process that stands still.
     faulthandler.enable()
-    # To stderr, as without one.
     handler = logging.StreamHandler()
     handler.setFormatter(_MaskingFormatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
@@ -164,7 +163,7 @@ def main(argv: Sequence[str]) -> int:
     keep_little_free_memory()
     try:
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-            runner.run(_serve(_settings(options)))
+            runner.run(_serve_hub(_make_settings(options)))
     except HubError as error:
         # A sentence with what to do, and no traceback: it is nothing that went wrong in the hub.
         sys.stderr.write(f"talaia hub: {error}\n")
@@ -172,7 +171,7 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def _options(argv: Sequence[str]) -> argparse.Namespace:
+def _read_options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser("talaia hub", description="Serve the control room.")
     parser.add_argument(
         "--data", type=Path, default=Path("talaia-data"), help="data folder (talaia-data)"
@@ -252,7 +251,7 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def _settings(options: argparse.Namespace) -> Settings:
+def _make_settings(options: argparse.Namespace) -> Settings:
     # On loopback it is for development, or for a proxy on this machine that ends TLS.
     if options.plain and not is_loopback(options.host):
         raise CannotStart(
@@ -267,8 +266,8 @@ def _settings(options: argparse.Namespace) -> Settings:
         cert=options.tls_cert,
         key=options.tls_key,
         hosts=tuple(options.allow_host),
-        proxies=_networks("--proxy", options.proxy),
-        notify_networks=_networks("--notify-network", options.notify_network),
+        proxies=_read_networks("--proxy", options.proxy),
+        notify_networks=_read_networks("--notify-network", options.notify_network),
         database_url=Settings.url_from(os.environ),
         history_bytes=max(0, round(options.history_gb * 1e9)),
         recordings_bytes=max(0, round(options.recordings_gb * 1e9)),
@@ -278,14 +277,14 @@ def _settings(options: argparse.Namespace) -> Settings:
     )
 
 
-def _networks(option: str, texts: Sequence[str]) -> tuple[Network, ...]:
+def _read_networks(option: str, texts: Sequence[str]) -> tuple[Network, ...]:
     try:
         return tuple(ipaddress.ip_network(text) for text in texts)
     except ValueError as error:
         raise CannotStart(f"{option}: {error}", "write it like 10.0.0.5 or 10.0.0.0/24") from error
 
 
-async def _serve(settings: Settings) -> None:
+async def _serve_hub(settings: Settings) -> None:
     # Said here: SQLite would only say that it is unable to open the file.
     make_data_folder(settings)
     if not os.access(settings.data, os.W_OK | os.X_OK):
@@ -302,12 +301,12 @@ async def _serve_alone(settings: Settings) -> None:
     # Before the look for damage: what is looked at must be what the hub then opens.
     take_restored(settings.data, clock)
     set_aside_if_damaged(settings.url, clock)
-    hub = build(settings, clock)
+    hub = build_hub(settings, clock)
     # A port that is taken is told now, before the database is opened and migrated.
-    with _listen(settings) as listener:
+    with _listen_socket(settings) as listener:
         port = listener.getsockname()[1]
         manager = own_service_manager()
-        server = server_of(hub, lambda: _announce(hub, port, manager))
+        server = server_of(hub, lambda: _announce_hub(hub, port, manager))
         loop = asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             # By the loop, between two callbacks; Python's own handlers run within any line.
@@ -316,7 +315,7 @@ async def _serve_alone(settings: Settings) -> None:
         # They end with the server; none of them holds anything that must be written.
         beside = [
             asyncio.create_task(keep_certificate(server, settings)),
-            asyncio.create_task(collect_at_rest(hub.driven)),
+            asyncio.create_task(collect_at_rest(hub.is_driven)),
             asyncio.create_task(keep_service_manager(hub, manager)),
         ]
         try:
@@ -344,25 +343,25 @@ async def keep_certificate(server: HubServer, settings: Settings) -> None:
     """Look for a renewed certificate every hour, for as long as the hub runs."""
     if settings.plain:
         return
-    shown = fingerprint(certificate_of(settings).cert)
+    shown = certificate_fingerprint(certificate_of(settings).cert)
     while True:
         await asyncio.sleep(_RENEW_S)
         if server.config.ssl is not None:
-            shown = await renewed(server.config.ssl, settings, shown)
+            shown = await renew_certificate(server.config.ssl, settings, shown)
 
 
-async def renewed(context: ssl.SSLContext, settings: Settings, shown: str) -> str:
+async def renew_certificate(context: ssl.SSLContext, settings: Settings, shown: str) -> str:
     """Show a renewed certificate to whoever connects from now on; give its fingerprint.
 
     The one of before (``shown``) stays where the new one cannot be used.
     """
     try:
-        found = await asyncio.to_thread(fresh_certificate, settings, _now(), shown)
+        found = await asyncio.to_thread(fresh_certificate, settings, _utc_now(), shown)
         if found is None:
             return shown
         # Connections that are open keep what they shook hands with.
         context.load_cert_chain(found.cert, found.key)
-        shown = fingerprint(found.cert)
+        shown = certificate_fingerprint(found.cert)
     except (CannotStart, OSError) as error:
         # A renewal that failed must not end a hub that works; it is tried again in an hour.
         _LOG.warning("the certificate of before stays: %s", error)
@@ -375,7 +374,7 @@ def _stop(server: HubServer) -> None:
     server.should_exit = True
 
 
-def _listen(settings: Settings) -> socket.socket:
+def _listen_socket(settings: Settings) -> socket.socket:
     # Only an IPv6 address has colons; a name is taken as IPv4.
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
@@ -389,14 +388,14 @@ def _listen(settings: Settings) -> socket.socket:
         ) from error
 
 
-def _announce(hub: Hub, port: int, manager: ServiceManager) -> None:
+def _announce_hub(hub: Hub, port: int, manager: ServiceManager) -> None:
     settings = hub.settings
     host = "localhost" if is_loopback(settings.host) else settings.host
     address = f"{'http' if settings.plain else 'https'}://{host}:{port}"
     lines = [f"talaia hub is ready: {address}"]
     if not settings.plain:
-        cert = own_certificate(settings, _now()).cert
-        lines.append(f"certificate: {fingerprint(cert)} (SHA-256)")
+        cert = own_certificate(settings, _utc_now()).cert
+        lines.append(f"certificate: {certificate_fingerprint(cert)} (SHA-256)")
     if hub.people.setup_token:
         lines.append(
             # After the #, which browsers do not send: so the token is in no proxy's log.
@@ -409,5 +408,5 @@ def _announce(hub: Hub, port: int, manager: ServiceManager) -> None:
     manager.report_ready()
 
 
-def _now() -> dt.datetime:
+def _utc_now() -> dt.datetime:
     return dt.datetime.now(dt.UTC)

@@ -28,7 +28,7 @@ def fields_of(command: Command, args: Mapping[str, Value]) -> dict[str, Value] |
         value = args.get(name, argument.default)
         if value is None:
             return f"the argument {name!r} is missing"
-        problem = _problem(argument, value)
+        problem = _argument_problem(argument, value)
         if problem:
             return f"{name}: {problem}"
         # A whole number as well: a field of floats takes no int.
@@ -60,7 +60,7 @@ def unit_problem(command: Command, units: Mapping[str, str]) -> str:
     return ""
 
 
-def _problem(argument: Argument, value: Value) -> str:
+def _argument_problem(argument: Argument, value: Value) -> str:
     match argument.type:
         case ArgumentType.BOOLEAN:
             return "" if isinstance(value, bool) else f"expected true or false, found {value!r}"

@@ -38,7 +38,7 @@ def why_no_camera(text: str, *, here: bool = False) -> str:
 
     """
     try:
-        address = _plain(ipaddress.ip_address(text.partition("%")[0]))
+        address = _unmap_ipv4(ipaddress.ip_address(text.partition("%")[0]))
     except ValueError:
         return NO_ADDRESS
     why = ""
@@ -65,7 +65,7 @@ def remedy_for(why: str) -> str:
     return "write the camera's own address"
 
 
-def _plain(address: Address) -> Address:
+def _unmap_ipv4(address: Address) -> Address:
     """Give the IPv4 address that is written as an IPv6 one."""
     # ``::1`` and ``::`` lie in the compatible block, and mean no IPv4 address.
     if isinstance(address, ipaddress.IPv4Address) or address.is_loopback or address.is_unspecified:

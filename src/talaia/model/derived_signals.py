@@ -25,7 +25,7 @@ __all__ = [
     "classes_of",
     "counts_of",
     "detect_of",
-    "detecting",
+    "detecting_cameras",
     "detection_setup_of",
     "with_counts",
 ]
@@ -53,7 +53,7 @@ def classes_of(site: Site, model: str) -> tuple[str, ...]:
     return () if described is None else described.classes
 
 
-def detecting(site: Site) -> Iterator[tuple[str, Detect]]:
+def detecting_cameras(site: Site) -> Iterator[tuple[str, Detect]]:
     """Give every camera that detects, as ``device/stream``, and what."""
     for device_id, device in site.devices.items():
         for stream_id, stream in device.streams.items():
@@ -64,7 +64,7 @@ def detecting(site: Site) -> Iterator[tuple[str, Detect]]:
 
 def counts_of(site: Site) -> dict[str, tuple[str, Detect]]:
     """Give by the address of each signal that counts: its camera, and what is to be seen there."""
-    cameras = dict(detecting(site))
+    cameras = dict(detecting_cameras(site))
     counts = {}
     for device_id, device in site.devices.items():
         for signal_id, signal in device.signals.items():
@@ -123,14 +123,14 @@ def _with_counts(site: Site, device: Device) -> Device:
         streams[stream_id] = msgspec.structs.replace(stream, detect=detect)
         for label in dict.fromkeys(detect.classes):
             if (stream_id, label) not in has:
-                word = _free(f"{stream_id}_{_NO_WORD.sub('_', label.lower())}", signals)
-                signals[word] = _count(stream_id, stream, label, detect)
+                word = _free_word(f"{stream_id}_{_NO_WORD.sub('_', label.lower())}", signals)
+                signals[word] = _count_signal(stream_id, stream, label, detect)
     if signals == device.signals and streams == device.streams:
         return device
     return msgspec.structs.replace(device, signals=signals, streams=streams)
 
 
-def _free(word: str, taken: dict[str, Signal]) -> str:
+def _free_word(word: str, taken: dict[str, Signal]) -> str:
     """Give a word that no other signal has."""
     found, number = word[:_LONGEST_ID], 2
     while found in taken:
@@ -139,7 +139,7 @@ def _free(word: str, taken: dict[str, Signal]) -> str:
     return found
 
 
-def _count(stream_id: str, stream: Stream, label: str, detect: Detect) -> Signal:
+def _count_signal(stream_id: str, stream: Stream, label: str, detect: Detect) -> Signal:
     rare = _PICTURES / detect.max_rate if detect.max_rate > 0 else 0.0
     return Signal(
         name=f"{label[:1].upper()}{label[1:]}, {stream.name}"[:_LONGEST_NAME],

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Signal, Site
 
-__all__ = ["former_findings", "former_of", "formers", "renames", "touched"]
+__all__ = ["changed_devices", "former_addresses", "former_findings", "former_of", "list_renames"]
 
 
 def former_of(device: str, signal: Signal) -> str:
@@ -20,13 +20,13 @@ def former_of(device: str, signal: Signal) -> str:
     return signal.was if "/" in signal.was or not signal.was else f"{device}/{signal.was}"
 
 
-def renames(before: Site, after: Site) -> dict[str, str]:
+def list_renames(before: Site, after: Site) -> dict[str, str]:
     """Give the channels that have another address now, by their former ones.
 
     A signal that says what it was has taken the place of that one; and where one that said so is
     gone and the one it was is back, somebody has gone back to the description before.
     """
-    had, has = _signals(before), _signals(after)
+    had, has = _signals_by_address(before), _signals_by_address(after)
     moved: dict[str, str] = {}
     for address, signal in has.items():
         former = former_of(address.split("/", 1)[0], signal)
@@ -46,9 +46,9 @@ def renames(before: Site, after: Site) -> dict[str, str]:
     return channels
 
 
-def formers(site: Site) -> dict[str, str]:
+def former_addresses(site: Site) -> dict[str, str]:
     """Give the channels that say what they were, by what they were."""
-    has = _signals(site)
+    has = _signals_by_address(site)
     channels: dict[str, str] = {}
     for address, signal in has.items():
         former = former_of(address.split("/", 1)[0], signal)
@@ -59,7 +59,7 @@ def formers(site: Site) -> dict[str, str]:
     return channels
 
 
-def touched(before: Site, after: Site) -> frozenset[str]:
+def changed_devices(before: Site, after: Site) -> frozenset[str]:
     """Name the devices that are not the same in both, those of only one among them.
 
     A device is the same when all that is described of it and of its connection is.
@@ -78,7 +78,7 @@ def touched(before: Site, after: Site) -> frozenset[str]:
 
 def former_findings(site: Site) -> Iterator[Finding]:
     """Say what cannot be meant by ``was``."""
-    signals = _signals(site)
+    signals = _signals_by_address(site)
     taken: dict[str, str] = {}
     for address, signal in signals.items():
         device, _, name = address.partition("/")
@@ -102,7 +102,7 @@ def former_findings(site: Site) -> Iterator[Finding]:
         taken.setdefault(former, address)
 
 
-def _signals(site: Site) -> dict[str, Signal]:
+def _signals_by_address(site: Site) -> dict[str, Signal]:
     return {
         f"{device_id}/{signal_id}": signal
         for device_id, device in site.devices.items()

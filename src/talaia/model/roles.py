@@ -169,7 +169,7 @@ class CommandFit(NamedTuple):
     many: bool = False
 
 
-def _number(*units: str) -> SignalFit:
+def _number_fit(*units: str) -> SignalFit:
     return SignalFit((SignalType.NUMBER,), units)
 
 
@@ -207,46 +207,46 @@ ANY_MEANINGS = (
 
 SIGNAL_FITS: dict[SignalRole, SignalFit] = {
     SignalRole.DOME_SHUTTER: SignalFit((SignalType.STATE,), meanings=_OF_SHUTTERS),
-    SignalRole.DOME_OPENING: _number("%"),
-    SignalRole.DOME_AZIMUTH: _number("°"),
+    SignalRole.DOME_OPENING: _number_fit("%"),
+    SignalRole.DOME_AZIMUTH: _number_fit("°"),
     SignalRole.DOME_TURNING: _STATE,
     SignalRole.DOME_PARKED: _STATE,
     SignalRole.DOME_LOCAL: _STATE,
     SignalRole.TELESCOPE_STATE: _STATE,
     SignalRole.TELESCOPE_PARKED: _STATE,
     SignalRole.TELESCOPE_TRACKING: _STATE,
-    SignalRole.TELESCOPE_RA: _number("h", "°"),
-    SignalRole.TELESCOPE_DEC: _number("°"),  # drivers give either
-    SignalRole.TELESCOPE_ALTITUDE: _number("°"),
-    SignalRole.TELESCOPE_AZIMUTH: _number("°"),
+    SignalRole.TELESCOPE_RA: _number_fit("h", "°"),
+    SignalRole.TELESCOPE_DEC: _number_fit("°"),  # drivers give either
+    SignalRole.TELESCOPE_ALTITUDE: _number_fit("°"),
+    SignalRole.TELESCOPE_AZIMUTH: _number_fit("°"),
     SignalRole.CAMERA_STATE: SignalFit((SignalType.STATE,), meanings=_OF_CAMERAS),
-    SignalRole.CAMERA_REMAINING: _number("s"),
-    SignalRole.CAMERA_TEMPERATURE: _number("°C", "K"),
+    SignalRole.CAMERA_REMAINING: _number_fit("s"),
+    SignalRole.CAMERA_TEMPERATURE: _number_fit("°C", "K"),
     SignalRole.CAMERA_COOLER: _STATE,
-    SignalRole.CAMERA_COOLER_POWER: _number("%"),
+    SignalRole.CAMERA_COOLER_POWER: _number_fit("%"),
     SignalRole.CAMERA_FILTER: SignalFit((SignalType.STATE, SignalType.TEXT, SignalType.NUMBER)),
     SignalRole.WEATHER_SAFETY: SignalFit((SignalType.STATE,), meanings=_OF_WEATHER),
     SignalRole.WEATHER_RAINING: _STATE,
-    SignalRole.WEATHER_RAIN: _number("mm/h", "mm"),
-    SignalRole.WEATHER_WIND: _number("km/h", "m/s"),
-    SignalRole.WEATHER_GUST: _number("km/h", "m/s"),
-    SignalRole.WEATHER_WIND_DIRECTION: _number("°"),
-    SignalRole.WEATHER_HUMIDITY: _number("%"),
-    SignalRole.WEATHER_TEMPERATURE: _number("°C", "K"),
-    SignalRole.WEATHER_DEW_POINT: _number("°C", "K"),
-    SignalRole.WEATHER_PRESSURE: _number("hPa", "Pa"),
-    SignalRole.WEATHER_CLOUDS: _number("%"),
+    SignalRole.WEATHER_RAIN: _number_fit("mm/h", "mm"),
+    SignalRole.WEATHER_WIND: _number_fit("km/h", "m/s"),
+    SignalRole.WEATHER_GUST: _number_fit("km/h", "m/s"),
+    SignalRole.WEATHER_WIND_DIRECTION: _number_fit("°"),
+    SignalRole.WEATHER_HUMIDITY: _number_fit("%"),
+    SignalRole.WEATHER_TEMPERATURE: _number_fit("°C", "K"),
+    SignalRole.WEATHER_DEW_POINT: _number_fit("°C", "K"),
+    SignalRole.WEATHER_PRESSURE: _number_fit("hPa", "Pa"),
+    SignalRole.WEATHER_CLOUDS: _number_fit("%"),
     # The first of its states is off, the second on.
     SignalRole.POWER_OUTLET: SignalFit((SignalType.STATE,), states=2, many=True),
-    SignalRole.POWER_TOTAL: _number("W"),
-    SignalRole.POWER_VOLTAGE: _number("V", "mV"),
-    SignalRole.POWER_CURRENT: _number("A"),
-    SignalRole.POWER_LOAD: _number("%"),
-    SignalRole.BATTERY_LEVEL: _number("%"),
-    SignalRole.BATTERY_VOLTAGE: _number("V", "mV"),
-    SignalRole.BATTERY_CURRENT: _number("A"),
-    SignalRole.VEHICLE_SPEED: _number("m/s", "km/h"),
-    SignalRole.VEHICLE_TURN_RATE: _number("rad/s", "°/s"),
+    SignalRole.POWER_TOTAL: _number_fit("W"),
+    SignalRole.POWER_VOLTAGE: _number_fit("V", "mV"),
+    SignalRole.POWER_CURRENT: _number_fit("A"),
+    SignalRole.POWER_LOAD: _number_fit("%"),
+    SignalRole.BATTERY_LEVEL: _number_fit("%"),
+    SignalRole.BATTERY_VOLTAGE: _number_fit("V", "mV"),
+    SignalRole.BATTERY_CURRENT: _number_fit("A"),
+    SignalRole.VEHICLE_SPEED: _number_fit("m/s", "km/h"),
+    SignalRole.VEHICLE_TURN_RATE: _number_fit("rad/s", "°/s"),
     SignalRole.VEHICLE_POSITION: SignalFit((SignalType.POSITION,)),
 }
 

@@ -26,10 +26,10 @@ def site_schema(rules: ExtensionRules = NO_RULES) -> dict[str, object]:
 
     """
     (reference,), parts = msgspec.json.schema_components(
-        [Site], schema_hook=_anything, ref_template="#/$defs/{name}"
+        [Site], schema_hook=_allow_anything, ref_template="#/$defs/{name}"
     )
-    for kind in _structs(msgspec.inspect.type_info(Site), {}).values():
-        _explain(kind, parts[kind.__name__])
+    for kind in _find_structs(msgspec.inspect.type_info(Site), {}).values():
+        _add_descriptions(kind, parts[kind.__name__])
     _without_tags(parts)
     _add_extensions(parts, rules)
     return {
@@ -40,7 +40,7 @@ def site_schema(rules: ExtensionRules = NO_RULES) -> dict[str, object]:
     }
 
 
-def _structs(kind: object, found: dict[str, type]) -> dict[str, type]:
+def _find_structs(kind: object, found: dict[str, type]) -> dict[str, type]:
     """Find every shape that a type is made of, by name."""
     match kind:
         case msgspec.inspect.StructType():
@@ -48,20 +48,20 @@ def _structs(kind: object, found: dict[str, type]) -> dict[str, type]:
             if kind.cls.__name__ not in found:
                 found[kind.cls.__name__] = kind.cls
                 for field in kind.fields:
-                    _structs(field.type, found)
+                    _find_structs(field.type, found)
         case msgspec.inspect.UnionType():
             for one in kind.types:
-                _structs(one, found)
+                _find_structs(one, found)
         case msgspec.inspect.DictType():
-            _structs(kind.value_type, found)
+            _find_structs(kind.value_type, found)
         case msgspec.inspect.VarTupleType():
-            _structs(kind.item_type, found)
+            _find_structs(kind.item_type, found)
         case _:
             pass
     return found
 
 
-def _anything(kind: type) -> dict[str, object]:
+def _allow_anything(kind: type) -> dict[str, object]:
     """Say of `object` (keys that are there by mistake) that it may be anything."""
     return {"description": "anything"}
 
@@ -95,7 +95,7 @@ def _drop_discriminator(part: object) -> None:
             _drop_discriminator(inner)
 
 
-def _explain(kind: type, part: dict[str, object]) -> None:
+def _add_descriptions(kind: type, part: dict[str, object]) -> None:
     """Say of each attribute what the docstring does, where editors look for it."""
     _, _, attributes = cleandoc(kind.__doc__ or "").partition("Attributes:")
     properties = part.get("properties", {})
@@ -132,5 +132,5 @@ def _add_extensions(parts: dict[str, object], rules: ExtensionRules) -> None:
 def _keys_schema(shape: type[msgspec.Struct]) -> dict[str, object]:
     _, made = msgspec.json.schema_components([shape], ref_template="#/$defs/{name}")
     part: dict[str, object] = made[shape.__name__]
-    _explain(shape, part)
+    _add_descriptions(shape, part)
     return part

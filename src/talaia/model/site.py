@@ -418,7 +418,7 @@ class Site(Shape, frozen=True, kw_only=True):
             for part in parts_of(signal)
         )
 
-    def recorded(self) -> tuple[str, ...]:
+    def recorded_topics(self) -> tuple[str, ...]:
         """Name the topics that are recorded, in the order of the description."""
         if self.recording is None:
             return ()
@@ -433,7 +433,7 @@ class Site(Shape, frozen=True, kw_only=True):
         )
         return tuple(dict.fromkeys(self.recording.topics or read))
 
-    def filmed(self) -> tuple[str, ...]:
+    def filmed_cameras(self) -> tuple[str, ...]:
         """Name the cameras (``device/stream``) that are filmed with each recording."""
         if self.recording is None:
             return ()
@@ -452,7 +452,7 @@ class Site(Shape, frozen=True, kw_only=True):
         described = self.devices.get(device)
         return None if described is None else described.signals.get(name)
 
-    def guarded(self) -> frozenset[str]:
+    def safety_signals(self) -> frozenset[str]:
         """Name the signals that safety depends on: their newest readings stay at hand."""
         # What says that a robot stands still after STOP.
         confirming = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.model.derived_signals import detecting
+from talaia.model.derived_signals import detecting_cameras
 from talaia.objects.worker import OWN_FILE, OWN_REMEDY
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def detection_availability(site: Site, folder: Path) -> Iterator[DetectionAvaila
         folder: where relative paths of its detectors begin.
 
     """
-    for camera, detect in detecting(site):
+    for camera, detect in detecting_cameras(site):
         problem = _missing_part(site, folder, detect.model)
         what = ", ".join(detect.classes) or "nothing that counts"
         if problem:

@@ -57,18 +57,18 @@ class CameraObjects:
         """
         # The camera's keys; with others the owner makes another instance.
         self._detect = detect
-        # Sources by signal; changed by `recount` alone.
+        # Sources by signal; changed by `apply_counts` alone.
         self._counted = dict(counted)
         # What comes into sight and goes; counts do not wait for it.
         self._sightings = Sightings(detect.classes, detect.confidence, detect.max_rate)
         # The best picture of each class that is in sight, until its sighting is reported.
         self._moments: dict[str, NDArray[np.uint8]] = {}
 
-    def recount(self, counted: Mapping[str, DetectionSource]) -> None:
+    def apply_counts(self, counted: Mapping[str, DetectionSource]) -> None:
         """Count for these signals from here on; what is in sight stays so."""
         self._counted = dict(counted)
 
-    def count(self, things: Sequence[Detection]) -> dict[str, int]:
+    def count_things(self, things: Sequence[Detection]) -> dict[str, int]:
         """Say how many each signal counts on one picture."""
         # Drawn from `SHOWN_FROM` on, counted from the description's confidence on.
         sure = [thing for thing in things if thing.score >= self._detect.confidence]
@@ -94,9 +94,9 @@ class CameraObjects:
         """Give what is over because no picture showed it, or none came, for a while."""
         return self._with_pictures(self._sightings.pass_time(at_us))
 
-    def end(self) -> list[SightingNews]:
+    def end_sightings(self) -> list[SightingNews]:
         """Give all that is in sight as ended, for nobody looks any more."""
-        return self._with_pictures(self._sightings.end())
+        return self._with_pictures(self._sightings.end_sightings())
 
     def _with_pictures(self, news: Sequence[ObjectSighting]) -> list[SightingNews]:
         told = []

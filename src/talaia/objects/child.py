@@ -74,7 +74,7 @@ def main() -> None:
         # Only now, with the whole picture here: a slow writer is not the detector's fault.
         signal.alarm(LONGEST_LOOK_S)
         try:
-            boxes = detector.seen(picture, least)
+            boxes = detector.detect_objects(picture, least)
         except Exception as error:  # noqa: BLE001 - as above
             _write_answer(answers, problem=_problem_text(error))
         else:

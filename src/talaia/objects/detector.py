@@ -85,7 +85,7 @@ class Detector:
         self._mean = np.array(setting.mean, np.float32)
         self._factor = 1 / np.array(setting.spread, np.float32)
 
-    def seen(self, picture: NDArray[np.uint8], least: float) -> list[Box]:
+    def detect_objects(self, picture: NDArray[np.uint8], least: float) -> list[Box]:
         """Find things on a picture.
 
         Args:

@@ -59,7 +59,7 @@ class _Watch:
         # The surest score and the most at once since the first hit.
         self.best, self.most = 0.0, 0
 
-    def over(self, told: ObjectSighting) -> ObjectSighting:
+    def end_sighting(self, told: ObjectSighting) -> ObjectSighting:
         """End what was open, when it was last seen."""
         self.told, self.hits = None, []
         return told._replace(most=self.most, score=self.best, ended_us=self.last_us)
@@ -121,15 +121,17 @@ class Sightings:
         """Give the sightings that are over because nothing was seen for a while."""
         gone_us = max(GONE_US, GONE_PICTURES * self._between_us)
         return [
-            watch.over(watch.told)
+            watch.end_sighting(watch.told)
             for watch in self._watches.values()
             if watch.told is not None and at_us - watch.last_us > gone_us
         ]
 
-    def end(self) -> list[ObjectSighting]:
+    def end_sightings(self) -> list[ObjectSighting]:
         """Give all that are still open as ended, for nobody looks any more."""
         return [
-            watch.over(watch.told) for watch in self._watches.values() if watch.told is not None
+            watch.end_sighting(watch.told)
+            for watch in self._watches.values()
+            if watch.told is not None
         ]
 
     def _measure_pace(self, at_us: int) -> None:

@@ -44,14 +44,14 @@ class SteadyCounts:
         # By signal: counts of the pictures within the hold time, with when (µs).
         self._past: dict[str, list[tuple[int, int]]] = {}
 
-    def count(
+    def count_things(
         self, things: Sequence[Detection], sources: Mapping[str, DetectionSource], at_us: int
     ) -> dict[str, int]:
         """Give the count for each signal after one more picture.
 
         Args:
             things: what the detector told of it.
-            sources: by signal; see `CameraObjects.count`.
+            sources: by signal; see `CameraObjects.count_things`.
             at_us: when it was taken; a time before the last one begins anew.
 
         """

@@ -112,15 +112,17 @@ class Worker:
         for name in list(self._running):
             # The empty name is the package's own detector, which no description changes.
             if name and models.get(name) != self._models.get(name):
-                self._end(name)
+                self._end_process(name)
         self._models = dict(models)
 
-    def rest(self, model: str) -> None:
+    def stop_idle(self, model: str) -> None:
         """End a detector that nobody needs any more; it begins anew for the next picture."""
         if model in self._running:
-            self._end(model)
+            self._end_process(model)
 
-    async def seen(self, model: str, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
+    async def detect_objects(
+        self, model: str, rgb: NDArray[np.uint8], least: float
+    ) -> list[Detection]:
         """Find things on a picture.
 
         Pictures for one detector take turns in the order in which they are given.
@@ -141,11 +143,11 @@ class Worker:
         running = self._running.get(model)
         if running is None:
             running = self._running[model] = _Running(
-                self._job(model), partial(self._told, model), self._times
+                self._make_job(model), partial(self._told, model), self._times
             )
-        return await running.seen(rgb, least)
+        return await running.detect_objects(rgb, least)
 
-    def _job(self, model: str) -> dict[str, Any]:
+    def _make_job(self, model: str) -> dict[str, Any]:
         if not model:
             setting: dict[str, Any] = {**NANODET._asdict(), "kind": NANODET.kind.value}
             return {**setting, "file": str(OWN_FILE), "remedy": OWN_REMEDY, "classes": COCO}
@@ -163,7 +165,7 @@ class Worker:
             "remedy": f"put it there, or correct object_models.{model}.file",
         }
 
-    def _end(self, model: str) -> None:
+    def _end_process(self, model: str) -> None:
         # Taken out first: a picture that comes now begins another process and waits for nobody.
         task = asyncio.ensure_future(self._running.pop(model).close())
         self._ending.add(task)
@@ -172,7 +174,7 @@ class Worker:
     async def close(self) -> None:
         """End all detectors."""
         for name in list(self._running):
-            self._end(name)
+            self._end_process(name)
         await asyncio.gather(*self._ending, return_exceptions=True)
 
 
@@ -200,8 +202,8 @@ class _Running:
         # Set once by `close`; the failure that follows from it is no news.
         self._closed = False
 
-    async def seen(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
-        """See `Worker.seen`."""
+    async def detect_objects(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
+        """See `Worker.detect_objects`."""
         async with self._turn:
             # The turn may come after the end, for one who waited for it.
             if self._closed:
@@ -211,9 +213,9 @@ class _Running:
                 # for its start.
                 raise DetectorError(self._why)
             loop = asyncio.get_running_loop()
-            asked = loop.run_in_executor(self._thread, self._child.ask, rgb, least)
+            asked = loop.run_in_executor(self._thread, self._child.detect_blocking, rgb, least)
             # Killing the process is the only way to end a thread that waits in `read`.
-            late = loop.call_later(PATIENCE_S, self._child.kill)
+            late = loop.call_later(PATIENCE_S, self._child.kill_process)
             try:
                 things = await asked
             except DetectorError as error:
@@ -248,14 +250,14 @@ class _Running:
     async def close(self) -> None:
         # Before the kill: a thread that is just starting a process sees it and ends that one, too.
         self._closed = self._child.closed = True
-        self._child.kill()
+        self._child.kill_process()
         # Its read ends with the process; only then may another thread clear up after it.
         await asyncio.to_thread(self._thread.shutdown)
-        await asyncio.to_thread(self._child.end)
+        await asyncio.to_thread(self._child.end_process)
 
 
 class _Child:
-    """The process. One thread asks and ends it; `kill` may be called from another."""
+    """The process. One thread asks and ends it; `kill_process` may be called from another."""
 
     def __init__(self, job: dict[str, Any]) -> None:
         # What to load; written to each new process as its first line.
@@ -268,7 +270,7 @@ class _Child:
         self._words: deque[str] = deque(maxlen=20)
         self.closed = False
 
-    def ask(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
+    def detect_blocking(self, rgb: NDArray[np.uint8], least: float) -> list[Detection]:
         """Show a picture; blocks.
 
         Raises:
@@ -288,7 +290,7 @@ class _Child:
                 for box in told["things"]
             ]
         except (KeyError, ValueError, TypeError, IndexError) as error:
-            self.end()
+            self.end_process()
             raise DetectorError(f"invalid answer of the detector's process: {error!r}") from error
 
     def _told_of(self, *said: bytes | memoryview) -> dict[str, Any]:
@@ -299,7 +301,7 @@ class _Child:
                 _write_to_child(process, line)
             told = self._read_answer(process)
         except OSError as error:
-            raise DetectorError(self._ended()) from error
+            raise DetectorError(self._collect_exit()) from error
         # The detector says so itself; its process goes on.
         if "problem" in told:
             raise DetectorError(str(told["problem"]))
@@ -315,7 +317,7 @@ class _Child:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
-                # Unbuffered, so that `write` tells how much the pipe took and `kill` leaves nothing
+                # Unbuffered: `write` tells how much the pipe took; `kill_process` leaves nothing
                 # to flush.
                 bufsize=0,
                 env={**kept, **_ONE_THREAD},
@@ -323,7 +325,7 @@ class _Child:
         except OSError as error:
             raise DetectorError(f"the process could not be started: {error}") from error
         self._process = process
-        # `kill` may have come from the event loop while this thread was starting the process.
+        # `kill_process` may have come from the event loop while this thread started the process.
         if self.closed:
             process.kill()
         self._words.clear()
@@ -337,7 +339,7 @@ class _Child:
         _write_to_child(process, json.dumps(self._job).encode() + b"\n")
         told = self._read_answer(process)
         if "problem" in told:
-            self.end()
+            self.end_process()
             raise DetectorError(str(told["problem"]))
         return process
 
@@ -346,14 +348,14 @@ class _Child:
         line = process.stdout.readline()
         # Half a line, or none: it ended while it answered.
         if not line.endswith(b"\n"):
-            raise DetectorError(self._ended())
+            raise DetectorError(self._collect_exit())
         try:
             told = json.loads(line)
         except ValueError:
             told = None
         if not isinstance(told, dict):
             # A library that prints to standard output, say. What it meant nobody can know.
-            self.end()
+            self.end_process()
             raise DetectorError(f"the detector's process said {line[:60]!r} instead of an answer")
         return told
 
@@ -366,24 +368,24 @@ class _Child:
                 # kept.
                 self._words.append(line.decode("utf-8", "replace").strip()[:300])
 
-    def _ended(self) -> str:
+    def _collect_exit(self) -> str:
         """Say how it ended, and take it away."""
         # A negative code is the number of the signal that ended it.
-        code = self.end()
+        code = self.end_process()
         if code == -signal.SIGALRM:
             return f"the detector took longer than {LONGEST_LOOK_S} s and was ended"
         last = next((f": {word}" for word in reversed(self._words) if word), "")
         why = f"by signal {-code}" if code < 0 else f"with code {code}"
         return f"the detector's process ended {why}{last}"
 
-    def kill(self) -> None:
+    def kill_process(self) -> None:
         """End it at once; what waits for it hears so."""
         # Once into a local: the other thread may set the field to none between test and use.
         process = self._process
         if process is not None:
             process.kill()
 
-    def end(self) -> int:
+    def end_process(self) -> int:
         """End it and take away what is left of it; blocks for a moment; gives how it ended."""
         # Cleared before anything can fail, so that the next picture begins another.
         process, self._process = self._process, None

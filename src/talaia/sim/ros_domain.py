@@ -22,7 +22,14 @@ from talaia.sim.errors import BadDomain, NoFreeDomain
 if TYPE_CHECKING:
     from types import TracebackType
 
-__all__ = ["FIRST", "LAST", "Reservation", "environment", "profile", "reserve"]
+__all__ = [
+    "FIRST",
+    "LAST",
+    "Reservation",
+    "domain_environment",
+    "fastdds_profile",
+    "reserve_domain",
+]
 
 FIRST = 1
 LAST = 101
@@ -57,7 +64,7 @@ class Reservation:
         self.release()
 
 
-def reserve(domain: int | None = None, *, folder: Path | None = None) -> Reservation:
+def reserve_domain(domain: int | None = None, *, folder: Path | None = None) -> Reservation:
     """Reserve a ROS domain.
 
     Args:
@@ -86,7 +93,7 @@ def reserve(domain: int | None = None, *, folder: Path | None = None) -> Reserva
     return _raise_none_free(FIRST, LAST)
 
 
-def environment(domain: int) -> dict[str, str]:
+def domain_environment(domain: int) -> dict[str, str]:
     """Give the variables that put a process into a domain and keep it on this machine.
 
     Raises:
@@ -99,11 +106,11 @@ def environment(domain: int) -> dict[str, str]:
         # Known from ROS 2 Iron on; the profile below holds everywhere.
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
-        "FASTDDS_DEFAULT_PROFILES_FILE": str(profile()),
+        "FASTDDS_DEFAULT_PROFILES_FILE": str(fastdds_profile()),
     }
 
 
-def profile() -> Path:
+def fastdds_profile() -> Path:
     """Give the Fast DDS profile: loopback only, shared memory wide enough for pictures."""
     return Path(__file__).parent / "fastdds.xml"
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from talaia.ros_installation import ForeignRos, use_ros
 from talaia.shared_memory import remove_dead_segments_at_start
 from talaia.sim.errors import RosMissing, SimError
-from talaia.sim.ros_domain import environment, reserve
+from talaia.sim.ros_domain import domain_environment, reserve_domain
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -73,9 +73,9 @@ def run_robot(name: str, domain: int | None, run: Callable[[Start], None]) -> in
                 # Put back as they were, for a caller that goes on.
                 stack.callback(signal.signal, number, before)
             if domain is None:
-                domain = stack.enter_context(reserve()).domain
+                domain = stack.enter_context(reserve_domain()).domain
             # For this process and whatever it starts.
-            os.environ.update(environment(domain))
+            os.environ.update(domain_environment(domain))
             run(Start(domain, ended, stack))
     except (SimError, OSError) as error:
         sys.stderr.write(f"talaia sim {name}: {error}\n")

@@ -14,7 +14,15 @@ from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run tim
 
 from talaia.wire.errors import PeerError
 
-__all__ = ["MAX_SAMPLES", "Columns", "PackedColumns", "pack", "part", "renumbered", "unpack"]
+__all__ = [
+    "MAX_SAMPLES",
+    "Columns",
+    "PackedColumns",
+    "pack_columns",
+    "renumber_channels",
+    "slice_columns",
+    "unpack_columns",
+]
 
 # A sample is 14 bytes without its text, so that the columns of a full batch stay below 1 MiB.
 MAX_SAMPLES = 65_536
@@ -77,7 +85,7 @@ class _PackedMessage(Protocol):
     def texts(self) -> dict[int, str]: ...
 
 
-def part(columns: Columns, begin: int, end: int) -> Columns:
+def slice_columns(columns: Columns, begin: int, end: int) -> Columns:
     """Give the samples from position ``begin`` to, not including, ``end``."""
     return Columns(
         columns.channel[begin:end],
@@ -88,7 +96,7 @@ def part(columns: Columns, begin: int, end: int) -> Columns:
     )
 
 
-def renumbered(columns: Columns, order: NDArray[np.int64]) -> Columns:
+def renumber_channels(columns: Columns, order: NDArray[np.int64]) -> Columns:
     """Give the samples with the channels numbered by another list.
 
     Args:
@@ -111,7 +119,7 @@ def renumbered(columns: Columns, order: NDArray[np.int64]) -> Columns:
     )
 
 
-def pack(columns: Columns) -> PackedColumns:
+def pack_columns(columns: Columns) -> PackedColumns:
     """Turn columns into the bytes of a message.
 
     Raises:
@@ -137,7 +145,7 @@ def pack(columns: Columns) -> PackedColumns:
     )
 
 
-def unpack(packed: _PackedMessage) -> Columns:
+def unpack_columns(packed: _PackedMessage) -> Columns:
     """Turn a message's bytes back into columns. The arrays are read-only views where possible.
 
     Raises:

@@ -37,10 +37,10 @@ class EnrolmentCode(NamedTuple):
 
     def __str__(self) -> str:
         text = self.secret + self.pin
-        text += _check(text)
+        text += _check_letters(text)
         return "-".join(text[at : at + _GROUP] for at in range(0, len(text), _GROUP))
 
-    def fits(self, key_hash: str) -> bool:
+    def matches_key(self, key_hash: str) -> bool:
         """Tell whether a public key's SHA-256 (hexadecimal) is the one that the code names."""
         # A public key's hash is no secret, so it needs no comparison in constant time.
         return self.pin == pin_of(key_hash)
@@ -62,29 +62,29 @@ def read_code(text: str) -> EnrolmentCode:
     if len(plain) not in {SECRET_LENGTH + _CHECK_LENGTH, longest}:
         raise CodeMistyped(f"it has {len(plain)} letters and digits, and a code has {longest}")
     said, check = plain[:-_CHECK_LENGTH], plain[-_CHECK_LENGTH:]
-    if _check(said) != check:
+    if _check_letters(said) != check:
         raise CodeMistyped("one of its characters is not as it was shown")
     return EnrolmentCode(said[:SECRET_LENGTH], said[SECRET_LENGTH:])
 
 
 def secret_of(number: int) -> str:
     """Write the lowest 60 bits of a random number as a code's secret."""
-    return _written(number, SECRET_LENGTH)
+    return _encode_letters(number, SECRET_LENGTH)
 
 
 def pin_of(key_hash: str) -> str:
     """Give the part of a code that names a public key by its SHA-256 (hexadecimal)."""
     # The first 105 of its 256 bits.
-    return _written(int(key_hash, 16) >> (256 - 5 * _PIN_LENGTH), _PIN_LENGTH)
+    return _encode_letters(int(key_hash, 16) >> (256 - 5 * _PIN_LENGTH), _PIN_LENGTH)
 
 
-def _check(text: str) -> str:
+def _check_letters(text: str) -> str:
     # The words in front keep this apart from every other hash of the same text.
     digest = hashlib.sha256(b"talaia enrolment code " + text.encode()).digest()
     # Of these 16 bits the lowest ten are written.
-    return _written(int.from_bytes(digest[:2], "big"), _CHECK_LENGTH)
+    return _encode_letters(int.from_bytes(digest[:2], "big"), _CHECK_LENGTH)
 
 
-def _written(number: int, length: int) -> str:
+def _encode_letters(number: int, length: int) -> str:
     # Five bits a letter, the highest first.
     return "".join(_LETTERS[number >> 5 * at & 31] for at in reversed(range(length)))

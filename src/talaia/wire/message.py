@@ -17,7 +17,7 @@ from talaia.wire.errors import PeerError, UnknownKind
 if TYPE_CHECKING:
     from types import UnionType
 
-__all__ = ["MAX_FRAME", "PROTOCOL", "Codec", "Message", "speaks"]
+__all__ = ["MAX_FRAME", "PROTOCOL", "Codec", "Message", "is_compatible"]
 
 # A new field or a new kind does not raise it: who does not know them passes them over.
 PROTOCOL = 1
@@ -25,7 +25,7 @@ PROTOCOL = 1
 MAX_FRAME = 4 * 1024 * 1024
 
 
-def speaks(protocol: int) -> bool:
+def is_compatible(protocol: int) -> bool:
     """Tell whether a peer of this protocol is understood: ours, the one before, the one after."""
     return abs(protocol - PROTOCOL) <= 1
 
@@ -78,7 +78,7 @@ class Codec(Generic[M]):
             return self._binary.decode(data)
         except msgspec.ValidationError as error:
             # Looked up only now, so that a good frame is read once.
-            kind = self._kind(data)
+            kind = self._message_kind(data)
             if kind is not None and kind not in self._kinds:
                 raise UnknownKind(kind) from error
             raise PeerError(f"a frame that is not in the protocol: {error}") from error
@@ -87,7 +87,7 @@ class Codec(Generic[M]):
             raise PeerError(f"a frame that is not in the protocol: {error}") from error
 
     @staticmethod
-    def _kind(data: bytes | str) -> str | None:
+    def _message_kind(data: bytes | str) -> str | None:
         """Tell the tag of a frame that could not be decoded."""
         try:
             if isinstance(data, str):

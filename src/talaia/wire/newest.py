@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.wire.columns import MAX_SAMPLES, Columns, part
+from talaia.wire.columns import MAX_SAMPLES, Columns, slice_columns
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import NewestBatch
 
@@ -114,6 +114,6 @@ def runs_of(known: NewestSamples, below: int) -> list[tuple[int, Columns]]:
     # Of nothing there is one bound, and so no piece.
     bounds = [0, *cuts.tolist(), count] if count else [0]
     return [
-        (int(known.sequence[begin]), part(known.columns, begin, end))
+        (int(known.sequence[begin]), slice_columns(known.columns, begin, end))
         for begin, end in pairwise(bounds)
     ]

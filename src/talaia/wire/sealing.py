@@ -8,7 +8,7 @@ import zlib
 
 from talaia.wire.errors import PeerError
 
-__all__ = ["MAX_TEXT", "deflated", "digest_of", "inflated", "seal_of"]
+__all__ = ["MAX_TEXT", "compress_text", "decompress_text", "digest_of", "seal_of"]
 
 # Bytes of a description's text: what `model.yaml_text.load` reads.
 MAX_TEXT = 4 * 1024 * 1024
@@ -19,12 +19,12 @@ def digest_of(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def deflated(text: str) -> bytes:
+def compress_text(text: str) -> bytes:
     """Give a text as it is sent."""
     return zlib.compress(text.encode(), 6)
 
 
-def inflated(data: bytes) -> str:
+def decompress_text(data: bytes) -> str:
     """Give back a text that was sent; never more than `MAX_TEXT` bytes are unpacked.
 
     Raises:

@@ -25,7 +25,7 @@ def test_a_time_with_its_zone_comes_back_exactly(moment, zone, between) -> None:
     local = moment.astimezone(ZoneInfo(zone))
     # An offset says which of two equal clock times is meant.
     text = local.isoformat(between)
-    assert TimeReader().read(f" {text} ") == (moment - EPOCH) // US
+    assert TimeReader().read_time(f" {text} ") == (moment - EPOCH) // US
 
 
 @settings(deadline=None)
@@ -35,15 +35,15 @@ def test_a_number_comes_back_exactly_in_each_unit(time_us, unit) -> None:
     whole = abs(time_us) * (1000 if unit == "ns" else 1)
     text = f"{whole // 10**digits}" + (f".{whole % 10**digits:0{digits}}" if digits else "")
     text = ("-" if time_us < 0 else "") + text
-    assert TimeReader(unit=TimeUnit(unit)).read(text) == time_us
+    assert TimeReader(unit=TimeUnit(unit)).read_time(text) == time_us
 
 
 @settings(deadline=None)
 @given(st.integers(1_000_000_000_000_000, 9_999_999_999_999_999))
 def test_the_unit_is_found_by_the_size_of_the_number(time_us) -> None:
     for text in (f"{time_us // 10**6}.{time_us % 10**6:06}", f"{time_us}", f"{time_us}999"):
-        assert TimeReader().read(text) == time_us
-    assert TimeReader().read(f"{time_us // 1000}") == time_us // 1000 * 1000
+        assert TimeReader().read_time(text) == time_us
+    assert TimeReader().read_time(f"{time_us // 1000}") == time_us // 1000 * 1000
 
 
 @settings(deadline=None)
@@ -60,7 +60,9 @@ def test_a_day_by_the_clock_on_the_wall_keeps_its_order_through_a_change(begin, 
     if day[0].astimezone(info).fold:
         day = day[30:]
     reader = TimeReader(info)
-    read = [reader.read(each.astimezone(info).replace(tzinfo=None).isoformat()) for each in day]
+    read = [
+        reader.read_time(each.astimezone(info).replace(tzinfo=None).isoformat()) for each in day
+    ]
     assert read == [(each - EPOCH) // US for each in day]
 
 
@@ -69,7 +71,7 @@ def test_a_day_by_the_clock_on_the_wall_keeps_its_order_through_a_change(begin, 
 def test_any_cell_is_a_time_or_an_error(text) -> None:
     for unit in TimeUnit:
         try:
-            assert isinstance(TimeReader(ZoneInfo("Europe/Madrid"), unit).read(text), int)
+            assert isinstance(TimeReader(ZoneInfo("Europe/Madrid"), unit).read_time(text), int)
         except CellError:
             continue
 
@@ -80,17 +82,17 @@ def test_any_cell_is_a_time_or_an_error(text) -> None:
 )
 def test_what_is_no_time_is_refused(text) -> None:
     with pytest.raises(CellError):
-        TimeReader(ZoneInfo("UTC")).read(text)
+        TimeReader(ZoneInfo("UTC")).read_time(text)
 
 
 def test_a_time_that_never_was_and_one_without_zone_are_refused() -> None:
     with pytest.raises(CellError, match="never showed"):
-        TimeReader(ZoneInfo("Europe/Madrid")).read("2024-03-31T02:30:00")
+        TimeReader(ZoneInfo("Europe/Madrid")).read_time("2024-03-31T02:30:00")
     with pytest.raises(CellError, match="--zone"):
-        TimeReader().read("2024-03-31T02:30:00")
+        TimeReader().read_time("2024-03-31T02:30:00")
 
 
 def test_nanoseconds_are_cut_and_not_rounded() -> None:
     reader = TimeReader()
-    assert reader.read("2024-01-31T12:00:00.123456999Z") % 1_000_000 == 123_456
-    assert TimeReader().read("1700000000123456999") == 1_700_000_000_123_456
+    assert reader.read_time("2024-01-31T12:00:00.123456999Z") % 1_000_000 == 123_456
+    assert TimeReader().read_time("1700000000123456999") == 1_700_000_000_123_456

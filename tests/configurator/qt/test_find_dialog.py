@@ -14,7 +14,7 @@ from sqlalchemy import make_url
 
 from talaia.configurator.program_run import ProgramPhase
 from talaia.configurator.robot_discovery import DiscoveryPhase
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.probe_report import FieldFound, Found, TopicFound
 
 from ..conftest import wait
@@ -56,7 +56,7 @@ def test_what_is_found_fills_the_description_as_one_step(scripted: Any, qt: Any)
     wait(qt, lambda: finished(dialog))
     assert dialog.told.text() == "Added 1 sensors, 1 cameras. Undo reverts it."
     assert "/odd: the type is not known here" in dialog.left_out.toPlainText()
-    assert check(window.editor.site) == []
+    assert check_site(window.editor.site) == []
     assert window.sensors.table.model().rowCount() == 1
     dialog.start_button.click()
     wait(qt, lambda: finished(dialog))

@@ -51,8 +51,8 @@ def robot(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The founding robot, running; what this process starts then reaches it."""
     if not importlib.util.find_spec("rclpy"):
         missing("rclpy")
-    with ros_domain.reserve() as place:
-        for key, value in ros_domain.environment(place.domain).items():
+    with ros_domain.reserve_domain() as place:
+        for key, value in ros_domain.domain_environment(place.domain).items():
             monkeypatch.setenv(key, value)
         script = Path(__file__).with_name("founding_robot.py")
         process = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True)

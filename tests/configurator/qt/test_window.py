@@ -9,7 +9,7 @@ import pytest
 
 from talaia.configurator.description_paths import value_at
 from talaia.model.ai_services import AiServices
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import load_site, read_site
 
 from ..conftest import answer, choose, settle, type_file
@@ -65,7 +65,7 @@ def test_the_keyboard_alone_makes_a_robot_that_runs(window: Any) -> None:
     assert QApplication.focusWidget() is window.robot.actuate.switch
     press(window, Qt.Key.Key_Space)
     site = window.editor.site
-    assert check(site) == []
+    assert check_site(site) == []
     assert site.services.anomaly_detection
     assert list(site.devices["sensors"].signals) == ["voltage1", "voltage2"]
     assert site.devices["base"].drive is not None

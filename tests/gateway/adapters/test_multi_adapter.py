@@ -18,7 +18,7 @@ from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import ChannelReading
-from talaia.gateway.reload.discovered_devices import joined, keep_found, with_kept
+from talaia.gateway.reload.discovered_devices import add_discovered, keep_found, with_kept
 from talaia.model.connection import IndiSource
 from talaia.model.site import Device, Signal
 from talaia.model.yaml_text.load import load_site
@@ -188,12 +188,12 @@ def test_devices_that_are_found_join_the_description_and_stay(tmp_path: Path) ->
     signal = Signal(name="RA", source=IndiSource(property="EQUATORIAL_EOD_COORD", element="RA"))
     mount = Device(name="Mount", indi="Telescope Simulator", signals={"ra": signal})
     unfit = msgspec.structs.replace(mount, name="")
-    both = joined(site, "sky", {"mount": mount, "bad name": mount, "unfit": unfit})
+    both = add_discovered(site, "sky", {"mount": mount, "bad name": mount, "unfit": unfit})
     assert list(both.devices) == ["mount"]
     assert both.devices["mount"].connection == "sky"
     keep_found(tmp_path, "sky", {"mount": mount})
     assert with_kept(tmp_path, site) == both
     named = msgspec.structs.replace(site, devices={"mount": Device(name="By hand")})
-    assert joined(named, "sky", {"mount": mount}).devices["mount"].name == "By hand"
+    assert add_discovered(named, "sky", {"mount": mount}).devices["mount"].name == "By hand"
     (tmp_path / "found" / "sky.json").write_text("{")
     assert with_kept(tmp_path, site) == site

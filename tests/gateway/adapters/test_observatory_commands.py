@@ -85,8 +85,8 @@ def ros(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iter
         warnings.simplefilter("ignore", DeprecationWarning)
         for name in ("rclpy.node", "lark"):
             importlib.import_module(name)
-    with ros_domain.reserve() as reservation:
-        for name, value in ros_domain.environment(reservation.domain).items():
+    with ros_domain.reserve_domain() as reservation:
+        for name, value in ros_domain.domain_environment(reservation.domain).items():
             monkeypatch.setenv(name, value)
         yield "ros2"
 

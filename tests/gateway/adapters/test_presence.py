@@ -37,7 +37,7 @@ class Robot:
             ):
                 self.asked += 1
                 if self.answers:
-                    self.presence.answered(node, self.now)
+                    self.presence.mark_alive(node, self.now)
 
 
 @pytest.fixture
@@ -100,7 +100,7 @@ def test_who_cannot_be_asked_is_away_only_when_the_graph_says_so() -> None:
 def test_one_of_two_nodes_that_lives_is_enough() -> None:
     both = frozenset({"/a", "/b"})
     robot = Robot(DeviceEndpoints(there=True, nodes=both, askable=both))
-    robot.presence.gone("/a")
+    robot.presence.mark_dead("/a")
     robot.looks(10)
     assert robot.told == []
 
@@ -108,7 +108,7 @@ def test_one_of_two_nodes_that_lives_is_enough() -> None:
 def test_a_node_of_whom_nothing_is_left_is_away_at_once(robot: Robot) -> None:
     robot.answers = False
     robot.looks(1)
-    robot.presence.gone("/dome_server")
+    robot.presence.mark_dead("/dome_server")
     robot.looks(1)
     assert robot.told == ["/dome_server does not answer"]
 
@@ -132,7 +132,7 @@ def test_whatever_happened_before_it_is_there_as_soon_as_it_speaks(
         robot.offer = THERE if there else NOTHING
         robot.looks(1, speaks=speaks)
     if last == "gone":
-        robot.presence.gone("/dome_server")
+        robot.presence.mark_dead("/dome_server")
     robot.offer = THERE
     robot.looks(1, speaks=True)
     assert not robot.told or not robot.told[-1]

@@ -19,8 +19,8 @@ from gateway_bench import addresses_of, running
 from hypothesis import given, strategies as st
 from patience import PATIENCE_S
 
-from talaia.gateway.adapters.process import filled, number_in, run_words
-from talaia.model.checks.site_checks import check
+from talaia.gateway.adapters.process import fill_arguments, number_in, run_words
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import ProcessSource
 from talaia.model.discovery.command_file import site_of
 from talaia.model.site import (
@@ -56,16 +56,20 @@ def command(**fields: ArgumentType) -> Command:
 @given(st.text(min_size=1).filter(lambda t: not t.startswith("-") and "\0" not in t))
 def test_whatever_a_person_writes_is_one_argument_as_it_is(text: str) -> None:
     one = command(parameters=ArgumentType.TEXT)
-    assert filled(one.target, one, {"parameters": text}) == ["prog", "client", text]
+    assert fill_arguments(one.target, one, {"parameters": text}) == ["prog", "client", text]
 
 
 def test_numbers_are_written_for_every_program_and_options_are_refused() -> None:
     one = command(ra=ArgumentType.NUMBER, parameters=ArgumentType.TEXT)
-    assert filled(one.target, one, {"ra": 1e-5, "parameters": ""}) == ["prog", "client", "0.00001"]
-    assert filled(one.target, one, {"ra": -5.0, "parameters": "-5:30"}) == [
+    assert fill_arguments(one.target, one, {"ra": 1e-5, "parameters": ""}) == [
+        "prog",
+        "client",
+        "0.00001",
+    ]
+    assert fill_arguments(one.target, one, {"ra": -5.0, "parameters": "-5:30"}) == [
         "prog", "client", "-5", "-5:30",
     ]  # fmt: skip
-    said = filled(one.target, one, {"ra": 1.0, "parameters": "--log=/etc/passwd"})
+    said = fill_arguments(one.target, one, {"ra": 1.0, "parameters": "--log=/etc/passwd"})
     assert isinstance(said, str)
     assert "begins with a dash" in said
 
@@ -202,7 +206,7 @@ async def bench(tmp_path: Path) -> AsyncIterator[Bench]:
     (tmp_path / "dome.py").write_text(DOME.format(folder=str(tmp_path)))
     text = CLASSIC.read_text().replace("ros2 run", f"{sys.executable} -S {tmp_path / 'dome.py'}")
     site = site_of(text, "observatory")
-    assert check(site) == []
+    assert check_site(site) == []
     connection = msgspec.structs.replace(site.connections["commands"], timeout=2.0)
     quick = dump_site(msgspec.structs.replace(site, connections={"commands": connection}))
     async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", quick):

@@ -102,34 +102,34 @@ def state(phase: CommandPhase, command_id: str = "i") -> CommandState:
 @given(st.lists(st.sampled_from(list(P)), max_size=20))
 def test_end_is_final_whatever_comes_after_it(steps: list[CommandPhase]) -> None:
     book = CommandBook()
-    assert book.open(state(P.ACCEPTED))
+    assert book.enter_command(state(P.ACCEPTED))
     ended = None
     for phase in steps:
-        moved = book.move(command_id="i", phase=phase)
+        moved = book.move_command(command_id="i", phase=phase)
         if ended is not None:
             assert moved is None
-            assert book.get("i").phase is ended
+            assert book.find_state("i").phase is ended
         elif moved is not None and phase in FINAL:
             ended = phase
-        assert not book.open(state(P.ACCEPTED))
+        assert not book.enter_command(state(P.ACCEPTED))
 
 
 def test_what_had_not_ended_before_a_restart_is_unknown() -> None:
     book = CommandBook([state(P.ACCEPTED, "a"), state(P.ACCEPTED, "b"), state(P.SUCCEEDED, "b")])
-    assert book.get("a").phase is P.UNKNOWN
-    assert book.get("b").phase is P.SUCCEEDED
+    assert book.find_state("a").phase is P.UNKNOWN
+    assert book.find_state("b").phase is P.SUCCEEDED
     assert [each.id for each in book.interrupted] == ["a"]
-    assert not book.open(state(P.ACCEPTED, "a"))
+    assert not book.enter_command(state(P.ACCEPTED, "a"))
 
 
 def test_book_forgets_the_oldest_ended_ones_only() -> None:
     book = CommandBook()
     book.KEPT = 10
-    book.open(state(P.ACCEPTED, "runs"))
+    book.enter_command(state(P.ACCEPTED, "runs"))
     for number in range(30):
-        book.open(state(P.REFUSED, str(number)))
-    assert len(book.states()) == 10
-    assert book.get("runs") is not None
+        book.enter_command(state(P.REFUSED, str(number)))
+    assert len(book.all_states()) == 10
+    assert book.find_state("runs") is not None
 
 
 class Dome:
@@ -182,7 +182,7 @@ class Bench(CommandGuard):
         work()
 
     async def ask(self, command_id: str = "i", ttl_ms: float = 5000) -> None:
-        await self.commanding.ask(
+        await self.commanding.handle_request(
             CommandRequest(id=command_id, device="dome", command="open", ttl_ms=ttl_ms, who="Ada")
         )
 
@@ -237,7 +237,7 @@ async def test_crash_after_accepted_reads_as_unknown_and_is_not_done_again(
     await bench.ask()
     await bench.commanding.close()
     later = Bench(tmp_path)
-    later.commanding.report()
+    later.commanding.report_states()
     assert [(each.id, each.phase) for each in later.said] == [("i", P.UNKNOWN)]
     await later.ask()
     assert later.dome.asked == []
@@ -251,7 +251,7 @@ async def test_no_answer_in_time_is_unknown_and_a_late_one_changes_nothing(
     bench.dome.answer = None
     await bench.ask()
     assert (await bench.ended()).phase is P.UNKNOWN
-    bench.commanding._move("i", P.SUCCEEDED)
+    bench.commanding._move_command("i", P.SUCCEEDED)
     assert bench.said[-1].phase is P.UNKNOWN
     await bench.commanding.close()
 
@@ -300,7 +300,7 @@ async def test_the_gateways_own_closing_and_a_persons_do_not_wait_for_a_disk_tha
     bench.commanding._writer._on_disk = hangs
     bench.commanding.redescribe(UNDER_A_ROOF)
     own = CommandRequest(id="own", device="dome", command="open", ttl_ms=5000, who="interlock")
-    await bench.commanding.ask(own, guarded=False)
+    await bench.commanding.handle_request(own, guarded=False)
     assert bench.dome.asked == ["dome/open"]
     async with asyncio.timeout(PATIENCE_S):
         await bench.ask("hers")
@@ -340,11 +340,11 @@ async def test_trouble_with_the_journal_is_said_once_and_its_end_once(tmp_path: 
 def test_journal_ignores_a_line_cut_short(tmp_path: Path) -> None:
     path = tmp_path / "c.jsonl"
     journal = CommandJournal(path)
-    journal.write(state(P.ACCEPTED, "a"), sure=True)
-    journal.write(state(P.SUCCEEDED, "a"), sure=True)
+    journal.write_state(state(P.ACCEPTED, "a"), sure=True)
+    journal.write_state(state(P.SUCCEEDED, "a"), sure=True)
     path.write_bytes(path.read_bytes()[:-10])
     later = CommandJournal(path)
-    later.write(state(P.FAILED, "b"), sure=True)
+    later.write_state(state(P.FAILED, "b"), sure=True)
     assert [each.phase for each in CommandJournal(path).remembered] == [P.ACCEPTED, P.FAILED]
 
 
@@ -365,8 +365,8 @@ async def run_sequence(bench: Bench, steps: tuple[Step, ...]) -> list[str]:
                 done.set()
 
     sequences = SequenceRunner(commands=bench.commanding, output=Mouth(), boot="boot")
-    sequences.begin("interlock rain", steps)
-    sequences.begin("interlock rain", steps)
+    sequences.begin_sequence("interlock rain", steps)
+    sequences.begin_sequence("interlock rain", steps)
     async with asyncio.timeout(PATIENCE_S):
         await done.wait()
     await sequences.close()
@@ -430,7 +430,7 @@ async def test_a_command_whose_end_is_reached_all_the_same_has_not_failed(
     sequences = SequenceRunner(
         commands=bench.commanding, output=Mouth(), boot="boot", is_reached=reached
     )
-    sequences.begin("enclosure dome park 1", (Step(command="dome/open"),))
+    sequences.begin_sequence("enclosure dome park 1", (Step(command="dome/open"),))
     async with asyncio.timeout(PATIENCE_S):
         await asyncio.gather(*sequences._running.values())
     assert notes == [kind]
@@ -482,7 +482,7 @@ async def test_a_command_waits_until_what_it_needs_is_so(tmp_path: Path) -> None
         (lambda x: setattr(x, "held", Hold("it is closed", 9, final=True)), P.REFUSED, "closed"),
         (lambda x: x.clock.advance(121 * SECOND), P.FAILED, "longer than 120 s"),
         (
-            lambda x: x.commanding.cancel(CommandCancel(id="i", device="dome", who="Ada")),
+            lambda x: x.commanding.cancel_command(CommandCancel(id="i", device="dome", who="Ada")),
             P.CANCELLED,
             "nothing was done",
         ),

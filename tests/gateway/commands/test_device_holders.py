@@ -65,8 +65,8 @@ class Robot(CommandGuard):
             id=f"id-{next(self.numbers)}", device=device, command=command, args=args, ttl_ms=5e3,
             who=who, over=over,
         )  # fmt: skip
-        await self.commanding.ask(ask, guarded=guarded)
-        state = self.commanding.state(ask.id)
+        await self.commanding.handle_request(ask, guarded=guarded)
+        state = self.commanding.command_state(ask.id)
         assert state is not None
         return state
 
@@ -114,7 +114,7 @@ async def test_the_hub_is_told_who_acts_and_that_they_do_no_longer(robot: Robot)
     robot.clock.advance(4 * SECOND)
     robot.said.clear()
     # A hub that comes later hears of it as well.
-    robot.commanding.report()
+    robot.commanding.report_states()
     assert [(one.id, one.acting_s) for one in robot.said] == [(closing.id, 4.0)]
     robot.said.clear()
     done = await robot.asks("Bob", "dome/open", over=closing.id)
@@ -136,7 +136,7 @@ async def test_what_waited_is_asked_about_again_when_it_finally_begins(robot: Ro
     over = await robot.asks("Bob", "dome/goto", over=waiting.id, azimuth=10.0)
     assert over.phase is CommandPhase.RUNNING
     robot.waits = None
-    ended = robot.commanding.state
+    ended = robot.commanding.command_state
     await until(
         lambda: ended(waiting.id).phase not in {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
     )
@@ -192,9 +192,9 @@ async def test_a_command_that_has_ended_holds_nothing(robot: Robot) -> None:
 def test_a_hold_of_another_kind_than_a_command_counts_as_well_until_it_is_released() -> None:
     holders = DeviceHolders()
     night = DeviceHolder("night-1", "dome", "Dome: observes M 31", "tonight's plan", 0)
-    holders.hold(night)
-    assert holders.against("dome", "Ada") == night
-    assert holders.against("dome", "tonight's plan") is None
-    assert holders.against("camera", "Ada") is None
-    holders.release("night-1")
-    assert holders.against("dome", "Ada") is None
+    holders.add_holder(night)
+    assert holders.holder_against("dome", "Ada") == night
+    assert holders.holder_against("dome", "tonight's plan") is None
+    assert holders.holder_against("camera", "Ada") is None
+    holders.release_holder("night-1")
+    assert holders.holder_against("dome", "Ada") is None

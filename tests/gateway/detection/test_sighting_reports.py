@@ -13,7 +13,7 @@ from patience import PATIENCE_S
 
 from talaia.clock import SECOND
 from talaia.gateway.adapters.connection_scope import scopes_of
-from talaia.gateway.change_policy import AcceptedChanges, forbidden
+from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
 from talaia.gateway.detection.sighting_reports import MOST_KEPT, DetectionReporter, ReportTimes
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
@@ -226,7 +226,7 @@ def test_adapter_is_told_nothing_of_what_is_seen() -> None:
 def test_hub_changes_neither_the_file_that_is_run_nor_the_eye_of_an_interlock(
     old: str, new: str, accepts: AcceptedChanges, where: str
 ) -> None:
-    assert [each.where for each in forbidden(site(), site(old, new), accepts)] == [where]
+    assert [each.where for each in forbidden_changes(site(), site(old, new), accepts)] == [where]
 
 
 def test_hub_may_change_what_is_only_looked_at() -> None:
@@ -240,7 +240,7 @@ def test_hub_may_change_what_is_only_looked_at() -> None:
         )
     )  # fmt: skip
     assert before != after
-    assert forbidden(before, after, AcceptedChanges.READINGS) == []
+    assert forbidden_changes(before, after, AcceptedChanges.READINGS) == []
 
 
 class Nobody:
@@ -263,8 +263,8 @@ def test_interlock_begins_locked_when_its_camera_is_to_see_otherwise() -> None:
     interlocks = Interlocks(
         site=site(), readings=nobody, output=nobody, run=lambda _label, _steps: None, now_ns=now_ns
     )
-    interlocks.step(now_ns + SECOND)
-    assert interlocks.refusal("base", "drive", now_ns + SECOND) == ""
+    interlocks.evaluate_all(now_ns + SECOND)
+    assert interlocks.refusal_reason("base", "drive", now_ns + SECOND) == ""
     said = len(nobody.said)
     interlocks.redescribe(site("name: Front camera", "name: Bow"), now_ns + SECOND)
     assert len(nobody.said) == said

@@ -106,7 +106,7 @@ class Bench:
             clock=self.clock,
             output=self.robot,
             readings=self.robot,
-            next_epoch=LeaseEpochs(self.folder / "epochs.json").next,
+            next_epoch=LeaseEpochs(self.folder / "epochs.json").next_epoch,
             stops=StopWriter(
                 stops=PersistentStops(self.folder / "stops.json"),
                 on_disk=on_disk,
@@ -115,12 +115,12 @@ class Bench:
         )
 
     def lease(self, session: str = "tab", op: LeaseOp = LeaseOp.TAKE) -> LeaseState:
-        self.control.lease(LeaseRequest(device="base", session=session, who=session, op=op))
+        self.control.handle_lease(LeaseRequest(device="base", session=session, who=session, op=op))
         return self.robot.last(LeaseState)
 
     def drive(self, linear: float = 0.1, session: str = "tab", epoch: int | None = None) -> None:
-        held = self.control.controllers["base"].lease.holder(self.clock.monotonic_ns())
-        self.control.drive(
+        held = self.control.controllers["base"].lease.holder_at(self.clock.monotonic_ns())
+        self.control.handle_frame(
             DriveFrame(
                 device="base",
                 session=session,
@@ -142,7 +142,7 @@ class Bench:
                 self.clock.advance(end - now)
                 return
             self.clock.advance(max(0, due - now))
-            self.control.step()
+            self.control.run_due()
 
 
 @pytest.fixture
@@ -221,7 +221,7 @@ def test_stop_says_s_to_a_robot_that_is_driven_by_characters(tmp_path: Path) -> 
     bench = KeyBench(tmp_path)
     bench.lease()
     bench.drive(0.5)
-    bench.control.stop(StopRequest(device="base", id="1", who="ann"))
+    bench.control.stop_device(StopRequest(device="base", id="1", who="ann"))
     assert bench.robot.heard[-1] == "s"
 
 
@@ -315,7 +315,7 @@ def test_lease_that_is_not_renewed_ends_with_zeros_and_is_told(bench: Bench) -> 
 def test_stop_zeroes_latches_and_is_repeated_to_the_robot(bench: Bench) -> None:
     bench.lease()
     bench.drive()
-    assert bench.control.stop(StopRequest(device="base", id="i", who="Ben")) is not None
+    assert bench.control.stop_device(StopRequest(device="base", id="i", who="Ben")) is not None
     assert bench.robot.driven[-1][1:] == (0.0, 0.0)
     assert bench.robot.stopped == [True]
     assert bench.robot.last(StopState).id == "i"
@@ -330,14 +330,14 @@ def test_stop_zeroes_latches_and_is_repeated_to_the_robot(bench: Bench) -> None:
 
 def test_repeated_stop_is_answered_each_time(bench: Bench) -> None:
     for number in range(3):
-        bench.control.stop(StopRequest(device="base", id="same", who="Ben"))
+        bench.control.stop_device(StopRequest(device="base", id="same", who="Ben"))
         answers = [each for each in bench.robot.sent if isinstance(each, StopState)]
         assert sum(each.id == "same" for each in answers) == number + 1
     assert bench.robot.notes.count("stop") == 1
 
 
 def test_stop_is_confirmed_by_the_robot_itself(bench: Bench) -> None:
-    bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
+    bench.control.stop_device(StopRequest(device="base", id="i", who="Ben"))
     bench.robot.speed = ChannelReading(0.1, bench.clock.monotonic_ns())
     bench.pass_time(100 * MS)
     assert not bench.robot.last(StopState).confirmed
@@ -348,7 +348,7 @@ def test_stop_is_confirmed_by_the_robot_itself(bench: Bench) -> None:
 
 async def test_stop_survives_a_restart_and_nobody_holds_a_lease_after_it(bench: Bench) -> None:
     first = bench.lease().epoch
-    latched = bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
+    latched = bench.control.stop_device(StopRequest(device="base", id="i", who="Ben"))
     await bench.control.keep_stop("base", latched)
     bench.robot.sent.clear()
     bench.control = bench.build()
@@ -361,20 +361,20 @@ async def test_stop_survives_a_restart_and_nobody_holds_a_lease_after_it(bench: 
 
 
 async def test_reset_needs_lease_and_token_and_starts_no_motion(bench: Bench) -> None:
-    latched = bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
+    latched = bench.control.stop_device(StopRequest(device="base", id="i", who="Ben"))
     await bench.control.keep_stop("base", latched)
     ask = {"device": "base", "session": "tab", "who": "Ada"}
-    await bench.control.reset(ResetRequest(**ask, epoch=0))
+    await bench.control.reset_stop(ResetRequest(**ask, epoch=0))
     assert bench.robot.last(ResetToken).refused
     epoch = bench.lease().epoch
-    await bench.control.reset(ResetRequest(**ask, epoch=epoch, token="guess"))  # noqa: S106
+    await bench.control.reset_stop(ResetRequest(**ask, epoch=epoch, token="guess"))  # noqa: S106
     assert bench.robot.last(ResetToken).refused
-    await bench.control.reset(ResetRequest(**ask, epoch=epoch))
+    await bench.control.reset_stop(ResetRequest(**ask, epoch=epoch))
     token = bench.robot.last(ResetToken).token
     assert token
     bench.drive()
     bench.clock.advance(50 * MS)
-    await bench.control.reset(ResetRequest(**ask, epoch=epoch, token=token))
+    await bench.control.reset_stop(ResetRequest(**ask, epoch=epoch, token=token))
     assert not bench.robot.last(StopState).latched
     assert bench.robot.stopped[-1] is False
     # The driver still holds the key down: nothing moves until it was let go.
@@ -387,14 +387,14 @@ async def test_reset_needs_lease_and_token_and_starts_no_motion(bench: Bench) ->
     bench.drive()
     bench.pass_time(50 * MS)
     assert bench.robot.driven[-1][1] > 0
-    assert PersistentStops(bench.folder / "stops.json").get("base") is None
+    assert PersistentStops(bench.folder / "stops.json").find_stop("base") is None
 
 
 def test_ticks_that_were_never_sent_have_no_age() -> None:
     ticks = TickClock()
     assert ticks.age_ns(0, 0) < 0
     for number in range(100):
-        ticks.next(number)
+        ticks.next_tick(number)
     assert ticks.age_ns(99, 100) == 1
     assert ticks.age_ns(100, 100) < 0
     assert ticks.age_ns(0, 100) > SECOND
@@ -402,7 +402,7 @@ def test_ticks_that_were_never_sent_have_no_age() -> None:
 
 def test_letting_go_and_pressing_anew_moves_nothing_while_stopped(bench: Bench) -> None:
     bench.lease()
-    bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
+    bench.control.stop_device(StopRequest(device="base", id="i", who="Ben"))
     for linear in (0.0, 0.1, 0.1):
         bench.drive(linear)
         bench.pass_time(100 * MS)
@@ -411,10 +411,10 @@ def test_letting_go_and_pressing_anew_moves_nothing_while_stopped(bench: Bench) 
 
 
 async def test_reset_under_an_earlier_epoch_is_refused(bench: Bench) -> None:
-    bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
+    bench.control.stop_device(StopRequest(device="base", id="i", who="Ben"))
     old = bench.lease().epoch
     bench.lease()
-    await bench.control.reset(ResetRequest(device="base", session="tab", who="Ada", epoch=old))
+    await bench.control.reset_stop(ResetRequest(device="base", session="tab", who="Ada", epoch=old))
     assert bench.robot.last(ResetToken).refused
 
 
@@ -431,15 +431,15 @@ def test_lease_is_refused_while_no_epoch_can_be_kept(
 
 
 async def test_reset_is_refused_while_the_disk_is_full(bench: Bench) -> None:
-    bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
+    bench.control.stop_device(StopRequest(device="base", id="i", who="Ben"))
     ask = {"device": "base", "session": "tab", "who": "Ada", "epoch": bench.lease().epoch}
-    await bench.control.reset(ResetRequest(**ask))
+    await bench.control.reset_stop(ResetRequest(**ask))
     token = bench.robot.last(ResetToken).token
 
     async def full(work: object) -> None:
         raise OSError(28, "No space left on device")
 
     bench.control._stops._on_disk = full
-    await bench.control.reset(ResetRequest(**ask, token=token))
+    await bench.control.reset_stop(ResetRequest(**ask, token=token))
     assert "No space left" in bench.robot.last(ResetToken).refused
     assert bench.robot.last(StopState).latched

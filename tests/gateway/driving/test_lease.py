@@ -19,7 +19,7 @@ def lease() -> DeviceLease:
 def test_free_lease_is_granted() -> None:
     one = lease()
     assert one.take_lease("tab", "Ada", 0) == ""
-    assert one.holder(0).session == "tab"
+    assert one.holder_at(0).session == "tab"
 
 
 def test_second_asker_is_told_who_drives() -> None:
@@ -31,24 +31,24 @@ def test_second_asker_is_told_who_drives() -> None:
 def test_lease_that_is_not_renewed_ends_by_time_alone() -> None:
     one = lease()
     one.take_lease("tab", "Ada", 0)
-    assert one.holder(3 * SECOND - 1) is not None
-    assert one.holder(3 * SECOND) is None
+    assert one.holder_at(3 * SECOND - 1) is not None
+    assert one.holder_at(3 * SECOND) is None
 
 
 def test_renewal_that_comes_too_late_does_not_bring_it_back() -> None:
     one = lease()
     one.take_lease("tab", "Ada", 0)
-    assert one.renew("tab", 3 * SECOND) != ""
-    assert one.holder(3 * SECOND) is None
+    assert one.renew_lease("tab", 3 * SECOND) != ""
+    assert one.holder_at(3 * SECOND) is None
 
 
 def test_renewal_keeps_the_epoch_and_a_second_take_raises_it() -> None:
     one = lease()
     one.take_lease("tab", "Ada", 0)
-    one.renew("tab", SECOND)
-    assert one.holder(SECOND).epoch == 1
+    one.renew_lease("tab", SECOND)
+    assert one.holder_at(SECOND).epoch == 1
     one.take_lease("tab", "Ada", SECOND)
-    assert one.holder(SECOND).epoch == 2
+    assert one.holder_at(SECOND).epoch == 2
 
 
 steps = st.tuples(
@@ -66,10 +66,10 @@ def test_there_are_never_two_holders_and_epochs_strictly_rise(
     epochs: list[int] = []
     for what, session, wait in history:
         now += wait
-        before = one.holder(now)
+        before = one.holder_at(now)
         if what == "take":
             refused = one.take_lease(session, session, now)
-            after = one.holder(now)
+            after = one.holder_at(now)
             assert bool(refused) == (before is not None and before.session != session)
             if refused:
                 assert after == before
@@ -77,11 +77,13 @@ def test_there_are_never_two_holders_and_epochs_strictly_rise(
                 epochs.append(after.epoch)
                 assert after.session == session
         elif what == "renew":
-            refused = one.renew(session, now)
+            refused = one.renew_lease(session, now)
             assert bool(refused) == (before is None or before.session != session)
         elif what == "free":
-            assert one.free(session, now) == (before is not None and before.session == session)
+            assert one.free_lease(session, now) == (
+                before is not None and before.session == session
+            )
         else:
-            one.drop()
-            assert one.holder(now) is None
+            one.drop_lease()
+            assert one.holder_at(now) is None
     assert all(later > earlier for earlier, later in pairwise(epochs))

@@ -26,7 +26,7 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def force(bench: Bench, session: str) -> LeaseState:
-    bench.control.lease(LeaseForceRequest(device="base", session=session, who=session))
+    bench.control.handle_lease(LeaseForceRequest(device="base", session=session, who=session))
     return bench.robot.last(LeaseState)
 
 
@@ -176,7 +176,7 @@ def test_link_loss_forgets_holder_and_asker(bench: Bench) -> None:
 
 def test_take_over_while_stopped_changes_the_holder_and_nothing_moves(bench: Bench) -> None:
     bench.lease()
-    bench.control.stop(StopRequest(device="base", id="i", who="Ben"))
+    bench.control.stop_device(StopRequest(device="base", id="i", who="Ben"))
     bench.lease("ben", LeaseOp.ASK)
     bench.lease(op=LeaseOp.ACCEPT)
     for _ in range(30):
@@ -218,31 +218,31 @@ def test_control_changes_hands_only_by_consent_by_force_after_an_ask_or_when_fre
     vain: dict[str, int] = {}  # whose ask the present holder has denied, and when
     for what, session, wait in history:
         now += wait
-        before, rival = one.holder(now), one.rival(now)
+        before, rival = one.holder_at(now), one.rival_at(now)
         match what:
             case "take":
                 one.take_lease(session, session, now)
             case "ask":
-                if not one.ask(session, session, now) and rival is None:
+                if not one.request_lease(session, session, now) and rival is None:
                     asked[session] = now
                     vain.pop(session, None)
             case "accept":
-                one.accept(session, now)
+                one.accept_rival(session, now)
             case "deny":
-                if one.deny(session, now):
+                if one.deny_rival(session, now):
                     assert rival is not None
                     vain[rival.session] = now
             case "force":
-                one.force(session, session, now)
+                one.force_lease(session, session, now)
             case "renew":
-                one.renew(session, now)
+                one.renew_lease(session, now)
             case "free":
-                one.free(session, now)
+                one.free_lease(session, now)
             case "pass_on":
                 one.pass_on(now)
             case "drop":
-                one.drop()
-        after = one.holder(now)
+                one.drop_lease()
+        after = one.holder_at(now)
         if after is not None and (before is None or after.epoch != before.epoch):
             # Whoever comes anew has an epoch higher than all before.
             assert after.epoch > last_epoch
@@ -266,7 +266,7 @@ def test_control_changes_hands_only_by_consent_by_force_after_an_ask_or_when_fre
             assert what == "drop" or (what == "free" and session == before.session)
         if (before and before.session) != (after and after.session):
             vain = {}
-            waits = one.rival(now)
+            waits = one.rival_at(now)
             asked = {} if waits is None else {waits.session: now}
-        waits = one.rival(now)
+        waits = one.rival_at(now)
         assert waits is None or after is None or waits.session != after.session

@@ -21,7 +21,7 @@ def test_epochs_rise_over_restarts(tmp_path: Path) -> None:
     seen = []
     for count in (1, 1500, 1003, 2002, 1):
         epochs = LeaseEpochs(path)
-        seen += [epochs.next() for _ in range(count)]
+        seen += [epochs.next_epoch() for _ in range(count)]
     assert seen == sorted(set(seen))
 
 
@@ -34,9 +34,9 @@ def test_damaged_epochs_are_not_guessed(tmp_path: Path) -> None:
 
 def test_stops_are_kept_by_device(tmp_path: Path) -> None:
     stops = PersistentStops(tmp_path / "s.json")
-    stops.write("a", LatchedStop("1", "Ada", 5))
-    stops.write("b", LatchedStop("2", "Ben", 6))
-    stops.write("a", None)
+    stops.write_stop("a", LatchedStop("1", "Ada", 5))
+    stops.write_stop("b", LatchedStop("2", "Ben", 6))
+    stops.write_stop("a", None)
     later = PersistentStops(tmp_path / "s.json")
-    assert later.get("a") is None
-    assert later.get("b") == LatchedStop("2", "Ben", 6)
+    assert later.find_stop("a") is None
+    assert later.find_stop("b") == LatchedStop("2", "Ben", 6)

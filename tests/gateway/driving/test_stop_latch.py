@@ -15,7 +15,7 @@ FRESH = SECOND
 
 def latched() -> StopLatch:
     latch = StopLatch(0.02)
-    latch.ask(ASK, 5 * SECOND)
+    latch.request_stop(ASK, 5 * SECOND)
     return latch
 
 
@@ -25,34 +25,34 @@ def proof(value: float, at: int = 6 * SECOND) -> StandstillProof:
 
 def test_asking_again_changes_nothing_and_the_first_stays_on_record() -> None:
     latch = latched()
-    assert not latch.ask(LatchedStop("two", "Ben", 2), 6 * SECOND)
+    assert not latch.request_stop(LatchedStop("two", "Ben", 2), 6 * SECOND)
     assert latch.latched == ASK
 
 
 def test_confirmed_once_all_readings_are_near_zero() -> None:
     latch = latched()
-    assert not latch.judge([proof(0.01), proof(0.3)], 6 * SECOND)
-    assert latch.judge([proof(0.01), proof(-0.02)], 6 * SECOND)
+    assert not latch.judge_standstill([proof(0.01), proof(0.3)], 6 * SECOND)
+    assert latch.judge_standstill([proof(0.01), proof(-0.02)], 6 * SECOND)
     assert latch.confirmed
 
 
 def test_reading_from_before_stop_proves_nothing() -> None:
     latch = latched()
-    latch.judge([proof(0.0, 5 * SECOND - 1)], 5 * SECOND)
+    latch.judge_standstill([proof(0.0, 5 * SECOND - 1)], 5 * SECOND)
     assert not latch.confirmed
 
 
 def test_stale_missing_and_nan_readings_prove_nothing() -> None:
     latch = latched()
     for seen in ([proof(0.0)], [None], [proof(math.nan, 8 * SECOND)], []):
-        latch.judge(seen, 8 * SECOND)
+        latch.judge_standstill(seen, 8 * SECOND)
         assert not latch.confirmed
 
 
 def test_robot_that_moves_again_is_no_longer_confirmed() -> None:
     latch = latched()
-    latch.judge([proof(0.0)], 6 * SECOND)
-    assert latch.judge([proof(0.1)], 6 * SECOND)
+    latch.judge_standstill([proof(0.0)], 6 * SECOND)
+    assert latch.judge_standstill([proof(0.1)], 6 * SECOND)
     assert not latch.confirmed
 
 
@@ -70,5 +70,5 @@ def test_token_opens_once_for_its_session_within_ten_seconds() -> None:
 def test_new_stop_takes_back_a_token_that_was_given() -> None:
     latch = latched()
     latch.offer_token("tab", "T", 10 * SECOND)
-    latch.ask(LatchedStop("two", "Ben", 2), 11 * SECOND)
+    latch.request_stop(LatchedStop("two", "Ben", 2), 11 * SECOND)
     assert latch.check_token("tab", "T", 12 * SECOND) != ""

@@ -36,35 +36,35 @@ def driving() -> VelocityLimiter:
 def test_nothing_is_said_before_the_first_frame() -> None:
     one = driving()
     assert one.due_ns() is None
-    assert one.step(0) is None
+    assert one.next_demand(0) is None
 
 
 def test_accepted_wish_is_ramped_up_to_at_the_stated_acceleration() -> None:
     one = driving()
-    assert one.offer(frame(), 1, 0, 0) == ""
-    assert one.step(0).linear == pytest.approx(0.05)
-    assert one.step(50 * MS).linear == pytest.approx(0.10)
+    assert one.offer_frame(frame(), 1, 0, 0) == ""
+    assert one.next_demand(0).linear == pytest.approx(0.05)
+    assert one.next_demand(50 * MS).linear == pytest.approx(0.10)
 
 
 def test_zero_is_not_ramped() -> None:
     one = driving()
     for turn in range(4):
-        one.offer(frame(turn), 1, 0, turn * 50 * MS)
-        one.step(turn * 50 * MS)
+        one.offer_frame(frame(turn), 1, 0, turn * 50 * MS)
+        one.next_demand(turn * 50 * MS)
     assert one.output.linear == pytest.approx(0.2)
-    one.offer(frame(9, linear=0.0), 1, 0, 200 * MS)
-    assert one.prompt(200 * MS)
-    assert one.step(200 * MS) == STILL
+    one.offer_frame(frame(9, linear=0.0), 1, 0, 200 * MS)
+    assert one.is_prompt(200 * MS)
+    assert one.next_demand(200 * MS) == STILL
 
 
 def test_silent_driver_becomes_zeros_for_a_second_and_then_silence() -> None:
     one = driving()
-    one.offer(frame(), 1, 0, 0)
-    one.step(0)
+    one.offer_frame(frame(), 1, 0, 0)
+    one.next_demand(0)
     said, now = [], 0
     while (due := one.due_ns()) is not None:
         now = max(due, now + 1)
-        said.append((now, one.step(now)))
+        said.append((now, one.next_demand(now)))
     zeros = [at for at, demand in said if demand == STILL]
     assert zeros[0] == 250 * MS
     assert len(zeros) >= 20
@@ -104,35 +104,35 @@ def test_frame_that_breaks_a_rule_is_refused_and_changes_nothing(
     bad: Frame, epoch: int, age_ms: int
 ) -> None:
     one = driving()
-    one.offer(frame(1), 1, 0, 0)
-    before = one.step(0)
-    assert one.offer(bad, epoch, age_ms * MS, 10 * MS) != ""
+    one.offer_frame(frame(1), 1, 0, 0)
+    before = one.next_demand(0)
+    assert one.offer_frame(bad, epoch, age_ms * MS, 10 * MS) != ""
     assert one.output == before
     assert one.due_ns() == 75 * MS
-    assert one.step(250 * MS) == STILL
+    assert one.next_demand(250 * MS) == STILL
 
 
 def test_frame_cannot_lengthen_its_own_life() -> None:
-    assert driving().offer(frame(ttl_ms=60_000), 1, 251 * MS, 0) != ""
+    assert driving().offer_frame(frame(ttl_ms=60_000), 1, 251 * MS, 0) != ""
 
 
 def test_driver_who_echoes_one_old_tick_is_stopped_450_ms_after_it() -> None:
     one = driving()
     for at in range(0, 251, 50):
-        assert one.offer(frame(at), 1, at * MS, at * MS) == ""
-        one.step(at * MS)
-    assert one.offer(frame(300), 1, 300 * MS, 300 * MS) == "the frame is too old (300 ms)"
-    assert one.step(449 * MS) != STILL
+        assert one.offer_frame(frame(at), 1, at * MS, at * MS) == ""
+        one.next_demand(at * MS)
+    assert one.offer_frame(frame(300), 1, 300 * MS, 300 * MS) == "the frame is too old (300 ms)"
+    assert one.next_demand(449 * MS) != STILL
     assert one.due_ns() == 450 * MS
-    assert one.step(450 * MS) == STILL
+    assert one.next_demand(450 * MS) == STILL
 
 
 def test_no_time_to_live_that_may_be_described_lets_a_frame_move_after_450_ms() -> None:
     one = VelocityLimiter(structs.replace(RULE, ttl=0.5))
-    assert one.offer(frame(0), 1, 449 * MS, 449 * MS) == ""
-    one.step(449 * MS)
-    assert one.step(450 * MS) == STILL
-    assert one.offer(frame(1), 1, 450 * MS, 450 * MS) == "the frame is too old (450 ms)"
+    assert one.offer_frame(frame(0), 1, 449 * MS, 449 * MS) == ""
+    one.next_demand(449 * MS)
+    assert one.next_demand(450 * MS) == STILL
+    assert one.offer_frame(frame(1), 1, 450 * MS, 450 * MS) == "the frame is too old (450 ms)"
 
 
 # How long each frame is under way and how long after the one before it was sent (ms); which of the
@@ -159,17 +159,17 @@ def test_velocity_is_zero_by_450_ms_after_the_tick_of_the_last_frame(
     for at, seq, tick_ms in [*sorted(arrivals), (10**6, -1, 0)]:
         # Until it comes, the gateway's timer calls exactly when it was asked to.
         while (due := one.due_ns()) is not None and due < at * MS:
-            said = one.step(due)
+            said = one.next_demand(due)
             if said not in {None, STILL}:
                 assert due < last_tick_ms * MS + STOP_BY_NS
         if seq < 0:
             break
         age_ms = at - tick_ms
-        if one.offer(frame(seq), 1, age_ms * MS, at * MS) == "":
+        if one.offer_frame(frame(seq), 1, age_ms * MS, at * MS) == "":
             assert age_ms <= ttl * 1000
             assert age_ms < 450
             last_tick_ms, moved = tick_ms, True
-        one.step(at * MS)
+        one.next_demand(at * MS)
         if one.output != STILL:
             assert moved
             assert at < last_tick_ms + 450
@@ -184,7 +184,7 @@ def test_cap_falls_with_the_loop() -> None:
 
 def test_waiting_in_the_page_does_not_count_as_loop() -> None:
     one = driving()
-    one.offer(frame(held_ms=40), 1, 180 * MS, 0)
+    one.offer_frame(frame(held_ms=40), 1, 180 * MS, 0)
     assert one.loop_ms == pytest.approx(140)
     assert one.cap == 1.0
 
@@ -195,16 +195,16 @@ def test_old_picture_slows_and_a_dead_one_stops() -> None:
     ]  # fmt: skip
     assert cap_of_picture(-1, has_picture=False) == 1
     one = driving()
-    one.offer(frame(picture_ms=2000), 1, 0, 0)
-    assert one.step(0) == STILL
+    one.offer_frame(frame(picture_ms=2000), 1, 0, 0)
+    assert one.next_demand(0) == STILL
 
 
 def test_flood_of_frames_does_not_raise_the_rate_to_the_robot() -> None:
     one, said = driving(), 0
     for ms in range(1000):
-        one.offer(frame(ms), 1, 0, ms * MS)
-        if one.prompt(ms * MS):
-            one.step(ms * MS)
+        one.offer_frame(frame(ms), 1, 0, ms * MS)
+        if one.is_prompt(ms * MS):
+            one.next_demand(ms * MS)
             said += 1
     assert said <= 2 * RULE.rate + 3
 
@@ -212,53 +212,53 @@ def test_flood_of_frames_does_not_raise_the_rate_to_the_robot() -> None:
 def test_key_pressed_between_two_frames_is_not_held_back() -> None:
     one = driving()
     for at, seq in ((0, 1), (50, 2), (57, 3), (100, 4)):
-        one.offer(frame(seq), 1, 0, at * MS)
-        assert one.prompt(at * MS)
-        one.step(at * MS)
+        one.offer_frame(frame(seq), 1, 0, at * MS)
+        assert one.is_prompt(at * MS)
+        one.next_demand(at * MS)
 
 
 def test_quick_taps_are_not_held_back_by_the_zeros_of_each_release() -> None:
     one, seq = driving(), 0
     for tap in range(20):
         at = tap * 60
-        one.offer(frame(seq), 1, 0, at * MS)
-        assert one.prompt(at * MS)
-        one.step(at * MS)
+        one.offer_frame(frame(seq), 1, 0, at * MS)
+        assert one.is_prompt(at * MS)
+        one.next_demand(at * MS)
         for zero in (1, 2, 3):
-            one.offer(frame(seq + zero, linear=0.0), 1, 0, (at + 55) * MS)
-            if one.prompt((at + 55) * MS):
-                assert one.step((at + 55) * MS) == STILL
+            one.offer_frame(frame(seq + zero, linear=0.0), 1, 0, (at + 55) * MS)
+            if one.is_prompt((at + 55) * MS):
+                assert one.next_demand((at + 55) * MS) == STILL
         assert one.output == STILL
         seq += 4
 
 
 def test_turn_fills_in_only_for_a_missing_frame() -> None:
     one = driving()
-    one.offer(frame(1), 1, 0, 0)
-    one.step(0)
+    one.offer_frame(frame(1), 1, 0, 0)
+    one.next_demand(0)
     assert one.due_ns() == 75 * MS
 
 
 def test_a_wish_that_came_late_is_not_said_again_when_it_is_old() -> None:
     one = driving()
-    one.offer(frame(1), 1, 200 * MS, 0)
-    assert one.step(0) != STILL
+    one.offer_frame(frame(1), 1, 200 * MS, 0)
+    assert one.next_demand(0) != STILL
     # It is 275 ms old then: nothing is said before the zeros.
     assert one.due_ns() == 250 * MS
-    assert one.step(75 * MS) is None
+    assert one.next_demand(75 * MS) is None
     assert one.due_ns() == 250 * MS
-    assert one.step(250 * MS) == STILL
+    assert one.next_demand(250 * MS) == STILL
 
 
 def test_after_a_reset_the_driver_must_let_go_first() -> None:
     one = driving()
-    one.offer(frame(0), 1, 0, 0)
-    one.halt(0)
+    one.offer_frame(frame(0), 1, 0, 0)
+    one.halt_motion(0)
     one.demand_rest(0)
-    assert one.offer(frame(1), 1, 0, 50 * MS) != ""
-    assert one.offer(frame(2), 1, 0, 100 * MS) != ""
-    assert one.offer(frame(3, linear=0.0), 1, 0, 150 * MS) == ""
-    assert one.offer(frame(4), 1, 0, 200 * MS) == ""
+    assert one.offer_frame(frame(1), 1, 0, 50 * MS) != ""
+    assert one.offer_frame(frame(2), 1, 0, 100 * MS) != ""
+    assert one.offer_frame(frame(3, linear=0.0), 1, 0, 150 * MS) == ""
+    assert one.offer_frame(frame(4), 1, 0, 200 * MS) == ""
 
 
 numbers = st.floats(allow_nan=True, allow_infinity=True)
@@ -281,13 +281,13 @@ def test_no_history_ever_breaks_limit_ramp_or_watchdog(history: list[tuple]) -> 
         if what == "frame":
             linear, angular, picture, age = more
             sent = frame(number, linear=linear, angular=angular, picture_ms=picture)
-            if one.offer(sent, 1, age * MS, now) == "":
+            if one.offer_frame(sent, 1, age * MS, now) == "":
                 last_good, pressed = now, now - age * MS
                 dead = now + min(250 * MS, STOP_BY_NS - age * MS)
         elif what == "halt":
-            one.halt(now)
+            one.halt_motion(now)
             halted, last_good, dead = now, -(10**12), now
-        demand = one.step(now)
+        demand = one.next_demand(now)
         if demand is None:
             ended = now - max(last_good + 250 * MS, halted) >= SECOND or last_good < 0
             # An old wish is not said again, and its zeros are still to come.

@@ -12,8 +12,15 @@ from astropy.io import fits
 from astropy.time import Time
 from hypothesis import given, settings, strategies as st
 
-from talaia.gateway.adapters.indi.fits_circumstances import precessed
-from talaia.gateway.fits.header import BLOCK, HeaderCard, NotFits, length_of, rewritten, values_of
+from talaia.gateway.adapters.indi.fits_circumstances import precess_to_j2000
+from talaia.gateway.fits.header import (
+    BLOCK,
+    HeaderCard,
+    NotFits,
+    length_of,
+    rewrite_header,
+    values_of,
+)
 
 ASCII = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=60)
 VALUES = st.one_of(
@@ -36,7 +43,7 @@ def picture(**cards: object) -> bytes:
 def test_card_is_read_by_astropy_as_it_was_meant(value: object, comment: str) -> None:
     data = picture(OBJECT="M 31")
     length = length_of(data)
-    whole = rewritten(
+    whole = rewrite_header(
         data[:length], [HeaderCard("OBJECT", "other"), HeaderCard("NEW", value, comment)]
     )
     assert len(whole) % BLOCK == 0
@@ -60,13 +67,17 @@ def test_card_is_read_by_astropy_as_it_was_meant(value: object, comment: str) ->
 
 def test_letters_that_fits_does_not_allow_are_spelled_out() -> None:
     data = picture()
-    whole = rewritten(data[: length_of(data)], [HeaderCard("SITENAME", "Montsec, 1568 m µ°²\n日")])
+    whole = rewrite_header(
+        data[: length_of(data)], [HeaderCard("SITENAME", "Montsec, 1568 m µ°²\n日")]
+    )
     assert values_of(whole)["SITENAME"] == "Montsec, 1568 m udeg2??"
 
 
 def test_value_that_is_no_number_is_written_as_undefined() -> None:
     data = picture()
-    whole = rewritten(data[: length_of(data)], [HeaderCard("A", math.nan), HeaderCard("B", None)])
+    whole = rewrite_header(
+        data[: length_of(data)], [HeaderCard("A", math.nan), HeaderCard("B", None)]
+    )
     assert values_of(whole)["A"] is None
     with fits.open(io.BytesIO(whole + data[length_of(data) :])) as hdus:
         assert hdus[0].header["A"] is None
@@ -75,7 +86,7 @@ def test_value_that_is_no_number_is_written_as_undefined() -> None:
 def test_header_grows_over_its_block(tmp_path) -> None:
     data = picture()
     length = length_of(data)
-    whole = rewritten(data[:length], [HeaderCard(f"KEY{at}", at) for at in range(80)])
+    whole = rewrite_header(data[:length], [HeaderCard(f"KEY{at}", at) for at in range(80)])
     assert len(whole) == 3 * BLOCK
     with fits.open(io.BytesIO(whole + data[length:])) as hdus:
         assert hdus[0].header["KEY79"] == 79
@@ -102,6 +113,6 @@ def test_precession_agrees_with_astropy_to_a_fifth_of_an_arcsecond(
     when = Time(f"{year}-11-21T00:00:00", scale="utc")
     of_date = SkyCoord(ra * units.deg, dec * units.deg, frame=FK5(equinox=when))
     theirs = of_date.transform_to(FK5(equinox="J2000"))
-    ours = precessed(ra, dec, when.unix)
+    ours = precess_to_j2000(ra, dec, when.unix)
     apart = theirs.separation(SkyCoord(*ours, unit="deg", frame=FK5(equinox="J2000")))
     assert apart.arcsec < 0.2

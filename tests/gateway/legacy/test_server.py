@@ -19,7 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from talaia.clock import SystemClock
 from talaia.gateway.app import Gateway
-from talaia.gateway.command_line import parsed
+from talaia.gateway.command_line import parse_arguments
 from talaia.gateway.legacy.messages import LegacyRequestError, read_message
 from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
 from talaia.model.discovery.command_file import site_of
@@ -77,7 +77,7 @@ async def house(tmp_path: Path) -> AsyncIterator[House]:
     (tmp_path / "state").write_text("closed")
     (tmp_path / "clients.py").write_text(CLIENTS.format(folder=str(tmp_path)))
     text = COMMANDS.replace("ros2 run", f"{sys.executable} -S {tmp_path / 'clients.py'}")
-    hub = HubAddress.checked("ws://127.0.0.1:9", allow_plain=True)
+    hub = HubAddress.from_text("ws://127.0.0.1:9", allow_plain=True)
     settings = GatewaySettings(
         hub=hub, key="k", data=tmp_path / "data", door=LegacySettings(port=0)
     )
@@ -233,5 +233,5 @@ def test_a_port_that_is_none_is_refused_at_the_start(
     port: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit):
-        parsed(["site.yaml", "--key-file", "k", "--classic-port", port])
+        parse_arguments(["site.yaml", "--key-file", "k", "--classic-port", port])
     assert "is not a port from 0 to 65535" in capsys.readouterr().err

@@ -151,12 +151,12 @@ def test_settings_that_do_not_fit_are_refused_by_name(tmp_path: Path, text: str)
 def story(linked: list[bool], cleared_at: int = -1) -> list[tuple[int, bool]]:
     """When what is told, minute by minute, of something that stands from the beginning."""
     standing = StandingNotices(NoticeSettings(after=60, repeat=300, longest=1200))
-    standing.stand("dome", "NOT CLOSED", 7, 0)
+    standing.raise_notice("dome", "NOT CLOSED", 7, 0)
     said = []
     for minute, link in enumerate(linked):
         if minute == cleared_at:
-            standing.clear("dome", 9)
-        for each in standing.due(minute * 60 * SECOND, linked=link):
+            standing.clear_notice("dome", 9)
+        for each in standing.due_notices(minute * 60 * SECOND, linked=link):
             assert each.time_us == (9 if each.over else 7)
             said.append((minute, each.over))
     return said

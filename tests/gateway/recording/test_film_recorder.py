@@ -28,7 +28,7 @@ from talaia.gateway.recording.film_file import recover_film
 from talaia.gateway.recording.film_recorder import FilmRecorder
 from talaia.gateway.recording.film_ring import FilmRing
 from talaia.gateway.recording.recording_store import FILM, RecordingStore
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.recording import Recording, Trigger
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import (
@@ -108,7 +108,7 @@ class Bench:
         assert self.finished.acquire(timeout=PATIENCE_S)
 
     def paths(self) -> list[Path]:
-        return [self.shelf.whole(each.id) for each in self.shelf.waiting()]
+        return [self.shelf.whole_path(each.id) for each in self.shelf.list_waiting()]
 
 
 PICTURES = st.builds(
@@ -130,7 +130,7 @@ def test_what_is_held_begins_with_a_picture_that_needs_none_and_reaches_back_far
             data=bytes(size),
         )  # fmt: skip
         sent.append(picture)
-        took = ring.add(picture)
+        took = ring.add_picture(picture)
         assert ring.bytes <= most
         assert took == (len(ring) > 0)
     held = ring.drain_pictures()
@@ -145,36 +145,36 @@ def test_what_is_held_begins_with_a_picture_that_needs_none_and_reaches_back_far
 
 def test_a_film_shows_what_was_sent_at_the_time_when_it_came(tmp_path) -> None:
     bench = Bench(tmp_path, longest=60.0)
-    bench.films.begin("ada", "to look at", 60.0, CAMERA)
+    bench.films.begin_film("ada", "to look at", 60.0, CAMERA)
     times = []
     for step_ms in (50, 33.333, 120.5, 10, 700):
         times += bench.send(8, round(step_ms * 1e6))
-    bench.films.end("ben", CAMERA)
+    bench.films.end_film("ben", CAMERA)
     bench.wait()
-    (kept,) = bench.shelf.waiting()
-    film = shown(bench.shelf.whole(kept.id))
+    (kept,) = bench.shelf.list_waiting()
+    film = shown(bench.shelf.whole_path(kept.id))
     assert [kept.begin_us + at for at, _ in film] == times
     assert [number_in(picture) for _, picture in film] == list(range(40))
     assert psnr(film[-1][1][80:], numbered(39)[80:]) > 30
     assert (kept.stream, kept.messages, kept.end_us) == (CAMERA, 40, times[-1])
     assert (kept.why, kept.who, kept.note) == ("to look at", "ada", "ended by ben")
-    body = bench.shelf.whole(kept.id).read_bytes()
+    body = bench.shelf.whole_path(kept.id).read_bytes()
     assert kept.digest == hashlib.sha256(body).hexdigest()
     # A browser finds each picture without reading all of it.
     assert body.index(b"moov") < body.index(b"mdat")
     assert b"moof" not in body
-    with av.open(str(bench.shelf.whole(kept.id))) as opened:
+    with av.open(str(bench.shelf.whole_path(kept.id))) as opened:
         assert opened.metadata["comment"].endswith(f": {times[0]}")
     bench.films.close()
 
 
 def test_a_cause_films_what_was_before_it_of_the_cameras_that_are_named(tmp_path) -> None:
     bench = Bench(tmp_path, (CAMERA,), before=2.0, after=1.0)
-    assert bench.films.wanted() == {CAMERA}
+    assert bench.films.wanted_cameras() == {CAMERA}
     bench.send(100)
-    assert bench.films.rolling() == []
-    bench.films.begin("ada", "STOP (software)", 1.0)
-    assert bench.films.rolling() == [CAMERA]
+    assert bench.films.rolling_cameras() == []
+    bench.films.begin_film("ada", "STOP (software)", 1.0)
+    assert bench.films.rolling_cameras() == [CAMERA]
     bench.send(21)
     bench.wait()
     (path,) = bench.paths()
@@ -186,17 +186,17 @@ def test_a_cause_films_what_was_before_it_of_the_cameras_that_are_named(tmp_path
     # Nothing is held of a camera that is not named, and it can be filmed all the same.
     bench.films.close()
     bare = Bench(tmp_path / "bare", before=2.0)
-    assert bare.films.wanted() == frozenset()
+    assert bare.films.wanted_cameras() == frozenset()
     assert bare.films.filming(CAMERA, 1) is Filming.NO
-    bare.films.begin("ada", "STOP", 1.0)
-    assert bare.films.rolling() == []
+    bare.films.begin_film("ada", "STOP", 1.0)
+    assert bare.films.rolling_cameras() == []
     bare.films.close()
 
 
 def test_a_film_is_cut_where_it_would_not_tell_the_truth(tmp_path) -> None:
     """Silence, a clock that was put back, another size: none is bridged."""
     bench = Bench(tmp_path, longest=600.0)
-    bench.films.begin("ada", "a test", 600.0, CAMERA)
+    bench.films.begin_film("ada", "a test", 600.0, CAMERA)
     bench.send(10)
     bench.clock.advance(10 * SECOND)
     bench.send(10)
@@ -215,9 +215,9 @@ def test_a_film_is_cut_where_it_would_not_tell_the_truth(tmp_path) -> None:
 
 def test_a_slow_camera_makes_one_film_and_not_one_of_each_picture(tmp_path) -> None:
     bench = Bench(tmp_path, longest=3600.0)
-    bench.films.begin("ada", "a night", 3600.0, CAMERA)
+    bench.films.begin_film("ada", "a night", 3600.0, CAMERA)
     bench.send(12, 10 * SECOND)
-    bench.films.end("ada", CAMERA)
+    bench.films.end_film("ada", CAMERA)
     bench.wait()
     bench.films.close()
     lengths = [len(numbers_in(path)) for path in bench.paths()]
@@ -229,16 +229,16 @@ def test_a_film_that_cannot_be_written_says_so_once_and_the_next_goes_well(tmp_p
     folder = tmp_path / "films"
     bench = Bench(folder)
     folder.rmdir()
-    bench.films.begin("ada", "", 60.0, CAMERA)
+    bench.films.begin_film("ada", "", 60.0, CAMERA)
     bench.send(5)
     bench.wait()
     assert [kind for kind, _ in bench.events].count("recording_failed") == 1
     assert "No such file" in bench.films.problem
-    assert bench.films.rolling() == []
+    assert bench.films.rolling_cameras() == []
     folder.mkdir()
-    bench.films.begin("ada", "", 60.0, CAMERA)
+    bench.films.begin_film("ada", "", 60.0, CAMERA)
     bench.send(5)
-    bench.films.end("ada", CAMERA)
+    bench.films.end_film("ada", CAMERA)
     bench.wait()
     assert numbers_in(bench.paths()[0]) == [5, 6, 7, 8, 9]
     assert bench.films.problem == ""
@@ -247,7 +247,7 @@ def test_a_film_that_cannot_be_written_says_so_once_and_the_next_goes_well(tmp_p
 
 def test_a_large_film_goes_on_in_another_file(tmp_path) -> None:
     bench = Bench(tmp_path, file_mb=0.05)
-    bench.films.begin("ada", "", 600.0, CAMERA)
+    bench.films.begin_film("ada", "", 600.0, CAMERA)
     bench.send(120)
     bench.films.close()
     assert len(bench.paths()) > 1
@@ -295,7 +295,7 @@ def test_viewers_and_film_share_one_encoding_while_the_line_is_good() -> None:
 def test_a_film_with_two_encoders_in_it_plays_from_any_of_its_pictures(tmp_path) -> None:
     bench = Bench(tmp_path)
     bench.hall.forms = (PictureForm.H264,)
-    bench.films.begin("ada", "", 600.0, CAMERA)
+    bench.films.begin_film("ada", "", 600.0, CAMERA)
     bench.send(30)
     bench.hall.share = 0.2
     bench.send(30)
@@ -314,7 +314,7 @@ def test_a_film_with_two_encoders_in_it_plays_from_any_of_its_pictures(tmp_path)
 
 def test_a_film_that_was_cut_anywhere_is_made_whole_up_to_there(tmp_path) -> None:
     bench = Bench(tmp_path)
-    bench.films.begin("ada", "a long one", 600.0, CAMERA)
+    bench.films.begin_film("ada", "a long one", 600.0, CAMERA)
     bench.send(100)
     # The file as it lies on the disk while it is written.
     deadline = time.monotonic() + PATIENCE_S
@@ -332,8 +332,8 @@ def test_a_film_that_was_cut_anywhere_is_made_whole_up_to_there(tmp_path) -> Non
         (folder / part.name.replace(".mp4.part", ".json")).write_bytes(about)
         shelf = RecordingStore(folder, 10**9, 0, FILM)
         shelf.open(recover_film)
-        (kept,) = shelf.waiting()
-        film = shown(shelf.whole(kept.id))
+        (kept,) = shelf.list_waiting()
+        film = shown(shelf.whole_path(kept.id))
         assert [number_in(picture) for _, picture in film] == list(range(len(film)))
         assert (kept.messages, kept.stream) == (len(film), CAMERA)
         assert kept.end_us == kept.begin_us + film[-1][0]
@@ -394,8 +394,8 @@ def test_a_killed_gateway_leaves_what_it_has_filmed(tmp_path) -> None:
                 break
     shelf = RecordingStore(tmp_path / "films", 10**9, 0, FILM)
     shelf.open(recover_film)
-    (kept,) = shelf.waiting()
-    numbers = numbers_in(shelf.whole(kept.id))
+    (kept,) = shelf.list_waiting()
+    numbers = numbers_in(shelf.whole_path(kept.id))
     assert numbers == list(range(len(numbers)))
     # Half a second at 50 Hz, and what the writer has not come to.
     assert len(numbers) > 120 - 25 - 15
@@ -408,16 +408,16 @@ async def test_a_network_camera_is_filmed_though_nobody_looks(tmp_path: Path) ->
     async with watched(f"url: 'rtsp://127.0.0.1:{camera.port}/x'", tmp_path) as (hall, _, video):
         hall.forms = ()
         hall.filming, hall.film = bench.films.filming, bench.films.add_picture
-        bench.films.begin("ada", "", 600.0, "gate/front")
-        video.watch(bench.films.wanted())
+        bench.films.begin_film("ada", "", 600.0, "gate/front")
+        video.watch(bench.films.wanted_cameras())
         await until(lambda: (r := bench.films._reels["gate/front"]).file and r.file.pictures > 30)
-        bench.films.end("ada", "gate/front")
+        bench.films.end_film("ada", "gate/front")
         await asyncio.to_thread(bench.wait)
-        assert bench.films.wanted() == frozenset()
+        assert bench.films.wanted_cameras() == frozenset()
     bench.films.close()
     camera.close()
-    (kept,) = bench.shelf.waiting()
-    film = shown(bench.shelf.whole(kept.id))
+    (kept,) = bench.shelf.list_waiting()
+    film = shown(bench.shelf.whole_path(kept.id))
     assert kept.stream == "gate/front"
     assert kept.end_us - kept.begin_us == film[-1][0]
     for _, picture in film:
@@ -475,13 +475,13 @@ async def test_a_robot_s_camera_is_filmed_around_stop_and_alone_when_a_person_as
 
 
 def test_a_description_names_cameras_that_are_there() -> None:
-    said = [str(each) for each in check(load_site(FILMED % "[base/front, base/rear]"))]
+    said = [str(each) for each in check_site(load_site(FILMED % "[base/front, base/rear]"))]
     assert said == ["$.recording.cameras[1]: there is no camera 'base/rear'; one of: base/front"]
-    assert load_site(FILMED % "[base/front]").filmed() == ("base/front",)
+    assert load_site(FILMED % "[base/front]").filmed_cameras() == ("base/front",)
     # A camera whose topic is recorded is filmed beside it: a browser plays no MCAP.
     by_topic = (FILMED % "[]").replace("[/number]", "[/images]")
-    assert load_site(by_topic).filmed() == ("base/front",)
-    assert load_site(SITE).filmed() == ()
+    assert load_site(by_topic).filmed_cameras() == ("base/front",)
+    assert load_site(SITE).filmed_cameras() == ()
 
 
 def test_the_scene_s_number_can_be_read() -> None:

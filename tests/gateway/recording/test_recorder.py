@@ -22,11 +22,11 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from talaia.clock import HandClock
 from talaia.gateway.recording import definitions
-from talaia.gateway.recording.mcap_file import recover
+from talaia.gateway.recording.mcap_file import recover_file
 from talaia.gateway.recording.message_ring import OVERHEAD, MessageRing, RawMessage
 from talaia.gateway.recording.recorder import Recorder
 from talaia.gateway.recording.recording_store import NoRoom, RecordingStore, StoredRecording
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.recording import Recording, Trigger
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.frames import FileOffer, RecorderState, RecordingRequest, StopRequest
@@ -51,7 +51,7 @@ class Bench:
     def __init__(self, folder: Path, definition=None, **plan: object) -> None:  # noqa: D107
         self.clock = HandClock()
         self.shelf = RecordingStore(folder, 10**9, 0)
-        self.shelf.open(recover)
+        self.shelf.open(recover_file)
         self.states: list[RecorderState] = []
         self.events: list[tuple[str, str]] = []
         self.finished = threading.Semaphore(0)
@@ -79,7 +79,7 @@ class Bench:
         assert self.finished.acquire(timeout=PATIENCE_S)
 
     def values(self) -> list[list[float]]:
-        return [numbers_in(self.shelf.whole(each.id)) for each in self.shelf.waiting()]
+        return [numbers_in(self.shelf.whole_path(each.id)) for each in self.shelf.list_waiting()]
 
 
 def numbers_in(path: Path, topic: str = "/number") -> list[float]:
@@ -103,7 +103,7 @@ def test_the_ring_holds_the_newest_within_its_time_and_its_bytes(steps, keep, mo
     for step, size in steps:
         now += step
         all_of_them.append(RawMessage("/t", "k", now, now, bytes(size)))
-        ring.add(all_of_them[-1])
+        ring.add_message(all_of_them[-1])
         assert ring.bytes <= max(most, 0)
     fitting, room = [], most
     for raw in reversed(all_of_them):
@@ -120,17 +120,17 @@ def test_a_cause_records_what_was_before_it_and_what_came_after(tmp_path) -> Non
     for value in range(20):
         bench.offer(value)
         bench.clock.advance(SECOND)
-    bench.recorder.trigger(Trigger.STOP, "STOP (software)", "ada")
+    bench.recorder.trigger_recording(Trigger.STOP, "STOP (software)", "ada")
     bench.offer(100)
     bench.clock.advance(3 * SECOND)
     # Another cause meanwhile makes it longer, and is named.
-    bench.recorder.trigger(Trigger.INTERLOCK, "rain")
+    bench.recorder.trigger_recording(Trigger.INTERLOCK, "rain")
     bench.clock.advance(3 * SECOND)
     bench.offer(101)
     bench.clock.advance(3 * SECOND)
     bench.wait()
-    (kept,) = bench.shelf.waiting()
-    assert numbers_in(bench.shelf.whole(kept.id)) == [*range(10, 20), 100, 101]
+    (kept,) = bench.shelf.list_waiting()
+    assert numbers_in(bench.shelf.whole_path(kept.id)) == [*range(10, 20), 100, 101]
     assert (kept.why, kept.who, kept.messages) == ("STOP (software); rain", "ada", 12)
     assert kept.begin_us == (1_700_000_000 + 10) * 1_000_000
     assert [state.on for state in bench.states] == [True, False]
@@ -138,22 +138,22 @@ def test_a_cause_records_what_was_before_it_and_what_came_after(tmp_path) -> Non
     # What is not wanted begins nothing.
     bench.recorder.close()
     quiet = Bench(tmp_path / "quiet", triggers=())
-    quiet.recorder.trigger(Trigger.STOP, "STOP")
-    assert not quiet.recorder.state().on
+    quiet.recorder.trigger_recording(Trigger.STOP, "STOP")
+    assert not quiet.recorder.recorder_state().on
     quiet.recorder.close()
 
 
 def test_who_asks_may_end_it_and_the_end_of_the_gateway_finishes_it(tmp_path) -> None:
     bench = Bench(tmp_path, before=0.0, longest=60.0)
-    bench.recorder.begin("ada", "a test")
+    bench.recorder.begin_recording("ada", "a test")
     bench.offer(1)
-    assert bench.recorder.state().ends_ms == 60_000
-    bench.recorder.end("ben")
+    assert bench.recorder.recorder_state().ends_ms == 60_000
+    bench.recorder.end_recording("ben")
     bench.wait()
-    bench.recorder.begin("ada")
+    bench.recorder.begin_recording("ada")
     bench.offer(2)
     bench.recorder.close()
-    first, second = bench.shelf.waiting()
+    first, second = bench.shelf.list_waiting()
     assert {first.why, second.why} == {"a test", "asked for"}
     assert "ended by ben" in first.note + second.note
     assert sorted(bench.values()) == [[1.0], [2.0]]
@@ -163,11 +163,11 @@ def test_a_file_ends_at_its_size_and_the_oldest_waiting_give_way(tmp_path) -> No
     bench = Bench(tmp_path, before=0.0, file_mb=1.0)
     bench.shelf._max_bytes = 1_200_000
     for turn in range(2):
-        bench.recorder.begin("ada")
+        bench.recorder.begin_recording("ada")
         for at in range(40_000):
             bench.recorder.offer("/number", NUMBER, hashlib.sha512(b"%d" % at).digest(), at + turn)
         bench.wait()
-    (kept,) = bench.shelf.waiting()
+    (kept,) = bench.shelf.list_waiting()
     assert "greatest size" in kept.note
     assert 1_000_000 < kept.size < 1_300_000
     assert [kind for kind, _ in bench.events].count("recording_dropped") == 1
@@ -178,21 +178,21 @@ def test_a_disk_that_fails_is_told_and_the_next_recording_goes_well(tmp_path, mo
     folder = tmp_path / "folder"
     bench = Bench(folder, before=0.0, after=1.0)
     folder.rmdir()
-    bench.recorder.begin("ada")
+    bench.recorder.begin_recording("ada")
     bench.wait()
     assert bench.events[-1][0] == "recording_failed"
     assert "No such file" in bench.states[-1].problem
     folder.mkdir()
-    bench.recorder.begin("ada")
+    bench.recorder.begin_recording("ada")
     bench.offer(3)
-    bench.recorder.end("ada")
+    bench.recorder.end_recording("ada")
     bench.wait()
     assert bench.values() == [[3.0]]
     full = shutil.disk_usage(folder)._replace(free=0)
     bench.shelf._spare = 1
     monkeypatch.setattr(shutil, "disk_usage", lambda _: full)
     with pytest.raises(NoRoom, match="has only 0 MiB left"):
-        bench.shelf.begin(StoredRecording(id="x", why=""), 1)
+        bench.shelf.begin_recording(StoredRecording(id="x", why=""), 1)
     bench.recorder.close()
 
 
@@ -203,23 +203,23 @@ def test_a_type_without_definition_does_not_spoil_the_others(tmp_path) -> None:
         return "float64 data\n"
 
     bench = Bench(tmp_path, definition, before=0.0)
-    bench.recorder.begin("ada")
+    bench.recorder.begin_recording("ada")
     bench.recorder.offer("/odd", "odd_msgs/msg/Odd", b"", 1)
     bench.offer(4)
     bench.recorder.close()
-    (kept,) = bench.shelf.waiting()
+    (kept,) = bench.shelf.list_waiting()
     assert bench.values() == [[4.0]]
     assert "without odd_msgs/msg/Odd: nothing is known" in kept.note
 
 
 def test_a_recording_that_was_cut_off_is_made_whole_at_the_next_start(tmp_path) -> None:
     bench = Bench(tmp_path, before=0.0)
-    bench.recorder.begin("ada", "a long one")
+    bench.recorder.begin_recording("ada", "a long one")
     for value in range(20_000):
         bench.offer(float(hash(str(value))))
     bench.recorder.close()
-    (kept,) = bench.shelf.waiting()
-    body = bench.shelf.whole(kept.id).read_bytes()
+    (kept,) = bench.shelf.list_waiting()
+    body = bench.shelf.whole_path(kept.id).read_bytes()
     whole = bench.values()[0]
     lengths = []
     for cut in (len(body) // 3, len(body) * 2 // 3, len(body) - 9):
@@ -228,9 +228,9 @@ def test_a_recording_that_was_cut_off_is_made_whole_at_the_next_start(tmp_path) 
         (folder / f"{kept.id}.mcap.part").write_bytes(body[:cut])
         (folder / f"{kept.id}.json").write_bytes((tmp_path / f"{kept.id}.json").read_bytes())
         shelf = RecordingStore(folder, 10**9, 0)
-        shelf.open(recover)
-        (found,) = shelf.waiting()
-        saved = numbers_in(shelf.whole(found.id))
+        shelf.open(recover_file)
+        (found,) = shelf.list_waiting()
+        saved = numbers_in(shelf.whole_path(found.id))
         assert saved == whole[: len(saved)]
         assert "in the middle" in found.note
         assert found.why == "a long one"
@@ -238,7 +238,7 @@ def test_a_recording_that_was_cut_off_is_made_whole_at_the_next_start(tmp_path) 
     assert 0 < lengths[0] < lengths[1] <= lengths[2] == len(whole)
     # What holds nothing is let go of, and does not keep the gateway from starting.
     (tmp_path / "x.mcap.part").write_bytes(b"noise")
-    RecordingStore(tmp_path, 10**9, 0).open(recover)
+    RecordingStore(tmp_path, 10**9, 0).open(recover_file)
     assert not (tmp_path / "x.mcap.part").exists()
 
 
@@ -262,7 +262,7 @@ def test_a_definition_means_the_same_from_the_file_and_from_the_class(
     hashes = set()
     for reads_files in (True, False):
         if not reads_files:
-            monkeypatch.setattr(definitions, "_file", lambda _: None)
+            monkeypatch.setattr(definitions, "_definition_file", lambda _: None)
         store = get_typestore(Stores.EMPTY)
         # The class no longer knows which of its bytes were called char.
         text = re.sub(r"\bchar\b", "uint8", definitions.definition_of(name, fields_of))
@@ -314,7 +314,7 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
         assert offer.who == "ada"
         # An answer that was lost with the cut is asked for again; then the gateway forgets it.
         shelf = recorder._shelf
-        await hub.until(lambda: not shelf.waiting(), "an empty shelf")
+        await hub.until(lambda: not shelf.list_waiting(), "an empty shelf")
         # Asked for by a person.
         await hub.send(RecordingRequest(on=True, who="ben", why="to look at"))
         await hub.next(RecorderState, lambda state: state.on and state.who == "ben")
@@ -348,15 +348,15 @@ async def test_the_robots_messages_around_stop_reach_the_hub_as_a_file_that_othe
 async def test_an_upload_goes_on_from_where_it_was_cut(tmp_path: Path) -> None:
     text = "talaia: 1\nsite: q\nname: Q\nros2: {}\ndevices: {d: {name: D}}\n"
     shelf = RecordingStore(tmp_path / "gateway" / "recordings", 10**9, 0)
-    shelf.open(recover)
+    shelf.open(recover_file)
     body = os.urandom(300_000)
-    shelf.whole("20260101T000000Z-abc").write_bytes(body)
-    shelf.finish(StoredRecording(id="20260101T000000Z-abc", why="a test"))
+    shelf.whole_path("20260101T000000Z-abc").write_bytes(body)
+    shelf.finish_recording(StoredRecording(id="20260101T000000Z-abc", why="a test"))
     async with fake_hub(addresses_of) as hub:
         hub.cut_after = 3
         async with running(hub.url, tmp_path / "gateway", text + "recording: {upload: 5000}"):
             await hub.until(lambda: len(hub.offers) > 1, "a second offer")
-            await hub.until(lambda: not shelf.waiting(), "an empty shelf")
+            await hub.until(lambda: not shelf.list_waiting(), "an empty shelf")
     assert hub.files == {"20260101T000000Z-abc": body}
     assert [offer.size for offer in hub.offers] == [300_000, 300_000]
 
@@ -364,10 +364,10 @@ async def test_an_upload_goes_on_from_where_it_was_cut(tmp_path: Path) -> None:
 def test_a_description_of_recording_is_checked() -> None:
     wrong = RECORDING % "[number]" + "\n"
     wrong = wrong.replace("after: 1,", "after: 0, file_mb: 3000,")
-    said = [str(each) for each in check(load_site(wrong))]
+    said = [str(each) for each in check_site(load_site(wrong))]
     assert any("$.recording.topics[0]: 'number' is not an absolute ROS name" in s for s in said)
     assert any("$.recording.after: expected 1 to 3600 s" in s for s in said)
     assert any("$.recording.file_mb: a file of 3000 MB does not fit 2000 MB" in s for s in said)
     site = load_site(RECORDING % "[]")
-    assert site.recorded() == ("/number", "/odom", "/metric", "/mode", "/odd")
-    assert load_site(SITE).recorded() == ()
+    assert site.recorded_topics() == ("/number", "/odom", "/metric", "/mode", "/odd")
+    assert load_site(SITE).recorded_topics() == ()

@@ -23,7 +23,7 @@ from talaia.wire.frames import (
     LeaseRequest,
     LeaseState,
 )
-from talaia.wire.sealing import deflated, digest_of, inflated, seal_of
+from talaia.wire.sealing import compress_text, decompress_text, digest_of, seal_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -112,7 +112,7 @@ async def test_renamed_sensor_goes_on_under_its_new_name_without_a_hole(
         file.write_text(renamed)
         told = await hub.next(DescriptionUpdate)
         assert told.renamed == {"base/number": "base/amount"}
-        assert inflated(told.source) == renamed
+        assert decompress_text(told.source) == renamed
         await peer.until(lambda: peer.heard("counted"))
 
         def both() -> list[object]:
@@ -205,7 +205,9 @@ async def asked(hub: FakeHub, base: str, text: str, key: str = KEY) -> ChangeSta
     seal = seal_of(
         hashlib.sha256(key.encode()).hexdigest(), change_id=name, who="Ada", base=digest, text=text
     )
-    await hub.send(ChangeRequest(id=name, source=deflated(text), base=digest, who="Ada", seal=seal))
+    await hub.send(
+        ChangeRequest(id=name, source=compress_text(text), base=digest, who="Ada", seal=seal)
+    )
     final = {ChangePhase.APPLIED, ChangePhase.REFUSED}
     return await hub.next(ChangeState, lambda each: each.id == name and each.phase in final)
 

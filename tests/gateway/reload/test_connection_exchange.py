@@ -69,5 +69,5 @@ async def test_a_device_that_moves_to_another_connection_is_told_and_lost_by_tha
     exchange.redescribe(after)
     adapter.stop("arm", stopped=True)
     assert made["right"].devices == ["arm"]
-    assert reachability.lost("left", "gone") == []
-    assert set(reachability.lost("right", "gone")) == {"arm", "base"}
+    assert reachability.mark_lost("left", "gone") == []
+    assert set(reachability.mark_lost("right", "gone")) == {"arm", "base"}

@@ -9,7 +9,7 @@ from object_graph import paths_to, replaced_structs
 from talaia.clock import SystemClock
 from talaia.gateway.app import Gateway
 from talaia.gateway.assembly.reload import ReloadPart
-from talaia.gateway.reload.current_description import prepared
+from talaia.gateway.reload.current_description import prepare_description
 from talaia.gateway.settings import GatewaySettings, HubAddress, LegacySettings
 from talaia.model.derived_signals import with_counts
 from talaia.model.yaml_text.load import load_site
@@ -59,7 +59,7 @@ async def test_no_part_keeps_a_description_that_has_been_replaced(tmp_path: Path
     gateway = Gateway(
         site=load_site(TEXT),
         settings=GatewaySettings(
-            hub=HubAddress.checked("ws://127.0.0.1:1", allow_plain=True),
+            hub=HubAddress.from_text("ws://127.0.0.1:1", allow_plain=True),
             key="key",
             data=tmp_path,
             door=LegacySettings(port=0),
@@ -72,7 +72,7 @@ async def test_no_part_keeps_a_description_that_has_been_replaced(tmp_path: Path
         # Every name is another: nothing of the former description can count by being the same.
         text = TEXT.replace("name: ", "name: New ")
         after = with_counts(load_site(text))
-        reload.apply_description(prepared(after, text), "", "")
+        reload.apply_description(prepare_description(after, text), "", "")
         replaced = replaced_structs(before, after)
         assert len(replaced) >= 10
         assert paths_to(gateway, replaced) == []

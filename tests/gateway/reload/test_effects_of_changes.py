@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from talaia.clock import SECOND
-from talaia.gateway.change_policy import AcceptedChanges, forbidden
+from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
 from talaia.gateway.errors import ChannelNumbersFull
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
@@ -14,12 +14,12 @@ from talaia.gateway.samples.channel_numbering import ChannelNumbering
 from talaia.gateway.spool.files import SegmentHead
 from talaia.gateway.spool.journal import Spool, SpoolPosition
 from talaia.gateway.uplink.catchup import as_old
-from talaia.model.renames import renames
+from talaia.model.renames import list_renames
 from talaia.model.yaml_text.load import load_site
-from talaia.wire.columns import Columns, renumbered
+from talaia.wire.columns import Columns, renumber_channels
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
-from talaia.wire.sealing import MAX_TEXT, deflated, inflated, seal_of
+from talaia.wire.sealing import MAX_TEXT, compress_text, decompress_text, seal_of
 
 pytestmark = pytest.mark.pure
 
@@ -68,29 +68,29 @@ def changed(*pairs: tuple[str, str]) -> object:
 
 def test_channel_keeps_its_number_whatever_comes_and_goes_around_it() -> None:
     roster = ChannelNumbering(BEFORE)
-    rain = roster.numbers(BEFORE)["weather/rain"]
+    rain = roster.numbers_of(BEFORE)["weather/rain"]
     after = changed(("      wind:", f"      gust: {{name: G, source: {SOURCE}}}\n      wind:"))
     roster.add_channels(after, {})
-    assert roster.numbers(after)["weather/rain"] == rain
+    assert roster.numbers_of(after)["weather/rain"] == rain
     columns = Columns(np.array([rain, 0], np.uint16), np.zeros(2, np.int64), np.ones(2), {})
-    shown = renumbered(columns, roster.order(after))
+    shown = renumber_channels(columns, roster.order_of(after))
     addresses = [each.address for each in after.channels()]
     assert [addresses[each] for each in shown.channel] == ["weather/rain", "weather/wind"]
 
 
 def test_renamed_channel_keeps_its_number_and_a_removed_one_has_no_place() -> None:
     roster = ChannelNumbering(BEFORE)
-    wind, rain = (roster.numbers(BEFORE)[f"weather/{each}"] for each in ("wind", "rain"))
+    wind, rain = (roster.numbers_of(BEFORE)[f"weather/{each}"] for each in ("wind", "rain"))
     after = changed(
         ("      wind: {", "      gale: {was: wind, "), ("weather/wind", "weather/gale"),
         (f"      rain: {{name: Rain, source: {SOURCE}}}\n", ""),
     )  # fmt: skip
-    roster.add_channels(after, renames(BEFORE, after))
-    assert roster.numbers(after)["weather/gale"] == wind
+    roster.add_channels(after, list_renames(BEFORE, after))
+    assert roster.numbers_of(after)["weather/gale"] == wind
     columns = Columns(
         np.array([rain, wind], np.uint16), np.arange(2), np.arange(2.0), {0: "gone", 1: "here"}
     )
-    shown = renumbered(columns, roster.order(after))
+    shown = renumber_channels(columns, roster.order_of(after))
     assert shown.value.tolist() == [1.0]
     assert shown.texts == {0: "here"}
 
@@ -101,7 +101,7 @@ def test_full_roster_says_so_and_stays_as_it_was(monkeypatch: pytest.MonkeyPatch
     after = changed(("      wind:", f"      gust: {{name: G, source: {SOURCE}}}\n      wind:"))
     with pytest.raises(ChannelNumbersFull):
         roster.add_channels(after, {})
-    assert len(roster.order(BEFORE)) == 3
+    assert len(roster.order_of(BEFORE)) == 3
 
 
 @pytest.mark.parametrize(
@@ -128,9 +128,9 @@ def test_hub_may_change_what_the_gateway_permits_and_no_more(
     everything: bool,  # noqa: FBT001
 ) -> None:
     after = changed(change)
-    assert (not forbidden(BEFORE, after, AcceptedChanges.READINGS)) is readings
-    assert (not forbidden(BEFORE, after, AcceptedChanges.ALL)) is everything
-    assert forbidden(BEFORE, after, AcceptedChanges.NO)
+    assert (not forbidden_changes(BEFORE, after, AcceptedChanges.READINGS)) is readings
+    assert (not forbidden_changes(BEFORE, after, AcceptedChanges.ALL)) is everything
+    assert forbidden_changes(BEFORE, after, AcceptedChanges.NO)
 
 
 class World:
@@ -157,8 +157,8 @@ def released(world: World) -> Interlocks:
     interlocks = Interlocks(site=BEFORE, readings=world, output=world, run=world.run, now_ns=0)
     for second in range(62):
         world.now_ns = second * SECOND
-        interlocks.step(world.now_ns)
-    assert interlocks.refusal("dome", "open", world.now_ns) == ""
+        interlocks.evaluate_all(world.now_ns)
+    assert interlocks.refusal_reason("dome", "open", world.now_ns) == ""
     return interlocks
 
 
@@ -166,9 +166,9 @@ def test_interlock_that_is_described_as_it_was_goes_on_and_a_changed_one_begins_
     world = World()
     interlocks = released(world)
     interlocks.redescribe(changed(("name: Rain", "name: Drops")), world.now_ns)
-    assert interlocks.refusal("dome", "open", world.now_ns) == ""
+    assert interlocks.refusal_reason("dome", "open", world.now_ns) == ""
     interlocks.redescribe(changed(("above: 10", "above: 12")), world.now_ns)
-    assert interlocks.refusal("dome", "open", world.now_ns)
+    assert interlocks.refusal_reason("dome", "open", world.now_ns)
 
 
 def test_interlock_of_a_sensor_that_nobody_has_heard_yet_is_locked_and_does_not_act() -> None:
@@ -178,8 +178,8 @@ def test_interlock_of_a_sensor_that_nobody_has_heard_yet_is_locked_and_does_not_
     added = "interlocks:\n  wet: {name: Wet, when: [{signal: weather/rain, above: 0}], " \
         "refuse: [dome/open], run: [{command: dome/open}]}"  # fmt: skip
     interlocks.redescribe(changed(("interlocks:", added)), world.now_ns)
-    interlocks.step(world.now_ns + SECOND)
-    assert "Wet" in interlocks.refusal("dome", "open", world.now_ns + SECOND)
+    interlocks.evaluate_all(world.now_ns + SECOND)
+    assert "Wet" in interlocks.refusal_reason("dome", "open", world.now_ns + SECOND)
     assert "interlock wet" not in world.notes
 
 
@@ -192,11 +192,11 @@ def batch(first: int, catalogue: str) -> object:
 
 def test_spool_keeps_each_batch_by_the_list_of_its_time(tmp_path) -> None:
     spool = Spool(folder=tmp_path, head=SegmentHead("b", "old", ["a/x"]), bound=10**7)
-    spool.append(batch(0, "old"))
+    spool.append_record(batch(0, "old"))
     spool.redescribe(SegmentHead("b", "new", ["a/y"]))
-    spool.append(batch(1, "new"))
-    found, place = spool.read(SpoolPosition(), 10**6)
-    found += spool.read(place, 10**6)[0]
+    spool.append_record(batch(1, "new"))
+    found, place = spool.read_records(SpoolPosition(), 10**6)
+    found += spool.read_records(place, 10**6)[0]
     frames = [LINK_FROM_GATEWAY.decode(as_old(each, "new")) for each in found]
     assert all(isinstance(each, SampleBatch) for each in frames)
     assert [(each.first, each.addresses) for each in frames] == [(0, ["a/x"]), (1, [])]
@@ -204,11 +204,11 @@ def test_spool_keeps_each_batch_by_the_list_of_its_time(tmp_path) -> None:
 
 
 def test_description_that_unpacks_to_more_than_it_may_is_refused() -> None:
-    assert inflated(deflated("site: ✓")) == "site: ✓"
+    assert decompress_text(compress_text("site: ✓")) == "site: ✓"
     with pytest.raises(PeerError):
-        inflated(deflated("a" * (MAX_TEXT + 1)))
+        decompress_text(compress_text("a" * (MAX_TEXT + 1)))
     with pytest.raises(PeerError):
-        inflated(b"no")
+        decompress_text(b"no")
 
 
 def test_seal_holds_each_part_of_a_change_by_itself() -> None:

@@ -85,7 +85,7 @@ def test_the_time_that_was_bad_is_counted_to_a_hundredth_of_the_window(
         if was:
             history.append((now, now + passed))
         now += passed
-        found = counted.add(now, bad=bad)
+        found = counted.add_reading(now, bad=bad)
         exactly = sum(max(0, to - max(since, now - window)) for since, to in history)
         assert exactly <= found <= exactly + window // BadTimeWindow.PARTS
         was = bad

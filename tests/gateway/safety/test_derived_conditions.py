@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from talaia.clock import SECOND
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.units.dew_point import dew_point
 from talaia.model.yaml_text.load import dump_site, load_site
 
@@ -63,7 +63,7 @@ class Roof:
 
     def __init__(self, condition: str = MINUS) -> None:  # noqa: D107
         self.site = load_site(DESCRIPTION.replace(MINUS, condition))
-        assert check(self.site) == []
+        assert check_site(self.site) == []
         self.now = 0
         self.wall_s = float(NOON_S)
         self.values = {"temperature": 15.0, "dew_point": 5.0, "humidity": 50.0}
@@ -89,8 +89,8 @@ class Roof:
         for name in [name for name, value in values.items() if value is None]:
             del self.values[name]
         self.now += SECOND
-        self.interlocks.step(self.now)
-        return self.interlocks.refusal("dome", "open", self.now)
+        self.interlocks.evaluate_all(self.now)
+        return self.interlocks.refusal_reason("dome", "open", self.now)
 
 
 def test_a_dew_point_near_the_temperature_is_unsafe_until_it_is_farther_away_again() -> None:
@@ -173,7 +173,7 @@ def test_a_mistake_in_a_condition_is_told(
     condition: str, without: str, where: str, problem: str
 ) -> None:
     text = DESCRIPTION.replace(MINUS, condition)
-    findings = check(load_site(text.replace(without, "") if without else text))
+    findings = check_site(load_site(text.replace(without, "") if without else text))
     assert [one for one in findings if where in one.where and problem in one.problem], findings
 
 

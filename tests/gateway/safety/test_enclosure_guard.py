@@ -291,14 +291,14 @@ def test_a_stop_by_a_person_holds_the_closing_with_an_alarm_until_a_person_resum
     one.why = "Rain"
     one.run(3)
     one.closing = False
-    one.do(one.guard.commanded("dome/stop", "Ada"))
+    one.do(one.guard.handle_command("dome/stop", "Ada"))
     count = len(one.times("dome/close"))
     one.run(70)
     assert len(one.times("dome/close")) == count
     cried = [message for kind, message in one.said if kind == "enclosure_not_closed"]
     assert len(cried) == 2
     assert "stopped by Ada" in cried[0]
-    one.do(one.guard.commanded("dome/close", "Ada"))
+    one.do(one.guard.handle_command("dome/close", "Ada"))
     one.closing = True
     one.run(20)
     assert one.position == 0

@@ -135,7 +135,7 @@ class Bench(ControlBench):
             clock=self.clock,
             output=self.world,
             readings=self.world,
-            next_epoch=LeaseEpochs(self.folder / "epochs.json").next,
+            next_epoch=LeaseEpochs(self.folder / "epochs.json").next_epoch,
             stops=StopWriter(
                 stops=PersistentStops(self.folder / "stops.json"),
                 on_disk=on_disk,
@@ -145,11 +145,11 @@ class Bench(ControlBench):
         )
 
     def refusal(self, device: str = "dome", what: str = "open") -> str:
-        return self.interlocks.refusal(device, what, self.clock.monotonic_ns())
+        return self.interlocks.refusal_reason(device, what, self.clock.monotonic_ns())
 
     def override(self, seconds: float, reason: str = "testing the shutter") -> None:
         ask = OverrideRequest(interlock="weather", who="Ada", reason=reason, seconds=seconds)
-        self.control.override(ask)
+        self.control.override_interlock(ask)
 
 
 @pytest.fixture
@@ -316,7 +316,7 @@ def test_what_is_unknown_slows_down_too_and_what_is_overridden_does_not(slowed: 
     slowed.world.values["weather/wind"] = 2.0
     hold(slowed, 200 * MS)
     ask = OverrideRequest(interlock="people", who="Ada", reason="the camera is dirty", seconds=60)
-    slowed.control.override(ask)
+    slowed.control.override_interlock(ask)
     hold(slowed, 500 * MS)
     assert slowed.robot.driven[-1][1] == pytest.approx(0.2)
     assert slowed.refusal("base", "drive") == ""
@@ -434,9 +434,9 @@ def test_the_condition_that_is_named_must_be_the_one_that_locks(safe: Bench) -> 
     safe.world.values["weather/wind"] = 13.0
     safe.pass_time(200 * MS)
     ask = OverrideRequest(interlock="weather", who="Ada", reason="x", seconds=60)
-    safe.control.override(structs.replace(ask, condition="weather/rain"))
+    safe.control.override_interlock(structs.replace(ask, condition="weather/rain"))
     assert safe.refusal()
-    safe.control.override(structs.replace(ask, condition="weather/wind"))
+    safe.control.override_interlock(structs.replace(ask, condition="weather/wind"))
     assert safe.refusal() == ""
 
 
@@ -572,7 +572,7 @@ def test_what_is_harmless_alone_locks_together_and_a_silent_one_counts_as_unsafe
     rain, wind = SITE.interlocks["weather"].when[1], SITE.interlocks["weather"].when[0]
     rule = structs.replace(SITE.interlocks["weather"], when=(Condition(all_of=(wind, rain)),))
     both = structs.replace(SITE, interlocks={"weather": rule})
-    assert both.guarded() == {"weather/wind", "weather/rain"}
+    assert both.safety_signals() == {"weather/wind", "weather/rain"}
 
     class BenchOfBoth(Bench):
         site = both
@@ -642,8 +642,8 @@ def test_it_refuses_while_unsafe_and_for_the_whole_dwell_time_after(
             case "unsure":
                 verdict = InterlockVerdict("nothing yet", certain=False)
             case "override":
-                if not one.overrule(who="Ada", reason="to see", seconds=45.0, now_ns=now):
+                if not one.override_condition(who="Ada", reason="to see", seconds=45.0, now_ns=now):
                     over_until = now + 45 * SECOND
             case "end":
-                one.overrule(who="Ada", reason="", seconds=0.0, now_ns=now)
+                one.override_condition(who="Ada", reason="", seconds=0.0, now_ns=now)
                 over_until = -1

@@ -63,7 +63,7 @@ class Bench:
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds * 10)):
             self.clock.advance(SECOND // 10)
-            self.interlocks.step(self.clock.monotonic_ns())
+            self.interlocks.evaluate_all(self.clock.monotonic_ns())
 
     def asked(self, what: str) -> int:
         return sum(what in each for each in self.world.ran)
@@ -120,12 +120,12 @@ def test_a_gateway_that_stood_still_itself_does_not_lock_for_it(bench: Bench) ->
     assert bench.asked("dome/close") == 0
     assert "interlock_locked" not in bench.world.notes
     # But nobody opens it by what was said before.
-    refused = bench.interlocks.refusal("dome", "open", bench.clock.monotonic_ns())
+    refused = bench.interlocks.refusal_reason("dome", "open", bench.clock.monotonic_ns())
     assert "nothing was heard since the gateway stood still" in refused
     # What arrives within the time to settle decides.
     bench.world.values = values
     bench.run(5)
-    assert bench.interlocks.refusal("dome", "open", bench.clock.monotonic_ns()) == ""
+    assert bench.interlocks.refusal_reason("dome", "open", bench.clock.monotonic_ns()) == ""
     assert bench.asked("dome/close") == 0
     assert "interlock_locked" not in bench.world.notes
 
@@ -134,7 +134,9 @@ def test_a_station_that_is_silent_after_the_standstill_locks(bench: Bench) -> No
     stop_values(bench)
     bench.clock.advance(30 * SECOND)
     bench.run(FreezeCredit.SETTLE_NS / SECOND + 0.3)
-    assert "Wind: no value" in bench.interlocks.refusal("dome", "open", bench.clock.monotonic_ns())
+    assert "Wind: no value" in bench.interlocks.refusal_reason(
+        "dome", "open", bench.clock.monotonic_ns()
+    )
     assert bench.asked("dome/close")
 
 
@@ -170,7 +172,7 @@ def test_whatever_is_heard_nothing_opens_while_it_is_unsafe_or_unknown(
                 closes.append(now)
             # What falls silent is known until it is two seconds old (rain: five), and settled.
             if measured or (unknown and tick > 52):
-                assert bench.interlocks.refusal("dome", "open", now)
+                assert bench.interlocks.refusal_reason("dome", "open", now)
         if measured:
             # Asked again at the latest after the longest pause.
             assert closes

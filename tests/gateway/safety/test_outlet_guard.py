@@ -16,7 +16,7 @@ from talaia.gateway.commands.command_service import CommandService
 from talaia.gateway.commands.journal_writer import JournalWriter
 from talaia.gateway.ports import ChannelReading, CommandOutcome
 from talaia.gateway.safety.interlocks import Interlocks
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.interlocks.outlet import Outlet, OutletCommand
 from talaia.model.roles import CommandRole
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
@@ -84,7 +84,7 @@ class Robot:
         ask = CommandRequest(
             id=count, device="power", command=command, args=args, ttl_ms=5e3, who="Ada"
         )
-        await self.commanding.ask(ask, guarded=guarded)
+        await self.commanding.handle_request(ask, guarded=guarded)
         while self.said[-1].phase in (CommandPhase.ACCEPTED, CommandPhase.RUNNING):  # noqa: ASYNC110
             await asyncio.sleep(0)
         return self.said[-1]
@@ -184,7 +184,7 @@ def powered(**outlets: Outlet) -> Site:
 def test_outlets_that_do_not_fit_are_told_with_their_place(
     outlets: dict, where: str, says: str
 ) -> None:
-    found = check(powered(**outlets))
+    found = check_site(powered(**outlets))
     assert [each.where for each in found] == [f"$.devices.power.outlets.{where}"]
     assert says in found[0].problem
 
@@ -196,7 +196,7 @@ async def test_a_command_with_off_behind_the_outlets_name_cuts_its_power(tmp_pat
     )
     power = replace(power, commands={"plug_off": off}, outlets={"plug": Outlet(feeds=("dome",))})
     site = replace(EXAMPLE, devices={**EXAMPLE.devices, "power": power})
-    assert check(site) == []
+    assert check_site(site) == []
     assert load_site(dump_site(site)) == site
     robot = Robot(site, tmp_path)
     assert (await robot.does("plug_off")).phase is CommandPhase.SUCCEEDED

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from talaia.clock import SECOND
-from talaia.gateway.safety.pointing_limits import misdirected
+from talaia.gateway.safety.pointing_limits import pointing_problem
 from talaia.model.interlocks.enclosure import Place, Pointing, PointingArguments
 from talaia.model.units import astronomy
 
@@ -20,7 +20,7 @@ NOON = 1_795_262_400  # 2026-11-21 12:00 UTC
 
 
 def test_a_target_below_the_limit_is_refused_with_its_altitude() -> None:
-    said = misdirected(
+    said = pointing_problem(
         rule=RULE, names=HORIZON, args={"alt": 10, "az": 100}, place=PLACE, wall_ns=NOON * SECOND
     )
     assert said == "the target stands at 10.0 °; the horizon limit is 15 °"
@@ -28,15 +28,15 @@ def test_a_target_below_the_limit_is_refused_with_its_altitude() -> None:
 
 def test_the_sun_is_refused_by_day_and_where_it_was_is_free_by_night() -> None:
     here = astronomy.Observer(PLACE.latitude, PLACE.longitude)
-    sun = astronomy.altaz(
-        *astronomy.sun(astronomy.julian_day(NOON)), here, astronomy.julian_day(NOON)
+    sun = astronomy.equatorial_to_horizontal(
+        *astronomy.sun_position(astronomy.julian_day(NOON)), here, astronomy.julian_day(NOON)
     )
     args = {"alt": sun.alt + 5, "az": sun.az}
-    assert "from the Sun; the limit is 30 °" in misdirected(
+    assert "from the Sun; the limit is 30 °" in pointing_problem(
         rule=RULE, names=HORIZON, args=args, place=PLACE, wall_ns=NOON * SECOND
     )
     assert (
-        misdirected(
+        pointing_problem(
             rule=RULE, names=HORIZON, args=args, place=PLACE, wall_ns=(NOON + 10 * 3600) * SECOND
         )
         == ""
@@ -54,7 +54,10 @@ def test_the_sun_is_refused_by_day_and_where_it_was_is_free_by_night() -> None:
     ],
 )
 def test_what_is_no_place_in_the_sky_is_refused(args: dict[str, float], said: str) -> None:
-    assert misdirected(rule=RULE, names=SKY, args=args, place=PLACE, wall_ns=NOON * SECOND) == said
+    assert (
+        pointing_problem(rule=RULE, names=SKY, args=args, place=PLACE, wall_ns=NOON * SECOND)
+        == said
+    )
 
 
 @given(st.floats(0, 23.99), st.floats(-90, 90), st.integers(0, 365 * 24))
@@ -62,11 +65,14 @@ def test_what_is_let_through_is_above_the_limit_and_away_from_the_sun(
     ra: float, dec: float, hour: int
 ) -> None:
     now = NOON + hour * 3600
-    if misdirected(
+    if pointing_problem(
         rule=RULE, names=SKY, args={"ra": ra, "dec": dec}, place=PLACE, wall_ns=now * SECOND
     ):
         return
     here, jd = astronomy.Observer(PLACE.latitude, PLACE.longitude), astronomy.julian_day(now)
-    at, sun = astronomy.altaz(ra, dec, here, jd), astronomy.altaz(*astronomy.sun(jd), here, jd)
+    at, sun = (
+        astronomy.equatorial_to_horizontal(ra, dec, here, jd),
+        astronomy.equatorial_to_horizontal(*astronomy.sun_position(jd), here, jd),
+    )
     assert at.alt >= 15
-    assert sun.alt <= -6 or astronomy.separation(at, sun) >= 30
+    assert sun.alt <= -6 or astronomy.angular_separation(at, sun) >= 30

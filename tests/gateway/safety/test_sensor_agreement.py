@@ -11,7 +11,7 @@ from talaia.clock import SECOND
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.safety.sensor_agreement import RoofSensor, closed_by
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.interlocks.capabilities import Capabilities, capabilities_of
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire.frames import EnclosureState
@@ -93,7 +93,7 @@ class Roof:
 
     def __init__(self, description: str = DESCRIPTION) -> None:  # noqa: D107
         self.site = load_site(description)
-        assert check(self.site) == []
+        assert check_site(self.site) == []
         assert load_site(dump_site(self.site)) == self.site
         self.now = 0
         self.sensors = dict(CLOSED)
@@ -130,7 +130,7 @@ class Roof:
             del self.sensors[name]
         for _ in range(round(seconds * 10)):
             self.now += SECOND // 10
-            self.interlocks.step(self.now)
+            self.interlocks.evaluate_all(self.now)
 
     def kinds(self, *wanted: str) -> list[str]:
         return [kind for kind, _ in self.notes if kind in wanted]
@@ -373,5 +373,5 @@ def test_a_mistake_in_an_enclosure_is_told(
     text: str, was: str, becomes: str, where: str, problem: str
 ) -> None:
     assert was in text
-    findings = check(load_site(text.replace(was, becomes)))
+    findings = check_site(load_site(text.replace(was, becomes)))
     assert [one for one in findings if where in one.where and problem in one.problem], findings

@@ -58,30 +58,30 @@ def test_silence_closes_and_a_beat_ends_that() -> None:
     silence = SilenceTimer(0.0)
     silence.after_s = 10.0
     now = 0.0
-    while (task := silence.judge(now)) is WatchdogTask.WAIT:
+    while (task := silence.judge_silence(now)) is WatchdogTask.WAIT:
         now += 0.25
     assert task is WatchdogTask.CLOSE
     assert now == 10.0
     silence.hear_beat()
-    assert silence.judge(now + 0.25) is WatchdogTask.WAIT
+    assert silence.judge_silence(now + 0.25) is WatchdogTask.WAIT
 
 
 def test_a_dead_gateway_is_waited_for_until_all_is_closed() -> None:
     silence = SilenceTimer(0.0)
     silence.after_s = 2.0
     silence.hear_end()
-    assert [silence.judge(each / 4) for each in range(8)] == [WatchdogTask.WAIT] * 8
-    assert silence.judge(2.0) is WatchdogTask.CLOSE
+    assert [silence.judge_silence(each / 4) for each in range(8)] == [WatchdogTask.WAIT] * 8
+    assert silence.judge_silence(2.0) is WatchdogTask.CLOSE
     silence.report_closed()
-    assert silence.judge(2.25) is WatchdogTask.LEAVE
+    assert silence.judge_silence(2.25) is WatchdogTask.LEAVE
 
 
 def test_a_machine_that_stood_still_is_not_taken_for_a_dead_gateway() -> None:
     silence = SilenceTimer(0.0)
     silence.after_s = 10.0
-    assert silence.judge(3600.0) is WatchdogTask.WAIT
+    assert silence.judge_silence(3600.0) is WatchdogTask.WAIT
     silence.hear_beat()
-    assert silence.judge(3600.25) is WatchdogTask.WAIT
+    assert silence.judge_silence(3600.25) is WatchdogTask.WAIT
 
 
 @given(st.lists(st.sampled_from(["beat", "look", "end", "closed"]), max_size=60))
@@ -98,4 +98,4 @@ def test_after_a_goodbye_nothing_is_closed_whatever_comes(words: list[str]) -> N
                 silence.hear_end()
             case "closed":
                 silence.report_closed()
-        assert silence.judge(now) is WatchdogTask.LEAVE
+        assert silence.judge_silence(now) is WatchdogTask.LEAVE

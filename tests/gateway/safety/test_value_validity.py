@@ -17,7 +17,7 @@ from talaia.gateway.ports import ChannelReading
 from talaia.gateway.safety.interlocks import Interlocks
 from talaia.gateway.safety.value_validity import range_problem
 from talaia.gateway.samples.source_stamps import StampAge, iso_stamp_ns, stamp_ns_of
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import RosSource
 from talaia.model.site import Signal
 from talaia.model.yaml_text.load import load_site
@@ -77,7 +77,7 @@ class Station:
 
     def __init__(self, description: str = DESCRIPTION) -> None:  # noqa: D107
         self.site = load_site(description)
-        assert check(self.site) == []
+        assert check_site(self.site) == []
         self.now = 0
         self.skew = 0
         self.latest_of: dict[str, ChannelReading] = {}
@@ -122,8 +122,8 @@ class Station:
             )
             message = SimpleNamespace(data=self.wind, temperature=self.wind, header=header)
             self.plan.read_message(message, self.now // 1000, self.now, SampleBuffer())
-            self.interlocks.step(self.now)
-        return self.interlocks.refusal("dome", "open", self.now)
+            self.interlocks.evaluate_all(self.now)
+        return self.interlocks.refusal_reason("dome", "open", self.now)
 
 
 @pytest.mark.parametrize(
@@ -241,11 +241,11 @@ def test_a_sighting_out_of_its_range_says_nothing() -> None:
 @given(st.lists(st.integers(-5, 5), min_size=1, max_size=30))
 def test_a_stamp_is_as_old_as_its_last_advance(steps: list[int]) -> None:
     age, stamp, expected = StampAge(), 0, None
-    assert age.arrived(stamp, 0) is None
+    assert age.add_stamp(stamp, 0) is None
     for now, step in enumerate(steps, 1):
         stamp += step
         expected = now if step > 0 else expected
-        assert age.arrived(stamp, now) == expected
+        assert age.add_stamp(stamp, now) == expected
 
 
 def test_stamps_of_every_ros_and_of_indi_are_read() -> None:
@@ -282,6 +282,6 @@ def test_a_mistake_in_them_is_told(
     text: str, was: str, becomes: str, where: str, problem: str
 ) -> None:
     assert was in text
-    finding = check(load_site(text.replace(was, becomes)))[0]
+    finding = check_site(load_site(text.replace(was, becomes)))[0]
     assert where in finding.where
     assert problem in finding.problem

@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 
 from talaia.gateway.samples.batching import Batcher, records_of
 from talaia.gateway.spool.segment import SampleRecord
-from talaia.wire.columns import Columns, unpack
+from talaia.wire.columns import Columns, unpack_columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 
@@ -34,7 +34,7 @@ def test_columns_come_back_from_their_batches_however_far_apart(
         frame = LINK_FROM_GATEWAY.decode(record.body)
         assert isinstance(frame, SampleBatch)
         assert (frame.first, record.first) == (sequence, sequence)
-        part = unpack(frame)
+        part = unpack_columns(frame)
         words |= {sequence - 100 + at: text for at, text in part.texts.items()}
         back += list(part.time_us)
         sequence = record.end
@@ -54,13 +54,13 @@ async def test_batches_are_numbered_and_made_once_per_flush() -> None:
     )
     batcher.put_samples(columns([1, 2]))
     batcher.put_samples(columns([3], {0: "three"}))
-    batcher.flush()
+    batcher.flush_batches()
     frame = LINK_FROM_GATEWAY.decode(kept[0].body)
     assert isinstance(frame, SampleBatch)
     assert frame.texts == {2: "three"}
     batcher.put_samples(columns([4]))
-    batcher.flush()
-    batcher.flush()
+    batcher.flush_batches()
+    batcher.flush_batches()
     assert [(each.first, each.end) for each in kept] == [(0, 3), (3, 4)]
 
 
@@ -72,9 +72,9 @@ async def test_time_in_which_nothing_was_heard_is_a_gap_with_a_number_of_its_own
         lose=lambda record, why: lost.append((record, why)),
     )  # fmt: skip
     batcher.put_samples(columns([1, 2]))
-    batcher.flush()
-    batcher.missed(10, 20, "stood still")
+    batcher.flush_batches()
+    batcher.record_gap(10, 20, "stood still")
     batcher.put_samples(columns([3]))
-    batcher.flush()
+    batcher.flush_batches()
     assert lost == [(SampleRecord(2, 1, 10, 20, b""), "stood still")]
     assert [(each.first, each.end) for each in kept] == [(0, 2), (3, 4)]

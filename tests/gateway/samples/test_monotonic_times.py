@@ -12,7 +12,7 @@ from talaia.gateway.adapters.arrival_times import Arrivals
 from talaia.gateway.samples.batching import OVERRUN, Batcher
 from talaia.gateway.samples.monotonic_times import STEP_BACK_US, MonotonicTimes
 from talaia.gateway.spool.segment import SampleRecord
-from talaia.wire.columns import Columns, part, unpack
+from talaia.wire.columns import Columns, slice_columns, unpack_columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 pytestmark = pytest.mark.pure
@@ -38,16 +38,16 @@ def test_messages_keep_their_order_and_their_times_however_long_the_thread_was_a
     while waiting:
         now += away[len(stamps) % len(away)]
         while waiting and waiting[0] <= now:
-            stamps.append(arrivals.at(waiting.pop(0), now, (now - BEGAN_US) * 1000))
+            stamps.append(arrivals.arrival_time(waiting.pop(0), now, (now - BEGAN_US) * 1000))
             now += 50
-        arrivals.awake((now - BEGAN_US) * 1000)
+        arrivals.mark_awake((now - BEGAN_US) * 1000)
     assert stamps == came
 
 
 def test_time_of_arrival_that_a_jump_of_the_clock_made_untrue_is_not_believed() -> None:
     arrivals = Arrivals(0)
-    assert arrivals.at(BEGAN_US - 3_600_000_000, BEGAN_US, 5_000_000) == BEGAN_US
-    assert arrivals.at(BEGAN_US + 3_600_000_000, BEGAN_US, 5_000_000) == BEGAN_US
+    assert arrivals.arrival_time(BEGAN_US - 3_600_000_000, BEGAN_US, 5_000_000) == BEGAN_US
+    assert arrivals.arrival_time(BEGAN_US + 3_600_000_000, BEGAN_US, 5_000_000) == BEGAN_US
 
 
 # Two times lie less than a step back apart, also when each of 80 was mended by a microsecond.
@@ -67,7 +67,9 @@ def test_times_of_a_channel_rise_whatever_was_mixed_up_on_the_way(
 ) -> None:
     told = columns([each for each, _ in jitter], [BEGAN_US + late for _, late in jitter])
     times = MonotonicTimes()
-    made = [times.mend(part(told, at, at + size)) for at in range(0, len(told), size)]
+    made = [
+        times.make_monotonic(slice_columns(told, at, at + size)) for at in range(0, len(told), size)
+    ]
     mended = np.concatenate([each.time_us for each in made])
     for channel in range(4):
         mine = told.channel == channel
@@ -84,7 +86,7 @@ def test_clock_that_is_set_back_by_much_is_another_time_and_taken_as_it_is() -> 
     times = MonotonicTimes()
     back = BEGAN_US - 3_600_000_000
     told = columns([1, 1, 1, 1], [BEGAN_US, back, back, back + 5])
-    assert times.mend(told).time_us.tolist() == [BEGAN_US, back, back + 1, back + 5]
+    assert times.make_monotonic(told).time_us.tolist() == [BEGAN_US, back, back + 1, back + 5]
 
 
 async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
@@ -98,14 +100,14 @@ async def test_batches_carry_rising_times_when_threads_hand_over_late() -> None:
         lose=lambda *_: None,
     )
     batcher.put_samples(columns([7], [BEGAN_US + 10]))
-    batcher.flush()
+    batcher.flush_batches()
     batcher.put_samples(columns([7, 7], [BEGAN_US + 9, BEGAN_US + 20]))
-    batcher.flush()
+    batcher.flush_batches()
     times = []
     for record in kept:
         frame = LINK_FROM_GATEWAY.decode(record.body)
         assert isinstance(frame, SampleBatch)
-        times += unpack(frame).time_us.tolist()
+        times += unpack_columns(frame).time_us.tolist()
     assert times == [BEGAN_US + 10, BEGAN_US + 11, BEGAN_US + 20]
 
 
@@ -119,5 +121,5 @@ async def test_gap_of_what_could_not_be_kept_up_with_spans_all_of_it(monkeypatch
     batcher.put_samples(columns([0, 0], [1, 2]))
     batcher.put_samples(columns([0, 0], [30, 40]))
     batcher.put_samples(columns([0], [50]))
-    batcher.flush()
+    batcher.flush_batches()
     assert lost == [(SampleRecord(2, 3, 30, 50, b""), OVERRUN)]

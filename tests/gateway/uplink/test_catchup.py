@@ -29,7 +29,7 @@ def keeper_of(folder: Path, batches: int = BATCHES, sizes: SpoolSizes = USUAL) -
             np.zeros(SIZE, np.uint16), first + np.arange(SIZE), np.arange(SIZE) * 1.0, {}
         )
         (record,) = records_of(columns, "b", "c", first)
-        spool.append(record)
+        spool.append_record(record)
     return SpoolThread(spool)
 
 

@@ -243,12 +243,12 @@ def test_old_batch_stands_alone_when_the_channel_list_changed() -> None:
 )
 def test_address_that_is_unsafe_or_none_is_refused(url: str, more: dict) -> None:
     with pytest.raises(SettingsError):
-        HubAddress.checked(url, **more)
+        HubAddress.from_text(url, **more)
 
 
 def test_address_is_brought_to_its_plain_form() -> None:
     pin = ":".join(["AB"] * 32)
-    hub = HubAddress.checked("https://hub:1/x?y", fingerprint=pin)
+    hub = HubAddress.from_text("https://hub:1/x?y", fingerprint=pin)
     assert (hub.url, hub.fingerprint) == ("wss://hub:1", "ab" * 32)
 
 

@@ -30,9 +30,9 @@ async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_bef
     shelf.open(lambda _part, _whole: None)
     long = os.urandom(20 * PIECE)
     kept = StoredRecording(id="20260101T000000Z-abcdef", why="test")
-    shelf.begin(kept, len(long))
-    shelf.whole(kept.id).write_bytes(long)
-    shelf.finish(kept)
+    shelf.begin_recording(kept, len(long))
+    shelf.whole_path(kept.id).write_bytes(long)
+    shelf.finish_recording(kept)
     outbox = ArchiveOutbox(data / "outbox", 10**9, lambda: None)
     (tmp_path / "made").write_bytes(b"picture")
     async with fake_hub(addresses_of) as hub:
@@ -41,7 +41,7 @@ async def test_pictures_and_recordings_share_a_connection_and_a_picture_goes_bef
         source = Source(shelf, lambda: outbox.add_file(tmp_path / "made", "fits", "camera", 7))
         lanes = [FileLane("pictures", outbox, 1e9), FileLane("recordings", source, 1e9)]
         settings = GatewaySettings(
-            hub=HubAddress.checked(hub.url, allow_plain=True), key="test-key", data=data
+            hub=HubAddress.from_text(hub.url, allow_plain=True), key="test-key", data=data
         )
         refused: list[str] = []
         sending = TransferCallbacks(
@@ -71,11 +71,11 @@ class Source:
         self._shelf, self._happens, self._reads = shelf, happens, 0
         self.offers, self.remove, self.refuse = shelf.offers, shelf.remove, shelf.refuse
 
-    def read(self, name: str, at: int, size: int, /) -> bytes:
+    def read_part(self, name: str, at: int, size: int, /) -> bytes:
         self._reads += 1
         if self._reads == 3:
             self._happens()
-        return self._shelf.read(name, at, size)
+        return self._shelf.read_part(name, at, size)
 
 
 async def test_a_hub_that_does_not_know_pictures_still_gets_recordings(
@@ -88,13 +88,13 @@ async def test_a_hub_that_does_not_know_pictures_still_gets_recordings(
     shelf = RecordingStore(tmp_path / "recordings", 10**9, 0)
     shelf.open(lambda _part, _whole: None)
     kept = StoredRecording(id="20260101T000000Z-abcdef", why="test")
-    shelf.begin(kept, 3)
-    shelf.whole(kept.id).write_bytes(b"abc")
-    shelf.finish(kept)
+    shelf.begin_recording(kept, 3)
+    shelf.whole_path(kept.id).write_bytes(b"abc")
+    shelf.finish_recording(kept)
     async with fake_hub(addresses_of) as hub:
         hub.knows_pictures = False
         settings = GatewaySettings(
-            hub=HubAddress.checked(hub.url, allow_plain=True), key="test-key", data=tmp_path
+            hub=HubAddress.from_text(hub.url, allow_plain=True), key="test-key", data=tmp_path
         )
         lanes = [FileLane("pictures", outbox, 1e9), FileLane("recordings", shelf, 1e9)]
         await send_files(
@@ -120,7 +120,7 @@ def test_the_outbox_keeps_to_its_size_and_offers_what_is_whole_and_not_refused(
     outbox.refuse(third.id)
     (tmp_path / "outbox" / "broken.json").write_text("{")
     assert [each.id for each in outbox.offers()] == [fourth.id]
-    assert outbox.read(fourth.id, 8, 10) == b"89"
+    assert outbox.read_part(fourth.id, 8, 10) == b"89"
     outbox.remove(fourth.id)
     assert outbox.offers() == []
 
@@ -132,7 +132,7 @@ async def test_a_file_that_is_damaged_here_is_not_sent_for_ever(tmp_path: Path) 
     async with fake_hub(addresses_of) as hub:
         hub.finds_damage = True
         settings = GatewaySettings(
-            hub=HubAddress.checked(hub.url, allow_plain=True), key="test-key", data=tmp_path
+            hub=HubAddress.from_text(hub.url, allow_plain=True), key="test-key", data=tmp_path
         )
         told: list[str] = []
         sending = TransferCallbacks(bool, lambda: None, lambda _offer, why: told.append(why))

@@ -58,15 +58,15 @@ async def test_newest_of_this_run_goes_by_the_channel_list_that_counts_now() -> 
     )
     batcher.put_samples(columns((0, 1, 1.0), (1, 2, 2.0), (0, 3, 3.0)))
     batcher.put_samples(columns((2, 4, np.nan), texts={0: "open"}))
-    batcher.flush()
-    told = batcher.newest()
+    batcher.flush_batches()
+    told = batcher.newest_samples()
     assert told.columns.channel.tolist() == [1, 0, 2]
     assert told.sequence.tolist() == [1, 2, 3]
     assert told.columns.texts == {2: "open"}
     assert (told.age_ms >= 0).all()
     # The second is described no more, and the third has become the first.
     batcher.redescribe("d", np.array([1, -1, 0], np.int64))
-    told = batcher.newest()
+    told = batcher.newest_samples()
     assert told.columns.channel.tolist() == [1, 0]
     assert told.columns.texts == {1: "open"}
 
@@ -83,7 +83,7 @@ def killed(folder: Path, runs: int) -> None:
             if run == 0 and number == 3:
                 rows.append((2, number, 11.0))
             (record,) = records_of(columns(*rows), boot, "c", spool_end(number, run))
-            spool.append(record)
+            spool.append_record(record)
 
 
 def spool_end(number: int, run: int) -> int:
@@ -111,7 +111,7 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
     )
     lanes.link_up()
     teller = NewestSamplesSender(
-        newest=batcher.newest, spool=keeper, lanes=lanes, clock=HandClock(), boot="boot-9"
+        newest=batcher.newest_samples, spool=keeper, lanes=lanes, clock=HandClock(), boot="boot-9"
     )
     for _ in range(2):  # the second time from memory
         await teller.tell_former(lambda: ADDRESSES)
@@ -130,7 +130,7 @@ async def test_newest_of_runs_that_were_killed_is_found_behind_all_that_is_older
         assert found == {"a/x": ("boot-1", 29, 129.0), "a/z": ("boot-0", 4, 11.0)}
     # What this run has heard itself is not asked of former ones.
     batcher.put_samples(columns((2, 50, 12.0)))
-    batcher.flush()
+    batcher.flush_batches()
     await teller.tell_former(lambda: ADDRESSES)
     (message,) = [LINK_FROM_GATEWAY.decode(data) for data in iter(lanes.next, None)]
     assert isinstance(message, NewestBatch)
@@ -151,24 +151,24 @@ async def test_newest_goes_before_what_is_heard_after_it_and_is_told_again_when_
         keep=lambda record: lanes.live(record.body, record.first, record.end), lose=lambda *_: None,
     )  # fmt: skip
     teller = NewestSamplesSender(
-        newest=batcher.newest, spool=keeper, lanes=lanes, clock=HandClock(), boot="b"
+        newest=batcher.newest_samples, spool=keeper, lanes=lanes, clock=HandClock(), boot="b"
     )
     batcher.put_samples(columns((2, 1, 11.0)))
-    batcher.flush()
+    batcher.flush_batches()
     lanes.link_up()
     teller.tell_run("c")
     batcher.put_samples(columns((0, 2, 1.0)))
-    batcher.flush()
+    batcher.flush_batches()
     assert read(lanes.next()) == {2: (0, 11.0)}
     data = lanes.next()
     assert data is not None
     assert isinstance(LINK_FROM_GATEWAY.decode(data), SampleBatch)
     # Said once, and then so much of others that the lane is emptied.
     batcher.put_samples(columns((1, 3, 5.0)))
-    batcher.flush()
+    batcher.flush_batches()
     for at in range(20):
         batcher.put_samples(columns((0, 10 + at, 1.0 * at)))
-        batcher.flush()
+        batcher.flush_batches()
     assert lanes.overflowed is not None
     catchup = CatchUp(
         spool=keeper,

@@ -281,7 +281,7 @@ def test_a_film_keeps_to_its_bits_however_busy_the_scene() -> None:
     weight = 0
     for at in range(90):
         pixels = Pixels("RGB", 320, 240, rng.integers(0, 255, (240, 320, 3), np.uint8))
-        made = encoder.encode(pixels, at * STEP_US, key=False)
+        made = encoder.encode_picture(pixels, at * STEP_US, key=False)
         assert made is not None
         weight += len(made.data)
     assert weight * 8 / 3 < bits * 1.4

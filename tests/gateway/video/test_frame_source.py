@@ -18,7 +18,7 @@ def test_nothing_is_kept_of_a_stream_that_nobody_holds() -> None:
     looks = FrameSource()
     looks.offer_frame("cam/front", (1, 2, 3), lambda: RGB)
     assert looks.newest("cam/front") is None
-    assert looks.held() == frozenset()
+    assert looks.held_streams() == frozenset()
 
 
 def test_the_newest_is_decoded_once_and_only_when_asked_for() -> None:
@@ -74,11 +74,11 @@ def test_camera_that_is_connected_anew_and_numbers_anew_is_seen_at_once() -> Non
 
 def test_a_stream_rests_once_all_have_let_go_of_it() -> None:
     told: list[frozenset[str]] = []
-    looks = FrameSource(on_held=lambda: told.append(looks.held()))
+    looks = FrameSource(on_held=lambda: told.append(looks.held_streams()))
     first, second = looks.hold("cam/front"), looks.hold("cam/front")
     first()
     first()
-    assert looks.held() == {"cam/front"}
+    assert looks.held_streams() == {"cam/front"}
     second()
     assert told == [{"cam/front"}, frozenset()]
 

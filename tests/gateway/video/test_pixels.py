@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.gateway.errors import FieldError
 from talaia.gateway.video.jpeg import jpeg_of, jpeg_size, pixels_in
-from talaia.gateway.video.pixels import ENCODINGS, pixels_of, rgb_of, thinned
+from talaia.gateway.video.pixels import ENCODINGS, pixels_of, rgb_of, thin_pixels
 
 from .scenes import packed, planes_of, psnr, scene
 
@@ -81,7 +81,7 @@ def test_any_image_is_read_or_refused_in_words(
     except FieldError:
         return
     assert rgb_of(pixels).shape == (height, width, 3)
-    small = thinned(pixels, 20)
+    small = thin_pixels(pixels, 20)
     assert small.width <= max(20, 1)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from talaia.gateway.watchdog.feeding import dismiss
+from talaia.gateway.watchdog.feeding import dismiss_watchdog
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,12 +28,12 @@ def lock(tmp_path: Path) -> Iterator[Path]:
         assert subprocess.call(words, stdin=theirs.fileno()) == 0
         theirs.close()
         yield path
-        dismiss(path)
+        dismiss_watchdog(path)
 
 
 def test_a_watchdog_of_an_earlier_run_is_ended_once(lock: Path) -> None:
-    assert dismiss(lock)
-    assert not dismiss(lock)
+    assert dismiss_watchdog(lock)
+    assert not dismiss_watchdog(lock)
 
 
 @pytest.mark.parametrize("number", [errno.EROFS, errno.EIO, errno.ENOSPC])
@@ -49,9 +49,9 @@ def test_a_disk_that_takes_nothing_keeps_no_old_watchdog_that_closes_a_guarded_r
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "open", reads_only)
-        assert dismiss(lock)
-    assert not dismiss(lock)
+        assert dismiss_watchdog(lock)
+    assert not dismiss_watchdog(lock)
 
 
 def test_where_no_watchdog_was_there_is_none_to_end(tmp_path: Path) -> None:
-    assert not dismiss(tmp_path / "watchdog.lock")
+    assert not dismiss_watchdog(tmp_path / "watchdog.lock")

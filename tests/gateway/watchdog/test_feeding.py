@@ -17,7 +17,7 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "clamshell" / "site.yaml"
 def begun(data: Path) -> WatchdogClient:
     watchdog = WatchdogClient(data, data, None, lambda why: None)
     text = EXAMPLE.read_text()
-    watchdog.describe(load_site(text), text)
+    watchdog.watch_site(load_site(text), text)
     return watchdog
 
 
@@ -39,7 +39,7 @@ async def test_a_gateway_that_begins_anew_is_watched_until_its_next_run_takes_ov
     tmp_path: Path,
 ) -> None:
     before = begun(tmp_path)
-    await before.keep(0.0)
+    await before.keep_running(0.0)
     process = process_of(tmp_path)
     # Its description is made anew: were it to die now, somebody must close.
     before.let_go()
@@ -47,7 +47,7 @@ async def test_a_gateway_that_begins_anew_is_watched_until_its_next_run_takes_ov
     after = begun(tmp_path)
     await after.take_over()
     assert not alive(process)
-    await after.keep(0.0)
+    await after.keep_running(0.0)
     again = process_of(tmp_path)
-    await after.goodbye()
+    await after.end_process()
     assert not alive(again)

@@ -19,8 +19,8 @@ from talaia.hub.alarms.conditions import (
     Truth,
     format_number,
 )
-from talaia.hub.alarms.preview import Track, preview
-from talaia.hub.alarms.rules import Rule, due_us, wants
+from talaia.hub.alarms.preview import Track, preview_alarm
+from talaia.hub.alarms.rules import Rule, due_us, rule_matches
 from talaia.hub.alarms.state_machine import (
     Acknowledge,
     Assign,
@@ -34,12 +34,12 @@ from talaia.hub.alarms.state_machine import (
     State,
     Unshelve,
     What,
-    step,
+    apply_event,
 )
 from talaia.hub.notify.address_policy import may_reach
 from talaia.model.alarms.alarm import Alarm, AlarmKind, Severity
 from talaia.model.checks.alarm_checks import Addresses
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import load_site
 
 pytestmark = pytest.mark.pure
@@ -68,7 +68,7 @@ def judged(alarm: Alarm, *, held=False, **values: tuple[float, float]) -> Condit
     readings = {
         f"base/{name}": ConditionReading(value, "", age) for name, (value, age) in values.items()
     }
-    return condition.judge(readings, (), held=held, online=True)
+    return condition.judge_condition(readings, (), held=held, online=True)
 
 
 def test_limit_says_why_and_lets_go_only_on_the_safe_side() -> None:
@@ -162,7 +162,7 @@ def test_what_is_unknown_clears_nothing_and_raises_only_where_that_is_wanted() -
 def walk(*events) -> tuple[State, list[Happened]]:
     state, all_of_it = State(), []
     for event in events:
-        state, happened = step(state, event)
+        state, happened = apply_event(state, event)
         all_of_it += happened
     return state, all_of_it
 
@@ -171,10 +171,10 @@ def test_alarm_that_is_over_waits_to_be_acknowledged() -> None:
     state, happened = walk(Raise(1, "low"), Raise(2, "low"), Clear(3, "well"))
     assert state.phase is Phase.CLEARED
     assert [each.what for each in happened] == [What.RAISED, What.CLEARED]
-    state, _ = step(state, Acknowledge(4, "ada"))
+    state, _ = apply_event(state, Acknowledge(4, "ada"))
     assert (state.phase, state.acked_by) == (Phase.NORMAL, "ada")
     with pytest.raises(NotNow, match="ada has acknowledged it"):
-        step(state, Acknowledge(5, "bob"))
+        apply_event(state, Acknowledge(5, "bob"))
 
 
 def test_acknowledged_alarm_that_is_over_is_well_and_a_new_one_is_another_episode() -> None:
@@ -193,17 +193,17 @@ def test_acknowledged_alarm_that_is_over_is_well_and_a_new_one_is_another_episod
 def test_nobody_is_told_of_a_shelved_alarm_until_the_shelving_is_over() -> None:
     state, happened = walk(Shelve(1, "ada", 100, "known"), Raise(2, "low"))
     assert not any(each.tell for each in happened)
-    _, over = step(state, Unshelve(100))
+    _, over = apply_event(state, Unshelve(100))
     assert over[0].tell
     assert over[0].message == "low"
     with pytest.raises(NotNow, match="not in the future"):
-        step(State(), Shelve(5, "ada", 5, ""))
+        apply_event(State(), Shelve(5, "ada", 5, ""))
 
 
 def test_alarm_that_is_described_no_more_stands_no_more() -> None:
     state, happened = walk(Raise(1, "low"), Retire(2))
     assert (state.phase, happened[-1].what) == (Phase.NORMAL, What.RETIRED)
-    assert step(state, Retire(3)) == (state, ())
+    assert apply_event(state, Retire(3)) == (state, ())
 
 
 def rule(**changes) -> Rule:
@@ -241,11 +241,11 @@ def test_quiet_hours_are_those_of_the_persons_own_clock(now, due) -> None:
 def test_rule_wants_what_is_bad_enough_of_its_site() -> None:
     raised = Happened(What.RAISED, 1, 0, "", "", tell=True)
     cleared = raised._replace(what=What.CLEARED)
-    assert wants(rule(), "agv", Severity.WARNING, raised)
-    assert not wants(rule(), "agv", Severity.INFO, raised)
-    assert not wants(rule(site="moon"), "agv", Severity.WARNING, raised)
-    assert not wants(rule(over=False), "agv", Severity.WARNING, cleared)
-    assert not wants(rule(), "agv", Severity.WARNING, raised._replace(tell=False))
+    assert rule_matches(rule(), "agv", Severity.WARNING, raised)
+    assert not rule_matches(rule(), "agv", Severity.INFO, raised)
+    assert not rule_matches(rule(site="moon"), "agv", Severity.WARNING, raised)
+    assert not rule_matches(rule(over=False), "agv", Severity.WARNING, cleared)
+    assert not rule_matches(rule(), "agv", Severity.WARNING, raised._replace(tell=False))
 
 
 def test_preview_counts_what_would_have_been() -> None:
@@ -253,7 +253,7 @@ def test_preview_counts_what_would_have_been() -> None:
     values = np.where((times // 10_000_000) % 2 == 0, 12.0, 10.0)
     slow = Alarm(name="Low", kind=AlarmKind.LIMIT, signal="base/volts", below=11.0, delay=4.0)
     tracks = {"base/volts": Track(times, values, {}, 0)}
-    said = preview(AlarmCondition(Addresses(load_site(SITE)), slow), tracks, 0, 110_000_000)
+    said = preview_alarm(AlarmCondition(Addresses(load_site(SITE)), slow), tracks, 0, 110_000_000)
     assert said.times == 5
     assert (said.spans[0].from_us, said.spans[0].to_us) == (14_000_000, 20_000_000)
     # Its last value is five seconds good.
@@ -274,7 +274,7 @@ def test_preview_counts_what_would_have_been() -> None:
     ],
 )
 def test_description_tells_what_does_not_fit_in_an_alarm(written, where, problem) -> None:
-    findings = check(load_site(f"{SITE}alarms:\n  a: {written}\n"))
+    findings = check_site(load_site(f"{SITE}alarms:\n  a: {written}\n"))
     assert [finding.where for finding in findings] == [where]
     assert problem in findings[0].problem
 

@@ -14,7 +14,7 @@ from talaia.hub.alarms.conditions import AlarmCondition, ConditionReading
 from talaia.model.checks.alarm_checks import Addresses
 from talaia.model.yaml_text.load import read_site
 from talaia.sim.observatory.models.weather import Weather
-from talaia.sim.vehicle.sensors import Battery, temperature
+from talaia.sim.vehicle.sensors import Battery, room_temperature
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 HOUR = 3600
@@ -44,7 +44,7 @@ class Alarms:
                 for at, (value, since) in self.heard.items()
             }
             for key, (condition, watch) in self.watched.items():
-                verdict = condition.judge(readings, (), held=watch.on, online=True)
+                verdict = condition.judge_condition(readings, (), held=watch.on, online=True)
                 edge = watch.update_verdict(verdict, self.now_s * SECOND)
                 if edge is not None:
                     told.append(key if edge.turn is ConditionTurn.RAISE else f"-{key}")
@@ -59,9 +59,9 @@ def drive(alarms: Alarms, battery: Battery, seconds: int) -> list[str]:
     """Let the vehicle wander, as its simulator does."""
     told = []
     for _ in range(seconds):
-        battery.drain(1.0, 0.2, 0.5)
+        battery.drain_battery(1.0, 0.2, 0.5)
         alarms.hear("power/charge", 100 * battery.charge)
-        alarms.hear("sensors/temperature", temperature(7.7, -3.3, alarms.now_s))
+        alarms.hear("sensors/temperature", room_temperature(7.7, -3.3, alarms.now_s))
         told += alarms.pass_time()
     return told
 
@@ -106,14 +106,14 @@ def test_observatory_is_calm_in_fair_weather(seed) -> None:
 
 def test_observatory_tells_of_rain_wind_an_unknown_sky_and_its_dome() -> None:
     alarms, weather = Alarms("observatory"), Weather(1, 0.0)
-    weather.force("rain")
+    weather.force_weather("rain")
     assert observe(alarms, weather, 2) == ["rain"]
-    weather.force("clear")
+    weather.force_weather("clear")
     assert observe(alarms, weather, 299) == []
     assert observe(alarms, weather, 5) == ["-rain"]
-    weather.force("wind")
+    weather.force_weather("wind")
     assert observe(alarms, weather, 12) == ["wind"]
-    weather.force("clear")
+    weather.force_weather("clear")
     assert observe(alarms, weather, 130) == ["-wind"]
     told = []
     for _ in range(7):

@@ -24,7 +24,7 @@ from talaia.hub.alarms.state_machine import (
     Shelve,
     State,
     What,
-    step,
+    apply_event,
 )
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.live.alarms.alarm_engine import AlarmEngine
@@ -39,7 +39,7 @@ from talaia.hub.store.database import Database
 from talaia.model.alarms.alarm import Alarm, AlarmKind, Escalation, Severity
 from talaia.model.alarms.standard_alarms import standard_alarms
 from talaia.model.checks.alarm_checks import Addresses
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLE = read_site(Path(__file__).parents[3] / "examples/observatory/site.yaml")
@@ -57,7 +57,7 @@ def told(alarm: Alarm, until_s: int, *acts: tuple[int, object]) -> list[tuple[in
         events = [story[second]] if second in story else []
         again = reminding.next_due(alarm, state, second * SECOND, now_us)
         for event in [*events, *([again] if again else [])]:
-            state, happened = step(state, event)  # type: ignore[arg-type]
+            state, happened = apply_event(state, event)  # type: ignore[arg-type]
             said += [(second, each.what, each.to) for each in happened if each.tell]
     return said
 
@@ -88,7 +88,7 @@ def test_the_next_person_is_told_when_the_first_has_not_acknowledged() -> None:
 def test_what_is_over_and_was_not_seen_stays_visible_and_is_told_no_more() -> None:
     said = told(ROOF, 3000, (10, Clear(10_000_000, "closed")))
     assert [what for _, what, _ in said] == [What.RAISED, What.CLEARED]
-    over, _ = step(State(phase=Phase.ACTIVE, episode=1), Clear(0, "closed"))
+    over, _ = apply_event(State(phase=Phase.ACTIVE, episode=1), Clear(0, "closed"))
     assert over.phase is Phase.CLEARED
     assert over.unseen
 
@@ -125,7 +125,9 @@ def test_an_enclosure_is_judged_by_what_its_gateway_tells_and_by_nothing_else() 
     condition = AlarmCondition(Addresses(EXAMPLE), standard_alarms(EXAMPLE)["dome_not_closed"])
 
     def judged(enclosures: dict[str, str], *, online: bool = True) -> Truth:
-        return condition.judge({}, (), held=False, online=online, enclosures=enclosures).truth
+        return condition.judge_condition(
+            {}, (), held=False, online=online, enclosures=enclosures
+        ).truth
 
     assert judged({"dome": "NOT CLOSED"}) is Truth.HOLDS
     assert judged({"dome": ""}) is Truth.FALSE
@@ -152,7 +154,7 @@ def test_what_does_not_fit_is_named(text: str, wrong: str) -> None:
     site = load_site(
         f"talaia: 1\nsite: a\nname: A\ndevices: {{}}\nalarms:\n  a: {{name: A, {text}}}"
     )
-    assert [each.where for each in check(site) if each.where != "$.devices"] == [wrong]
+    assert [each.where for each in check_site(site) if each.where != "$.devices"] == [wrong]
 
 
 async def test_a_roof_that_is_not_closed_reaches_the_next_person_through_the_hubs_outbox(
@@ -162,7 +164,7 @@ async def test_a_roof_that_is_not_closed_reaches_the_next_person_through_the_hub
     await database.migrate()
     people = People(database, clock)
     for name in ("anna", "ben"):
-        await people.add(name, "x", "operator")
+        await people.add_person(name, "x", "operator")
     store = NotifyStore(database, lambda: Seal(bytes(32)))
     way = await store.put_way(
         None, WayKind.MAIL, kind=WayKind.MAIL, settings={}, secrets={}, now_us=0
@@ -198,7 +200,7 @@ alarms:
     escalate: [{who: anna}, {who: ben, after: 120}]
 """)
     sites = Sites()
-    live = sites.describe(described, "c")
+    live = sites.describe_site(described, "c")
     live.presence.link = object()  # type: ignore[assignment] - there is one; nothing is sent on it
     alarms = AlarmEngine(
         sites=sites,
@@ -219,16 +221,16 @@ alarms:
     live.retained.enclosures["roof"] = "Roof: NOT CLOSED after 3 tries"
     for _ in range(130):
         alarms.evaluate_conditions()
-        await alarms.settle()
+        await alarms.settle_changes()
         clock.advance(SECOND)
     assert await outbox() == [(1, "raised"), (1, "reminded"), (2, "reminded")]
-    found = alarms.find("hill", "roof")
+    found = alarms.find_alarm("hill", "roof")
     assert found is not None
     acting = Acknowledge(clock.wall_ns() // 1000, "ben")
-    alarms._enqueue(found, acting)
+    alarms._enqueue_event(found, acting)
     for _ in range(700):
         alarms.evaluate_conditions()
-        await alarms.settle()
+        await alarms.settle_changes()
         clock.advance(SECOND)
     assert len(await outbox()) == 3
     assert found.state.phase is Phase.ACKNOWLEDGED
@@ -237,6 +239,6 @@ alarms:
 
 def test_a_reminder_says_who_has_acknowledged_it() -> None:
     state = State(phase=Phase.ACKNOWLEDGED, episode=1, why="NOT CLOSED", acked_by="anna")
-    _, happened = step(state, Remind(5))
+    _, happened = apply_event(state, Remind(5))
     assert happened[0].message == "still so (acknowledged by anna): NOT CLOSED"
-    assert step(replace(state, phase=Phase.NORMAL), Remind(5))[1] == ()
+    assert apply_event(replace(state, phase=Phase.NORMAL), Remind(5))[1] == ()

@@ -5,7 +5,13 @@ import random
 
 import pytest
 
-from talaia.hub.anomaly.base import AnomalyDetector, keep, number, span, wake
+from talaia.hub.anomaly.base import (
+    AnomalyDetector,
+    dump_detector,
+    format_duration,
+    format_number,
+    load_detector,
+)
 from talaia.hub.anomaly.baseline import Baseline, Quartiles, Sorted
 from talaia.hub.anomaly.change import ChangePointDetector
 from talaia.hub.anomaly.context import Context
@@ -65,7 +71,7 @@ def test_a_detector_that_was_kept_goes_on_as_if_nothing_had_happened(name):
     values = noise(700)
     feed(straight, values)
     feed(stopped, values)
-    woken = wake(kind, keep(stopped))
+    woken = load_detector(kind, dump_detector(stopped))
     later = [*noise(50, seed=2), 14.0, 14.0, 12.0]
     assert feed(woken, later, 700 * STEP) == feed(straight, later, 700 * STEP)
 
@@ -75,7 +81,7 @@ def test_what_a_detector_keeps_is_bounded(name):
     detector = KINDS[name].make()
     feed(detector, noise(4000))
     feed(detector, noise(4000, seed=3), 4000 * STEP)
-    assert len(keep(detector)) < 300_000
+    assert len(dump_detector(detector)) < 300_000
 
 
 @pytest.mark.parametrize("name", ["together", "change", "nearest", "baseline", "iqr", "rate"])
@@ -179,11 +185,11 @@ def test_a_change_of_level_is_told_in_words():
 def test_rarity_is_0_for_the_commonest_and_1_for_what_never_was():
     rarity = Rarity()
     for at in range(500):
-        rarity.see(1.0 + at % 10)
-    assert rarity.see(100.0) == pytest.approx(1.0)
-    assert rarity.see(1.0) < 0.05
-    rarity.learn(100.0, 500.0)
-    assert rarity.see(100.0) < 0.3
+        rarity.rate_magnitude(1.0 + at % 10)
+    assert rarity.rate_magnitude(100.0) == pytest.approx(1.0)
+    assert rarity.rate_magnitude(1.0) < 0.05
+    rarity.learn_magnitude(100.0, 500.0)
+    assert rarity.rate_magnitude(100.0) < 0.3
 
 
 def test_the_newest_values_stay_sorted():
@@ -191,9 +197,9 @@ def test_the_newest_values_stay_sorted():
     recent, all_of_them = Sorted(most=50), []
     for _ in range(300):
         all_of_them.append(chance.choice([1.0, 2.0, chance.random()]))
-        recent.add(all_of_them[-1])
+        recent.add_value(all_of_them[-1])
         assert recent.sorted == sorted(all_of_them[-50:])
-        assert recent.newest(50) == all_of_them[-50:]
+        assert recent.newest_values(50) == all_of_them[-50:]
 
 
 def test_one_anomaly_is_told_once():
@@ -201,7 +207,7 @@ def test_one_anomaly_is_told_once():
     told = [(at, episodes.update_score(at, 0.9 if at in (5, 6, 8) else 0.1)) for at in range(11)]
     assert [each for each in told if each[1]] == [(5, EpisodeTurn.BEGAN)]
     assert episodes.update_score(11, 0.1) is EpisodeTurn.ENDED
-    assert episodes.close() == (5, 8, 0.9)
+    assert episodes.end_episode() == (5, 8, 0.9)
     assert episodes.update_score(12, 0.9) is None, "it rests"
     assert [episodes.update_score(at, 0.9) for at in range(13, 26)].count(EpisodeTurn.BEGAN) == 1
 
@@ -214,10 +220,10 @@ def test_together_hears_its_parts():
 
 
 def test_numbers_and_spans_are_written_as_people_read_them():
-    assert [number(each) for each in (12.70001, 0.0, 1234567.0, 0.00123456)] == [
+    assert [format_number(each) for each in (12.70001, 0.0, 1234567.0, 0.00123456)] == [
         "12.7", "0", "1234567", "0.001235",
     ]  # fmt: skip
-    assert [span(each) for each in (0.02, 40.0, 300.0, 7200.0, 300000.0)] == [
+    assert [format_duration(each) for each in (0.02, 40.0, 300.0, 7200.0, 300000.0)] == [
         "20 ms", "40 s", "5 min", "2 h", "3 days",
     ]  # fmt: skip
 
@@ -229,7 +235,9 @@ def drifting(count: int, seed: int) -> list[float]:
 
 def begun(watched: DetectorRunner, values: list[float], first: int = 0) -> list[int]:
     """Tell at which samples an anomaly began, one sample a second."""
-    turns = [watched.see((first + at) * SECOND + 1, value) for at, value in enumerate(values)]
+    turns = [
+        watched.score_sample((first + at) * SECOND + 1, value) for at, value in enumerate(values)
+    ]
     return [first + at for at, turn in enumerate(turns) if isinstance(turn, AnomalyBegan)]
 
 
@@ -266,8 +274,10 @@ def test_what_is_left_to_learn_is_kept_over_a_restart():
     watch = Watch(detector="together")
     watched = DetectorRunner("power/voltage", "V", watch)
     begun(watched, drifting(400, 1))
-    again = DetectorRunner("power/voltage", "V", watch, watched.keep())
+    again = DetectorRunner("power/voltage", "V", watch, watched.dump_state())
     assert (again.learning, again.episodes.quiet) == (600, 0)
     # Of another watch nothing is known.
-    other = DetectorRunner("power/voltage", "V", Watch(detector="together", rest=7), watched.keep())
+    other = DetectorRunner(
+        "power/voltage", "V", Watch(detector="together", rest=7), watched.dump_state()
+    )
     assert (other.learning, other.episodes.quiet) == (1_000, 250)

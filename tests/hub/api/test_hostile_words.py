@@ -72,7 +72,7 @@ async def test_name_with_line_breaks_forges_no_row_and_no_line(world, caplog) ->
     forged = "eve\n2026-01-01 INFO talaia: admin signed in\r\n\x1b[2J\u2028admin"
     answer = await client.post("/api/login", json={"name": forged, "password": "wrong password"})
     assert answer.status_code == 401
-    await world.hub.hub.audit.log.written()
+    await world.hub.hub.audit.log.wait_written()
     async with world.hub.hub.core.database.read() as connection:
         rows = (await connection.execute(select(audit.c.kind, audit.c.who))).all()
     failed = [row.who for row in rows if row.kind == "login failed"]
@@ -89,7 +89,7 @@ async def test_no_secret_is_written_into_the_audit_log_or_the_log(world, caplog)
     await (await world.client("nobody")).post(
         "/api/login", json={"name": "admin", "password": "a wrong password of the admin"}
     )
-    await world.hub.hub.audit.log.written()
+    await world.hub.hub.audit.log.wait_written()
     async with world.hub.hub.core.database.read() as connection:
         rows = (await connection.execute(select(audit))).all()
     written = json.dumps([list(map(str, row)) for row in rows]) + "\n".join(

@@ -174,7 +174,7 @@ async def test_history_refuses_what_is_wrong_or_not_for_a_guest(
 
 
 async def test_events_are_for_those_who_may_view(hub, gateway) -> None:
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     operator = await (await hub.client("operator")).get("/api/sites/agv/events")
     guest = await (await hub.client("guest")).get("/api/sites/agv/events")
     assert operator.json()["events"][0]["kind"] == "gateway connected"
@@ -186,7 +186,7 @@ async def test_events_of_a_window_are_those_and_no_others(hub, gateway) -> None:
     times = [
         audit.append_record(kind, site="agv", device="base").time_us for kind in ("a", "b", "c")
     ]
-    await audit.written()
+    await audit.wait_written()
     client = await hub.client("operator")
 
     async def ask(**wanted: int) -> tuple[list[str], bool]:
@@ -213,7 +213,7 @@ async def test_who_may_view_one_device_gets_its_events_however_many_others_there
     for _ in range(20):
         audit.append_record("driving", site="agv", device="base")
         audit.append_record("gateway connected", site="agv")
-    await audit.written()
+    await audit.wait_written()
     client = await hub.client("ada")
 
     async def ask(limit: int) -> tuple[list[str], bool]:

@@ -20,7 +20,7 @@ async def client(tmp_path):
     (tmp_path / "secret.txt").write_text("secret")
     app = FastAPI()
     set_guards(app)
-    add_guarded(app, Pages(folder).router())
+    add_guarded(app, Pages(folder).make_router())
     transport = httpx.ASGITransport(app)
     async with httpx.AsyncClient(transport=transport, base_url="http://hub") as client:
         yield client

@@ -19,27 +19,27 @@ MINUTE = 60 * SECOND
 
 async def test_password_fits_its_hash_and_no_other() -> None:
     passwords = Passwords(4)
-    kept = await passwords.hash("correct horse")
-    assert await passwords.verify("correct horse", kept)
-    assert not await passwords.verify("correct horsf", kept)
+    kept = await passwords.hash_password("correct horse")
+    assert await passwords.verify_password("correct horse", kept)
+    assert not await passwords.verify_password("correct horsf", kept)
     for guess in ("correct horse", "nobody", ""):
-        assert not await passwords.verify(guess, None)
+        assert not await passwords.verify_password(guess, None)
 
 
 async def test_nothing_of_a_long_password_is_cut() -> None:
     passwords = Passwords(4)
     long = "ü" * 100
-    kept = await passwords.hash(long + "a")
-    assert await passwords.verify(long + "a", kept)
-    assert not await passwords.verify(long + "b", kept)
-    assert not await passwords.verify(long, kept)
-    assert not await passwords.verify((long + "a") * 1000, kept)
+    kept = await passwords.hash_password(long + "a")
+    assert await passwords.verify_password(long + "a", kept)
+    assert not await passwords.verify_password(long + "b", kept)
+    assert not await passwords.verify_password(long, kept)
+    assert not await passwords.verify_password((long + "a") * 1000, kept)
 
 
 async def test_default_cost_is_twelve(tmp_path) -> None:
     from talaia.hub.settings import Settings
 
-    kept = await Passwords(Settings(data=tmp_path).password_cost).hash("correct horse")
+    kept = await Passwords(Settings(data=tmp_path).password_cost).hash_password("correct horse")
     assert kept.startswith("$2b$12$")
 
 
@@ -65,7 +65,7 @@ def test_first_tries_are_free_and_then_the_wait_grows_and_ends() -> None:
     now = 0
     for _ in range(14):
         now += throttle.wait_ns("ada", "1.2.3.4", now)
-        throttle.tried("ada", "1.2.3.4", now)
+        throttle.count_attempt("ada", "1.2.3.4", now)
         waits.append(throttle.wait_ns("ada", "1.2.3.4", now) // SECOND)
     assert waits[:5] == [0, 0, 0, 0, 1]
     assert waits[4:] == sorted(waits[4:])
@@ -75,7 +75,7 @@ def test_first_tries_are_free_and_then_the_wait_grows_and_ends() -> None:
 def test_wait_for_a_person_holds_from_every_address() -> None:
     throttle = Throttle()
     for at in range(200):
-        throttle.tried("ada", f"10.0.0.{at}", 0)
+        throttle.count_attempt("ada", f"10.0.0.{at}", 0)
     assert throttle.wait_ns("ada", "10.0.1.1", 0) > 0
     assert throttle.wait_ns("bob", "10.0.1.1", 0) == 0
 
@@ -83,14 +83,14 @@ def test_wait_for_a_person_holds_from_every_address() -> None:
 def test_wait_for_an_address_holds_for_every_person() -> None:
     throttle = Throttle()
     for at in range(200):
-        throttle.tried(f"person {at}", "10.0.0.1", 0)
+        throttle.count_attempt(f"person {at}", "10.0.0.1", 0)
     assert throttle.wait_ns("ada", "10.0.0.1", 0) > 0
 
 
 def test_nobody_is_locked_out_for_good() -> None:
     throttle = Throttle()
     for _ in range(1000):
-        throttle.tried("ada", "10.0.0.1", 0)
+        throttle.count_attempt("ada", "10.0.0.1", 0)
     assert throttle.wait_ns("ada", "10.0.0.1", 0) <= MINUTE
     assert throttle.wait_ns("ada", "10.0.0.1", 16 * MINUTE) == 0
 
@@ -98,15 +98,15 @@ def test_nobody_is_locked_out_for_good() -> None:
 def test_success_forgets_the_wrong_tries() -> None:
     throttle = Throttle()
     for _ in range(5):
-        throttle.tried("ada", "10.0.0.1", 0)
-    throttle.succeeded("ada", "10.0.0.1")
+        throttle.count_attempt("ada", "10.0.0.1", 0)
+    throttle.clear_attempts("ada", "10.0.0.1")
     assert throttle.wait_ns("ada", "10.0.0.1", 0) == 0
 
 
 def test_throttle_keeps_a_bounded_number_of_names() -> None:
     throttle = Throttle()
     for at in range(30_000):
-        throttle.tried(f"person {at}", f"address {at}", 0)
+        throttle.count_attempt(f"person {at}", f"address {at}", 0)
     assert [len(table) for table in throttle._tries.values()] == [10_000, 10_000, 0]
 
 
@@ -117,16 +117,16 @@ permissions = st.builds(Permission, st.sampled_from(Right), places, places)
 @given(st.frozensets(permissions), st.sampled_from(["a", "b"]), st.sampled_from(["a", "b"]))
 def test_a_right_includes_the_lesser_ones(held, site, device) -> None:
     grants = Grants(held)
-    rights = grants.rights(site, device)
+    rights = grants.rights_on(site, device)
     assert rights == list(Right)[: len(rights)]
 
 
 @given(st.frozensets(permissions), st.sampled_from(Right), st.sampled_from(["a", "b"]))
 def test_right_on_the_whole_site_is_a_right_on_each_device(held, right, site) -> None:
     grants = Grants(held)
-    if grants.may(right, site):
-        assert grants.may(right, site, "a")
-        assert grants.may(right, site, "b")
+    if grants.has_right(right, site):
+        assert grants.has_right(right, site, "a")
+        assert grants.has_right(right, site, "b")
 
 
 @given(st.frozensets(permissions), st.sampled_from(Right), st.sampled_from(["a", "b"]))
@@ -134,7 +134,7 @@ def test_the_devices_of_a_right_are_those_on_which_a_person_has_it(held, right, 
     grants = Grants(held)
     named = grants.devices(right, site)
     for device in ("a", "b", "c"):
-        assert grants.may(right, site, device) == (named is None or device in named)
+        assert grants.has_right(right, site, device) == (named is None or device in named)
 
 
 @pytest.fixture
@@ -154,54 +154,58 @@ def sessions(database, clock, settings) -> Sessions:
 
 
 async def test_name_is_taken_once_in_any_case(people) -> None:
-    await people.add("Ada", "hash", "admin")
+    await people.add_person("Ada", "hash", "admin")
     with pytest.raises(NameTaken):
-        await people.add("ADA", "hash", "guest")
+        await people.add_person("ADA", "hash", "guest")
     with pytest.raises(UnknownRole, match="admin, guest, operator"):
-        await people.add("Bob", "hash", "root")
-    found = await people.find("aDa")
+        await people.add_person("Bob", "hash", "root")
+    found = await people.find_by_name("aDa")
     assert (found.name, found.role) == ("Ada", "admin")
 
 
 async def test_session_brings_the_rights_of_the_role(people, sessions) -> None:
-    token, alive = await sessions.begin(await people.add("ada", "hash", "operator"), "::1")
-    assert await sessions.who(token) == alive
+    token, alive = await sessions.start_session(
+        await people.add_person("ada", "hash", "operator"), "::1"
+    )
+    assert await sessions.find_session(token) == alive
     who = alive.who
-    assert who.grants.may(Right.USE, "anywhere")
-    assert not who.grants.may(Right.ADMIN, "anywhere")
-    assert await sessions.who(token + "x") is None
-    assert await sessions.who(who.session) is None
+    assert who.grants.has_right(Right.USE, "anywhere")
+    assert not who.grants.has_right(Right.ADMIN, "anywhere")
+    assert await sessions.find_session(token + "x") is None
+    assert await sessions.find_session(who.session) is None
 
 
 async def test_session_ends_when_it_is_not_used(people, sessions, clock) -> None:
-    token, _ = await sessions.begin(await people.add("ada", "hash", "guest"), "::1")
+    token, _ = await sessions.start_session(await people.add_person("ada", "hash", "guest"), "::1")
     for _ in range(5):
         clock.advance(9 * MINUTE)
-        assert await sessions.who(token) is not None
+        assert await sessions.find_session(token) is not None
     clock.advance(11 * MINUTE)
-    assert await sessions.who(token) is None
+    assert await sessions.find_session(token) is None
 
 
 async def test_session_ends_after_its_life_however_much_it_is_used(people, sessions, clock) -> None:
-    token, _ = await sessions.begin(await people.add("ada", "hash", "guest"), "::1")
+    token, _ = await sessions.start_session(await people.add_person("ada", "hash", "guest"), "::1")
     for _ in range(6):
         clock.advance(9 * MINUTE)
-        assert await sessions.who(token) is not None
+        assert await sessions.find_session(token) is not None
     clock.advance(7 * MINUTE)
-    assert await sessions.who(token) is None
+    assert await sessions.find_session(token) is None
 
 
 async def test_all_sessions_of_a_person_end_together(people, sessions) -> None:
-    ada = await people.add("ada", "hash", "guest")
-    tokens = [(await sessions.begin(ada, "::1"))[0] for _ in range(3)]
+    ada = await people.add_person("ada", "hash", "guest")
+    tokens = [(await sessions.start_session(ada, "::1"))[0] for _ in range(3)]
     await sessions.end_all(ada)
-    assert [await sessions.who(token) for token in tokens] == [None] * 3
+    assert [await sessions.find_session(token) for token in tokens] == [None] * 3
 
 
 async def test_change_of_role_is_seen_in_the_session(people, sessions) -> None:
-    token, before = await sessions.begin(await people.add("ada", "hash", "operator"), "::1")
+    token, before = await sessions.start_session(
+        await people.add_person("ada", "hash", "operator"), "::1"
+    )
     await people.set_role("ada", "guest")
-    after = await sessions.who(token)
+    after = await sessions.find_session(token)
     assert after.who != before.who
     assert after.who.grants == Grants()
 

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from talaia.hub.clients.signal_subscriptions import SignalSubscriptions
 from talaia.wire.browser import Subscribe, Unsubscribe, Values
-from talaia.wire.columns import Columns, pack
+from talaia.wire.columns import Columns, pack_columns
 
 pytestmark = pytest.mark.pure
 
@@ -21,7 +21,9 @@ def values(sub, *rows, known=False) -> Values:
         np.array([row[2] for row in rows], np.float64),
         {},
     )
-    return Values(sub=sub, age_ms=[1.0] * len(rows) if known else [], **pack(columns)._asdict())
+    return Values(
+        sub=sub, age_ms=[1.0] * len(rows) if known else [], **pack_columns(columns)._asdict()
+    )
 
 
 def test_addresses_of_one_message_are_one_subscription() -> None:

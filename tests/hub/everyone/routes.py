@@ -106,8 +106,8 @@ async def _session(world: World, client: httpx.AsyncClient, about: str) -> Ask:
         return Ask({"session": found[0]["id"] if found else "0" * 64}, done=(204,))
     # Nobody's client is this person's.
     person = int(await world.person())
-    await world.hub.hub.people.sessions.begin(person, "127.0.0.1")
-    return Ask({"session": (await world.hub.hub.people.sessions.of(person))[0].id})
+    await world.hub.hub.people.sessions.start_session(person, "127.0.0.1")
+    return Ask({"session": (await world.hub.hub.people.sessions.sessions_of(person))[0].id})
 
 
 async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
@@ -115,7 +115,7 @@ async def _token(world: World, client: httpx.AsyncClient, about: str) -> Ask:
         made = await client.post("/api/me/tokens", json={**TOKEN, "permissions": []})
         return Ask({"token": made.json().get("id", "0")}, done=(204,))
     person = int(await world.person())
-    number, _ = await world.hub.hub.people.tokens.add(person, "theirs", TOKEN["ends_us"], [])
+    number, _ = await world.hub.hub.people.tokens.add_token(person, "theirs", TOKEN["ends_us"], [])
     return Ask({"token": str(number)})
 
 
@@ -195,7 +195,7 @@ async def _recording(world: World, _client: httpx.AsyncClient, about: str) -> As
     offer = FileOffer(
         id=name, size=4, digest=hashlib.sha256(body).hexdigest(), begin_us=NOW, end_us=NOW
     )
-    await recordings.offered(about, offer)
+    await recordings.answer_offer(about, offer)
     done = await recordings.append_piece(
         about, offer, FilePiece(id=name, at=0, check=crc32(body), data=body)
     )
@@ -216,7 +216,7 @@ async def _film(world: World, _client: httpx.AsyncClient, about: str) -> Ask:
         id=name, stream=f"{device}/eye", size=4, begin_us=NOW, end_us=NOW,
         digest=hashlib.sha256(body).hexdigest(),
     )  # fmt: skip
-    await recordings.offered(site, offer)
+    await recordings.answer_offer(site, offer)
     piece = FilePiece(id=name, at=0, check=crc32(body), data=body)
     assert (await recordings.append_piece(site, offer, piece)).done
     return Ask({"site": site, "recording": name})

@@ -153,9 +153,9 @@ class World:
                         permission_id=permission.inserted_primary_key[0],
                     )
                 )
-        kept = (await self.hub.people.find("admin")).password_hash
+        kept = (await self.hub.people.find_by_name("admin")).password_hash
         for name in ROLES:
-            await self.hub.people.add(name, kept, name)
+            await self.hub.people.add_person(name, kept, name)
         for site in DESCRIPTIONS:
             await self.connect(site)
         ends_us = self.hub.hub.core.clock.wall_ns() // 1000 + 3600 * 10**6
@@ -221,8 +221,8 @@ class World:
         """Begin a session without asking for the password: sign-ins are slow, and throttled."""
         if actor == "nobody":
             return {}
-        person = await self.hub.people.find(actor)
-        token, _ = await self.hub.hub.people.sessions.begin(person.id, "127.0.0.1")
+        person = await self.hub.people.find_by_name(actor)
+        token, _ = await self.hub.hub.people.sessions.start_session(person.id, "127.0.0.1")
         return {"talaia": token}
 
     async def headers(self, actor: str) -> dict[str, str]:
@@ -238,8 +238,8 @@ class World:
     async def person(self) -> str:
         """Add somebody new; give the number."""
         self._made += 1
-        kept = (await self.hub.people.find("admin")).password_hash
-        return str(await self.hub.people.add(f"person {self._made}", kept, "guest"))
+        kept = (await self.hub.people.find_by_name("admin")).password_hash
+        return str(await self.hub.people.add_person(f"person {self._made}", kept, "guest"))
 
     async def picture(self, about: str) -> str:
         """Put a picture of a camera into the archive, unless it is there; give its number."""
@@ -264,7 +264,7 @@ class World:
         picture = b"\xff\xd8not looked at\xff\xd9"
         one = Sighted(site, f"{device}/eye", "person", NOW, NOW + 1, 1, 0.9, NOW, "b", picture)
         await store.save_sightings([one], lambda _: None)
-        found, _ = await store.find(site, SightingsAsked(cameras=[one.camera]), 1)
+        found, _ = await store.find_sightings(site, SightingsAsked(cameras=[one.camera]), 1)
         return str(found[0].id)
 
     async def viewer(self, actor: str, about: str, stream: str):
@@ -276,7 +276,7 @@ class World:
     async def state(self) -> dict[str, list]:
         """Read all that is kept, but what merely says when something was used."""
         # When and from where gateways came is written a second later; now, then.
-        await self.hub.hub.gateways.registry.attendance.write()
+        await self.hub.hub.gateways.registry.attendance.write_pending()
         (version,) = self._reader.execute("PRAGMA data_version").fetchone()
         if version != self._read[0]:
             # Read after the version: what is written in between is read again next time.

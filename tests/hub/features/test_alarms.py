@@ -378,16 +378,16 @@ alarms:
     seeing: SightingSink = hub.hub.alarms.engine
     feeling: AnomalySink = hub.hub.alarms.engine
     seen = SightingEvent("agv", "camera/front", "person", 1, 0.9, 1_000, None)
-    seeing.sighting(seen._replace(confidence=0.5))
-    seeing.sighting(seen)
+    seeing.report_sighting(seen._replace(confidence=0.5))
+    seeing.report_sighting(seen)
     raised = await page.hear(AlarmUpdate, lambda news: news.phase == "active")
     assert (raised.alarm, raised.why) == ("someone", "person seen (90% sure)")
-    seeing.sighting(seen._replace(ended_us=2_000))
+    seeing.report_sighting(seen._replace(ended_us=2_000))
     await page.hear(AlarmUpdate, lambda news: news.phase == "cleared")
     # Told only when it was over, it has been there all the same.
     await gateway.samples(("base/speed", now_us(), 0.1))
     odd = AnomalyReport("agv", "base/speed", "baseline", 5_000, 6_000, 0.9, "far from its median")
-    feeling.anomaly(odd._replace(score=0.2))
-    feeling.anomaly(odd)
+    feeling.report_anomaly(odd._replace(score=0.2))
+    feeling.report_anomaly(odd)
     raised = await page.hear(AlarmUpdate, lambda news: news.alarm == "odd" and news.raised_us)
     assert "far from its median" in raised.why

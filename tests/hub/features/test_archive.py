@@ -245,7 +245,7 @@ async def test_picture_of_a_place_is_found_behind_many_newer_ones_at_its_declina
     archive = Archive(hub.hub.core.database, tmp_path, most_rows=2)
     wanted = Wanted(cone=Cone(10.68, 41.27, 0.1))
     for limit, more in ((2, True), (3, False)):
-        found, are_more = await archive.find("agv", ["camera"], wanted, limit)
+        found, are_more = await archive.find_frames("agv", ["camera"], wanted, limit)
         assert [frame.target for frame in found] == ["M 31"] * limit
         assert len({frame.id for frame in found}) == limit
         assert are_more is more

@@ -11,7 +11,7 @@ from patience import PATIENCE_S
 
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire.browser import EventUpdate, SiteUpdate
-from talaia.wire.columns import Columns, pack
+from talaia.wire.columns import Columns, pack_columns
 from talaia.wire.frames import (
     Ack,
     ChangePhase,
@@ -23,7 +23,7 @@ from talaia.wire.frames import (
     SampleBatch,
     Welcome,
 )
-from talaia.wire.sealing import MAX_TEXT, deflated, digest_of, inflated, seal_of
+from talaia.wire.sealing import MAX_TEXT, compress_text, decompress_text, digest_of, seal_of
 
 FIRST = """# The workshop's robot.
 talaia: 1
@@ -50,11 +50,11 @@ def told(
 ) -> DescriptionUpdate:
     site = load_site(text)
     return DescriptionUpdate(
-        description=deflated(dump_site(site)),
+        description=compress_text(dump_site(site)),
         catalogue=digest_of(text)[:8],
         addresses=[each.address for each in site.channels()],
         renamed=renamed or {},
-        source=deflated(text),
+        source=compress_text(text),
         id=change,
         who="admin" if change else "",
     )
@@ -66,7 +66,7 @@ async def greet(gateway, text: str = FIRST, accepts: str = "readings") -> None:
         boot="boot-1",
         description=dump_site(load_site(text)),
         catalogue=digest_of(text)[:8],
-        source=deflated(text),
+        source=compress_text(text),
         accepts=accepts,
     )
     await gateway.say(hello)
@@ -78,7 +78,10 @@ async def sample(gateway, text: str, sequence: int, value: float) -> None:
         np.array([0], np.uint16), np.array([sequence + 1], np.int64), np.array([value]), {}
     )
     frame = SampleBatch(
-        boot="boot-1", first=sequence, catalogue=digest_of(text)[:8], **pack(columns)._asdict()
+        boot="boot-1",
+        first=sequence,
+        catalogue=digest_of(text)[:8],
+        **pack_columns(columns)._asdict(),
     )
     await gateway.say(frame)
 
@@ -155,7 +158,7 @@ async def test_change_is_sealed_and_the_gateways_own_refusal_is_shown_with_its_p
     wanted = FIRST.replace("name: Speed", "name: Pace")
     asking = asyncio.create_task(admin.post(AT, json={"text": wanted, "base": digest_of(FIRST)}))
     asked = await gateway.hear(ChangeRequest)
-    assert inflated(asked.source) == wanted
+    assert decompress_text(asked.source) == wanted
     key_hash = hashlib.sha256(hub.keys["agv"].encode()).hexdigest()
     assert asked.seal == seal_of(
         key_hash, change_id=asked.id, who="admin", base=digest_of(FIRST), text=wanted
@@ -180,7 +183,7 @@ async def test_going_back_asks_the_gateway_for_the_old_text_and_keeps_who_did_it
     await page.hear(EventUpdate, lambda news: news.kind == "description changed")
     asking = asyncio.create_task(admin.post(f"{AT}/1/restore", json={"base": digest_of(SECOND)}))
     asked = await gateway.hear(ChangeRequest)
-    assert inflated(asked.source) == FIRST
+    assert decompress_text(asked.source) == FIRST
     back = told(FIRST, renamed={"base/velocity": "base/speed"}, change=asked.id)
     await gateway.say(back)
     await page.hear(EventUpdate, lambda news: news.kind == "description changed")

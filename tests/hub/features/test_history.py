@@ -109,7 +109,9 @@ async def test_a_guest_is_refused_what_is_not_public(stored, path, query, status
 async def test_a_removed_signal_keeps_its_history_for_who_may_view_its_device(stored) -> None:
     operator, guest = await stored.client("operator"), await stored.client("guest")
     store = stored.hub.history.store
-    await store.append("agv", "old", 0, addresses=["base/gone"], columns=batch([(0, NOW, 7.0)]))
+    await store.append_samples(
+        "agv", "old", 0, addresses=["base/gone"], columns=batch([(0, NOW, 7.0)])
+    )
     listed = (await operator.get("/api/sites/agv/stored")).json()["channels"]
     gone = next(each for each in listed if each["address"] == "base/gone")
     assert gone == {
@@ -180,7 +182,7 @@ async def test_storage_says_what_each_signal_takes_and_how_long_it_is_kept(store
     store._ledger._limits = store._ledger._limits._replace(block=256, largest=256)
     rows = [(at, NOW + i * 1000, i / 7) for i in range(500) for at in (0, 1)]
     for first in range(0, 10_000, 1_000):
-        await store.append(
+        await store.append_samples(
             "agv", "b", first, addresses=["base/speed", "base/gone"], columns=batch(rows)
         )
     admin, operator = await stored.client("admin"), await stored.client("operator")
@@ -210,8 +212,8 @@ async def test_the_outlook_says_why_nothing_is_stored_and_when_it_is_again(store
     # Not on the loop: the hub may be in a transaction of its own, which ends there.
     await asyncio.to_thread(allow, 1)
     with pytest.raises(HistoryError, match="full"):
-        await store.append("agv", "b", 0, addresses=["base/said"], columns=batch(rows))
+        await store.append_samples("agv", "b", 0, addresses=["base/said"], columns=batch(rows))
     assert "full" in (await admin.get(outlook)).json()["trouble"]
     await asyncio.to_thread(allow, 2**30)
-    await store.append("agv", "b", 0, addresses=["base/said"], columns=batch(rows))
+    await store.append_samples("agv", "b", 0, addresses=["base/said"], columns=batch(rows))
     assert (await admin.get(outlook)).json()["trouble"] == ""

@@ -102,8 +102,8 @@ LOOK = """() => {
 
 
 async def test_hostile_names_are_text_in_every_page_and_run_in_none(world: World, chromium) -> None:
-    kept = (await world.hub.people.find("admin")).password_hash
-    await world.hub.people.add(PERSON, kept, "admin")
+    kept = (await world.hub.people.find_by_name("admin")).password_hash
+    await world.hub.people.add_person(PERSON, kept, "admin")
     await world.gateways["agv"].close()
     gateway = await world.connect("agv", DESCRIPTION)
     await gateway.samples(("base/open", NOW, 1.0), ("base/words", NOW, PAYLOADS["value"]))

@@ -198,7 +198,7 @@ async def test_files_without_rows_are_listed_again_and_nothing_is_deleted(
         await bringing.ask(offer(os.urandom(2 * PIECE), "half"))
         # As if the database were a new one.
         for name in ("20260101T120000Z-abcdef", "half"):
-            assert await hub.hub.recordings.files._rows.remove("agv", name)
+            assert await hub.hub.recordings.files._rows.remove_recording("agv", name)
     folder = tmp_path / "recordings" / "agv"
     (folder / "strange.mcap").write_bytes(b"found")
     (folder / "half.mcap.part").write_bytes(b"some")
@@ -342,12 +342,12 @@ async def test_films_that_the_list_has_lost_are_listed_again(recorded_hub) -> No
     recordings = hub.hub.recordings.files
     folder = recordings._folder / "agv"
     (folder / "20260101T120000Z-f00009.mp4").write_bytes(b"nobody knows whose")
-    await recordings._rows.remove("agv", "20260101T120000Z-f00001")
+    await recordings._rows.remove_recording("agv", "20260101T120000Z-f00001")
     await recordings.open()
-    rows = {each.id: each for each in await recordings.of("agv")}
+    rows = {each.id: each for each in await recordings.recordings_of("agv")}
     assert rows["20260101T120000Z-f00001"].stream == CAMERA
     assert rows["20260101T120000Z-f00009"].stream == "unknown"
-    assert recordings.path(rows["20260101T120000Z-f00009"]).is_file()
+    assert recordings.file_path(rows["20260101T120000Z-f00009"]).is_file()
 
 
 async def test_a_person_films_one_camera_if_its_gateway_can(recorded_hub) -> None:

@@ -262,7 +262,7 @@ async def test_what_a_killed_hub_saw_itself_is_over_when_it_is_begun_anew(settin
         await (await hub.gateway()).hello(WATCHED)
         await hub.hub.sightings.store.save_sightings([told], lambda _: None)
     async with RunningHub(settings, history) as hub:
-        await hub.hub.sightings.journal.settle()
+        await hub.hub.sightings.journal.settle_writes()
         assert [each["ended_us"] for each in await listed(hub)] == [BEGAN + MINUTE]
 
 
@@ -278,9 +278,9 @@ async def test_old_sightings_go_and_what_is_in_sight_stays(settings, history):
             await gateway.say(seen(began_us=began, ended_us=began + 1))
         await page.hear(SightingUpdate, lambda news: news.began_us == BEGAN + 3 * MINUTE)
         store, now_us = hub.hub.sightings.store, time.time_ns() // 1000
-        assert await store.trim(now_us - 3_600_000_000, 2) == 2
+        assert await store.delete_old(now_us - 3_600_000_000, 2) == 2
         assert [each["began_us"] for each in await listed(hub)] == [BEGAN + 3 * MINUTE, BEGAN]
-        assert await store.trim(now_us + 3_600_000_000, 2) == 1
+        assert await store.delete_old(now_us + 3_600_000_000, 2) == 1
         assert [each["began_us"] for each in await listed(hub)] == [BEGAN]
 
 

@@ -7,7 +7,7 @@ import pytest
 from talaia.clock import SystemClock
 from talaia.hub.history.limits import HistoryLimits
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.store.database_url import reach
+from talaia.hub.store.database_url import parse_database_url
 
 # So small that a few hundred samples go through all that a year of them goes through.
 SMALL = HistoryLimits(
@@ -30,4 +30,4 @@ async def opened(url, limits=SMALL):
 @pytest.fixture
 def url(database_url):
     """Give the URL of an empty database with a driver for threads, on each kind that is there."""
-    return reach(database_url, blocking=True).url.render_as_string(hide_password=False)
+    return parse_database_url(database_url, blocking=True).url.render_as_string(hide_password=False)

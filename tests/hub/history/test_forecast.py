@@ -9,7 +9,7 @@ from talaia.hub.history.forecast import (
     Growth,
     StorageRoom,
     Warn,
-    forecast,
+    forecast_storage,
     growth_of,
 )
 
@@ -27,7 +27,9 @@ def days(us):
 
 
 def test_without_retention_and_limit_the_disk_is_full_when_it_is() -> None:
-    said = forecast(StorageRoom(GB, 0, 10 * GB, 100 * GB, share=1.25), [a_day(GB / 5)] * 2, NOW)
+    said = forecast_storage(
+        StorageRoom(GB, 0, 10 * GB, 100 * GB, share=1.25), [a_day(GB / 5)] * 2, NOW
+    )
     assert days(said.full_us) == pytest.approx(20.0)
     assert (said.by_limit, said.kept_us, said.warn) == (False, None, Warn.NOTHING)
     assert said.day_bytes == pytest.approx(GB / 2)
@@ -37,31 +39,33 @@ def test_without_retention_and_limit_the_disk_is_full_when_it_is() -> None:
 def test_what_is_kept_for_some_days_stops_growing_then() -> None:
     brief, long = a_day(GB, keep_days=5, days_old=2), a_day(GB, days_old=2)
     # Both for three days, then one alone.
-    said = forecast(StorageRoom(0, 0, 10 * GB, 100 * GB), [brief, long], NOW)
+    said = forecast_storage(StorageRoom(0, 0, 10 * GB, 100 * GB), [brief, long], NOW)
     assert days(said.full_us) == pytest.approx(7.0)
     assert days(said.oldest_us) == pytest.approx(-2.0)
-    alone = forecast(StorageRoom(0, 0, 10 * GB, 100 * GB), [brief], NOW)
+    alone = forecast_storage(StorageRoom(0, 0, 10 * GB, 100 * GB), [brief], NOW)
     assert (alone.full_us, alone.oldest_us) == (None, None)
-    full = forecast(StorageRoom(0, 0, 2 * GB, 100 * GB), [brief], NOW)
+    full = forecast_storage(StorageRoom(0, 0, 2 * GB, 100 * GB), [brief], NOW)
     assert days(full.full_us) == pytest.approx(2.0)
 
 
 def test_at_the_limit_the_oldest_go_and_it_says_how_much_is_kept() -> None:
-    said = forecast(StorageRoom(4 * GB, 10 * GB, 500 * GB, 1_000 * GB), [a_day(GB)], NOW)
+    said = forecast_storage(StorageRoom(4 * GB, 10 * GB, 500 * GB, 1_000 * GB), [a_day(GB)], NOW)
     assert said.by_limit
     assert days(said.full_us) == pytest.approx(6.0)
     assert said.kept_us == pytest.approx(10 * DAY_US)
     assert said.warn is Warn.LIMIT
-    reached = forecast(StorageRoom(10 * GB, 10 * GB, 500 * GB, 1_000 * GB), [a_day(GB)], NOW)
+    reached = forecast_storage(
+        StorageRoom(10 * GB, 10 * GB, 500 * GB, 1_000 * GB), [a_day(GB)], NOW
+    )
     assert days(reached.full_us) == 0.0
     assert reached.warn is Warn.NOTHING
     # Retention alone keeps it below the limit.
-    below = forecast(StorageRoom(GB, 10 * GB, 500 * GB), [a_day(GB, keep_days=3)], NOW)
+    below = forecast_storage(StorageRoom(GB, 10 * GB, 500 * GB), [a_day(GB, keep_days=3)], NOW)
     assert (below.full_us, below.kept_us) == (None, None)
 
 
 def test_a_disk_that_is_full_before_the_limit_is_what_counts() -> None:
-    said = forecast(StorageRoom(GB, 100 * GB, 5 * GB, 50 * GB), [a_day(GB)], NOW)
+    said = forecast_storage(StorageRoom(GB, 100 * GB, 5 * GB, 50 * GB), [a_day(GB)], NOW)
     assert (said.by_limit, days(said.full_us), said.warn) == (False, pytest.approx(5.0), Warn.SOON)
 
 
@@ -75,11 +79,11 @@ def test_a_disk_that_is_full_before_the_limit_is_what_counts() -> None:
     ],
 )
 def test_a_disk_is_nearly_full_by_share_and_by_size(free, disk, warn) -> None:
-    assert forecast(StorageRoom(GB, 0, round(free), disk), [], NOW).warn is warn
+    assert forecast_storage(StorageRoom(GB, 0, round(free), disk), [], NOW).warn is warn
 
 
 def test_of_a_server_s_disk_nothing_is_said() -> None:
-    said = forecast(StorageRoom(GB, 0, None), [a_day(GB)], NOW)
+    said = forecast_storage(StorageRoom(GB, 0, None), [a_day(GB)], NOW)
     assert (said.full_us, said.warn) == (None, Warn.NOTHING)
 
 
@@ -100,7 +104,7 @@ growths = st.builds(
 
 @given(st.lists(growths, max_size=8), st.integers(1, 10**12))
 def test_at_the_foretold_moment_what_has_grown_fits_exactly(growing, free) -> None:
-    said = forecast(StorageRoom(0, 0, free), growing, NOW)
+    said = forecast_storage(StorageRoom(0, 0, free), growing, NOW)
 
     def grown(us):
         return sum(

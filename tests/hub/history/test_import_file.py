@@ -28,7 +28,7 @@ from talaia.hub.lock import hub_lock
 from talaia.hub.settings import Settings
 from talaia.hub.store import history_tables as tables
 from talaia.hub.store.database import Database
-from talaia.hub.store.database_url import reach
+from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.sites.site_registry import SiteRegistry
 
 from .. import recordings
@@ -57,7 +57,7 @@ def imported(data, *words, site="rover.yaml"):
 
 @asynccontextmanager
 async def history(url):
-    blocking = reach(url, blocking=True).url.render_as_string(hide_password=False)
+    blocking = parse_database_url(url, blocking=True).url.render_as_string(hide_password=False)
     store = HistoryStore(blocking, SystemClock())
     await store.open()
     try:
@@ -68,7 +68,7 @@ async def history(url):
 
 async def read(url, *addresses, site="rover"):
     async with history(url) as store:
-        return await store.read(site, addresses, *ALL, width=100_000)
+        return await store.read_series(site, addresses, *ALL, width=100_000)
 
 
 def own_url(data):
@@ -110,8 +110,8 @@ async def test_each_database_takes_an_import_once(database_url, data, monkeypatc
     path.write_text("t,base/speed\n" + rows)
     assert await asyncio.to_thread(imported, data, path) == 0
     async with history(database_url) as store:
-        before = await store.statistics("rover", ["base/speed"], *ALL)
-        (series,) = await store.read("rover", ["base/speed"], *ALL, width=30_000)
+        before = await store.read_statistics("rover", ["base/speed"], *ALL)
+        (series,) = await store.read_series("rover", ["base/speed"], *ALL, width=30_000)
     assert series.value.tolist() == values
     assert before[0].low.value == min(values)
     assert before[0].high.value == max(values)
@@ -121,11 +121,11 @@ async def test_each_database_takes_an_import_once(database_url, data, monkeypatc
     assert await asyncio.to_thread(imported, data, path) == 0
     assert "all of its 24,000 samples were there already" in capsys.readouterr().out
     async with history(database_url) as store:
-        assert await store.statistics("rover", ["base/speed"], *ALL) == before
+        assert await store.read_statistics("rover", ["base/speed"], *ALL) == before
     # Commits that follow also write the blocks with their rollups.
     more = [table(data, f"t,base/speed\n180000000{at},1\n", f"more{at}.csv") for at in range(4)]
     assert await asyncio.to_thread(imported, data, *more) == 0
-    engine = sa.create_engine(reach(database_url, blocking=True).url)
+    engine = sa.create_engine(parse_database_url(database_url, blocking=True).url)
     query = sa.select(sa.func.sum(tables.rollup.c.samples)).where(
         tables.rollup.c.width_us == 21_600_000_000
     )
@@ -268,7 +268,7 @@ async def test_a_table_that_was_exported_comes_back(data) -> None:
         ExportColumn("base/said", text=True),
     ]
     async with history(own_url(data)) as store:
-        pieces = [p async for p in store.export("rover", columns, *ALL, form=FileForm.CSV)]
+        pieces = [p async for p in store.export_samples("rover", columns, *ALL, form=FileForm.CSV)]
     exported = data.parent / "export.csv"
     exported.write_bytes(b"".join(pieces))
     other = data.parent / "other"
@@ -357,7 +357,9 @@ async def test_an_import_beside_a_running_hub_is_taken_over_by_it(
         assert await asyncio.wait_for(process.wait(), PATIENCE_S) == 0
     await same_as_told(database_url)
     database = Database(database_url)
-    assert [each.site for each in await SiteRegistry(database, SystemClock()).all()] == ["rover"]
+    assert [each.site for each in await SiteRegistry(database, SystemClock()).list_sites()] == [
+        "rover"
+    ]
     await database.close()
 
 

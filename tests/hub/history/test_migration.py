@@ -43,7 +43,7 @@ async def test_history_opens_in_a_database_that_the_hub_has_migrated(tmp_path) -
     await database.close()
     store = HistoryStore(f"sqlite:///{tmp_path}/talaia.db", SystemClock())
     await store.open()
-    await store.append("agv", "b", 0, addresses=["a/x"], columns=batch([(0, 1, 2.0)]))
-    (series,) = await store.read("agv", ["a/x"], *ALL, width=10)
+    await store.append_samples("agv", "b", 0, addresses=["a/x"], columns=batch([(0, 1, 2.0)]))
+    (series,) = await store.read_series("agv", ["a/x"], *ALL, width=10)
     assert series.value.tolist() == [2.0]
     await store.close()

@@ -41,7 +41,7 @@ stretches = st.lists(st.tuples(st.integers(0, 299), st.integers(1, 120)), min_si
 
 async def check(store, rows, stored):
     known = [r for i, r in enumerate(rows) if i in stored]
-    for channel, series in enumerate(await store.read("agv", ADDRESSES, *ALL, width=1000)):
+    for channel, series in enumerate(await store.read_series("agv", ADDRESSES, *ALL, width=1000)):
         assert series.exact
         assert rows_of(series) == wanted(known, channel)
         assert (np.diff(series.time_us) >= 0).all()
@@ -105,11 +105,13 @@ def test_what_comes_out_went_in_on_each_database(url) -> None:
                 async with opened(url) as store:
                     for first, length in part:
                         some = batch(rows[first : first + length])
-                        await store.append(site, "b1", first, addresses=ADDRESSES, columns=some)
+                        await store.append_samples(
+                            site, "b1", first, addresses=ADDRESSES, columns=some
+                        )
                         stored |= set(range(first, min(first + length, 300)))
             async with opened(url) as store:
                 known = [r for i, r in enumerate(rows) if i in stored]
-                found = await store.read(site, ADDRESSES, *ALL, width=1000)
+                found = await store.read_series(site, ADDRESSES, *ALL, width=1000)
                 for channel, series in enumerate(found):
                     assert rows_of(series) == wanted(known, channel)
 
@@ -125,7 +127,7 @@ async def feed(store, count, rate=100, first=0, size=500, value=None):
         values = np.sin(index / 500) if value is None else value(index)
         time_us = START + index * SECOND // rate
         columns = Columns(np.zeros(index.size, np.uint16), time_us, values, {})
-        await store.append("agv", "b1", at, addresses=["base/speed"], columns=columns)
+        await store.append_samples("agv", "b1", at, addresses=["base/speed"], columns=columns)
 
 
 async def test_many_samples_survive_sealing_and_reopening(url) -> None:
@@ -133,7 +135,7 @@ async def test_many_samples_survive_sealing_and_reopening(url) -> None:
         await feed(store, 3000)
     async with opened(url) as store:
         await feed(store, 2000, first=2500)
-        (series,) = await store.read("agv", ["base/speed"], *ALL, width=5000)
+        (series,) = await store.read_series("agv", ["base/speed"], *ALL, width=5000)
         assert series.exact
         np.testing.assert_array_equal(series.time_us, START + np.arange(4500) * SECOND // 100)
         np.testing.assert_array_equal(series.value, np.sin(np.arange(4500) / 500))
@@ -150,7 +152,7 @@ async def test_a_chart_has_at_most_two_points_a_pixel_and_every_spike(url) -> No
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
         await feed(store, 60_000, value=spiky)
         for width in (1, 2, 7, 20, 25):
-            (series,) = await store.read(
+            (series,) = await store.read_series(
                 "agv", ["base/speed"], START, START + 600 * SECOND, width=width
             )
             assert not series.exact
@@ -160,7 +162,7 @@ async def test_a_chart_has_at_most_two_points_a_pixel_and_every_spike(url) -> No
             assert series.value.min() == -99.0
             assert START + 77_770_000 in series.time_us
         low, high = START + 77 * SECOND, START + 79 * SECOND
-        (series,) = await store.read("agv", ["base/speed"], low, high, width=200)
+        (series,) = await store.read_series("agv", ["base/speed"], low, high, width=200)
         assert series.exact
         assert series.time_us.size == 201
 
@@ -173,7 +175,7 @@ async def test_rollups_show_the_extremes_of_each_pixel_to_the_window_s_edge(url,
         await feed(store, 20_000, rate, value=lambda index: noise[index])
         # Ends that cut through buckets of every width.
         first, last = time_us[37] + 1, time_us[19_041] + 3
-        (series,) = await store.read("agv", ["base/speed"], first, last, width=10)
+        (series,) = await store.read_series("agv", ["base/speed"], first, last, width=10)
         inside = (time_us >= first) & (time_us <= last)
         assert not series.exact
         assert series.time_us.size <= 20
@@ -192,9 +194,11 @@ async def test_late_samples_are_in_the_rollups_too(url) -> None:
         columns = Columns(
             np.zeros(600, np.uint16), START + 20 * SECOND + late, np.full(600, 50.0), {}
         )
-        await store.append("agv", "b1", 50_000, addresses=["base/speed"], columns=columns)
+        await store.append_samples("agv", "b1", 50_000, addresses=["base/speed"], columns=columns)
         await feed(store, 5_000, first=10_000)
-        (series,) = await store.read("agv", ["base/speed"], START, START + 200 * SECOND, width=20)
+        (series,) = await store.read_series(
+            "agv", ["base/speed"], START, START + 200 * SECOND, width=20
+        )
         assert not series.exact
         assert series.value.max() == 50.0
 
@@ -204,9 +208,11 @@ async def test_a_few_lone_samples_show_beside_rollups(url) -> None:
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
         await feed(store, 10_000)
         lone = [(0, START + (3 + 2 * i) * 3600 * SECOND, 70.0 + i) for i in range(4)]
-        await store.append("agv", "b1", 10_000, addresses=["base/speed"], columns=batch(lone))
+        await store.append_samples(
+            "agv", "b1", 10_000, addresses=["base/speed"], columns=batch(lone)
+        )
         await feed(store, 4_000, first=2_000_000)
-        (series,) = await store.read(
+        (series,) = await store.read_series(
             "agv", ["base/speed"], START, START + 10 * 3600 * SECOND, width=50
         )
         assert not series.exact
@@ -219,11 +225,11 @@ async def test_nan_infinities_and_texts_come_back(url) -> None:
     rows += [(2, START + i, "πλοίο 🚢\0" * (i % 3)) for i in range(300)]
     async with opened(url) as store:
         for at in range(0, 600, 60):
-            await store.append(
+            await store.append_samples(
                 "agv", "b1", at, addresses=ADDRESSES, columns=batch(rows[at : at + 60])
             )
         for channel in (0, 2):
-            (series,) = await store.read("agv", [ADDRESSES[channel]], *ALL, width=1000)
+            (series,) = await store.read_series("agv", [ADDRESSES[channel]], *ALL, width=1000)
             assert rows_of(series) == wanted(rows, channel)
 
 
@@ -236,7 +242,9 @@ async def test_infinite_spikes_show_in_a_chart_of_rollups(url) -> None:
 
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
         await feed(store, 20_000, value=odd)
-        (series,) = await store.read("agv", ["base/speed"], START, START + 200 * SECOND, width=15)
+        (series,) = await store.read_series(
+            "agv", ["base/speed"], START, START + 200 * SECOND, width=15
+        )
         assert np.inf in series.value
         assert -np.inf in series.value
 
@@ -246,10 +254,10 @@ async def test_many_texts_are_thinned_and_too_many_leave_a_gap_that_says_so(url)
     rows = [(0, START + i * SECOND, f"line {i}") for i in range(2000)]
     async with opened(url, limits) as store:
         for at in range(0, 2000, 100):
-            await store.append(
+            await store.append_samples(
                 "agv", "b1", at, addresses=["base/mode"], columns=batch(rows[at : at + 100])
             )
-        (series,) = await store.read("agv", ["base/mode"], *ALL, width=10)
+        (series,) = await store.read_series("agv", ["base/mode"], *ALL, width=10)
         assert not series.exact
         assert 2 <= len(series.texts) <= 20
         assert series.texts[len(series.texts) - 1] == "line 1999"
@@ -258,14 +266,14 @@ async def test_many_texts_are_thinned_and_too_many_leave_a_gap_that_says_so(url)
 
 async def test_gaps_are_kept_once_and_count_as_settled(url) -> None:
     async with opened(url) as store:
-        await store.append(
+        await store.append_samples(
             "agv", "b1", 0, addresses=ADDRESSES, columns=batch([(0, START, 1.0)] * 10)
         )
         for _ in range(2):
             await store.record_gap(
                 "agv", "b1", 10, 19, from_us=START, to_us=START + SECOND, reason="spool full"
             )
-        await store.append(
+        await store.append_samples(
             "agv", "b1", 20, addresses=ADDRESSES, columns=batch([(0, START, 1.0)] * 5)
         )
         await store.record_gap(
@@ -274,10 +282,12 @@ async def test_gaps_are_kept_once_and_count_as_settled(url) -> None:
         assert await store.stored_below("agv", "b1") == 25
     async with opened(url) as store:
         assert await store.stored_below("agv", "b1") == 25
-        (series,) = await store.read("agv", ["base/speed"], START, START + 5 * SECOND, width=100)
+        (series,) = await store.read_series(
+            "agv", ["base/speed"], START, START + 5 * SECOND, width=100
+        )
         assert series.gaps == [HistoryGap(START, START + SECOND, "spool full")]
         assert series.time_us.size == 15
-        (other,) = await store.read("dome", ["base/speed"], *ALL, width=100)
+        (other,) = await store.read_series("dome", ["base/speed"], *ALL, width=100)
         assert other.gaps == []
 
 
@@ -285,15 +295,15 @@ async def test_last_is_the_newest_by_time_and_of_equals_the_latest(url) -> None:
     rows = [(0, START + i, float(i)) for i in range(100)]
     rows += [(0, START + 99, 123.0), (0, START, -1.0), (2, START, "on")]
     async with opened(url) as store:
-        await store.append("agv", "b1", 0, addresses=ADDRESSES, columns=batch(rows))
+        await store.append_samples("agv", "b1", 0, addresses=ADDRESSES, columns=batch(rows))
         wanted = {"base/speed": (START + 99, 123.0)}
         for _ in range(2):
-            found = await store.last("agv", [*ADDRESSES, "no/such"])
+            found = await store.last_readings("agv", [*ADDRESSES, "no/such"])
             assert found["base/speed"][:2] == wanted["base/speed"]
             assert found["base/mode"][2] == "on"
             assert "no/such" not in found
             # The second time round the tail is in a block.
-            await store.append(
+            await store.append_samples(
                 "agv", "b1", 200, addresses=ADDRESSES, columns=batch([(1, START, 0.0)] * 40)
             )
 
@@ -302,22 +312,22 @@ async def test_sites_boots_and_addresses_are_kept_apart(url) -> None:
     async with opened(url) as store:
         for site in ("agv", "AGV"):
             for boot in ("b1", "b2"):
-                await store.append(
+                await store.append_samples(
                     site, boot, 0, addresses=["a/x", "A/x"], columns=batch([(0, START, 1.0)])
                 )
-        series = await store.read("agv", ["a/x", "A/x", "no/such"], *ALL, width=100)
+        series = await store.read_series("agv", ["a/x", "A/x", "no/such"], *ALL, width=100)
         assert [each.time_us.size for each in series] == [2, 0, 0]
 
 
 async def test_a_changed_description_keeps_the_history_of_what_it_renamed(url) -> None:
     async with opened(url) as store:
-        await store.append(
+        await store.append_samples(
             "agv", "b1", 0, addresses=["a/old", "a/same"], columns=batch([(0, 1, 1.0), (1, 1, 2.0)])
         )
-        await store.append(
+        await store.append_samples(
             "agv", "b1", 2, addresses=["a/same", "a/new"], columns=batch([(0, 2, 3.0), (1, 2, 4.0)])
         )
-        series = await store.read("agv", ["a/old", "a/same", "a/new"], *ALL, width=100)
+        series = await store.read_series("agv", ["a/old", "a/same", "a/new"], *ALL, width=100)
         assert [each.value.tolist() for each in series] == [[1.0], [2.0, 3.0], [4.0]]
 
 
@@ -331,12 +341,14 @@ async def test_rollups_give_back_every_bit_infinities_and_what_is_no_number(url)
     async with opened(url, SMALL._replace(block=512, largest=512, recent=512)) as store:
         await feed(store, 20_000, value=odd)
         window = (START, START + 200 * SECOND)
-        (series,) = await store.read("agv", ["base/speed"], *window, width=20)
+        (series,) = await store.read_series("agv", ["base/speed"], *window, width=20)
         assert not series.exact
         assert np.isnan(series.value[series.time_us < START + 50 * SECOND]).all()
         assert np.inf in series.value
         # Without the part that holds no number, which servers are asked for in another way.
-        (later,) = await store.read("agv", ["base/speed"], START + 80 * SECOND, window[1], width=10)
+        (later,) = await store.read_series(
+            "agv", ["base/speed"], START + 80 * SECOND, window[1], width=10
+        )
         known = dict(
             zip((START + np.arange(20_000) * SECOND // 100), odd(np.arange(20_000)), strict=True)
         )
@@ -349,17 +361,25 @@ async def test_a_batch_that_cannot_be_kept_does_not_harm_the_others(url) -> None
     good = batch([(0, START, 1.0)])
     async with opened(url) as store:
         bad = [
-            store.append("agv", "b1", 5, addresses=["a/x"], columns=batch([(3, START, 1.0)])),
-            store.append("agv", "b1", -1, addresses=["a/x"], columns=good),
-            store.append("agv", "b1", 5, addresses=["a/\0"], columns=good),
-            store.append("agv", "b1", 5, addresses=["a/x"], columns=batch([(0, START, "\ud800")])),
-            store.append("agv", "b1", 5, addresses=["a/x"], columns=Columns(*good[:3], {7: "x"})),
+            store.append_samples(
+                "agv", "b1", 5, addresses=["a/x"], columns=batch([(3, START, 1.0)])
+            ),
+            store.append_samples("agv", "b1", -1, addresses=["a/x"], columns=good),
+            store.append_samples("agv", "b1", 5, addresses=["a/\0"], columns=good),
+            store.append_samples(
+                "agv", "b1", 5, addresses=["a/x"], columns=batch([(0, START, "\ud800")])
+            ),
+            store.append_samples(
+                "agv", "b1", 5, addresses=["a/x"], columns=Columns(*good[:3], {7: "x"})
+            ),
             store.record_gap("agv", "b1", 9, 5, from_us=0, to_us=0, reason="backwards"),
         ]
-        fine = [store.append("agv", "b1", i, addresses=["a/x"], columns=good) for i in range(5)]
+        fine = [
+            store.append_samples("agv", "b1", i, addresses=["a/x"], columns=good) for i in range(5)
+        ]
         answers = await asyncio.gather(*bad, *fine, return_exceptions=True)
         assert [type(each) for each in answers] == [HistoryError] * 6 + [type(None)] * 5
-        (series,) = await store.read("agv", ["a/x"], *ALL, width=100)
+        (series,) = await store.read_series("agv", ["a/x"], *ALL, width=100)
         assert series.time_us.size == 5
         assert await store.stored_below("agv", "b1") == 5
 
@@ -377,13 +397,15 @@ async def test_slow_channels_do_not_keep_the_journal_from_shrinking(tmp_path) ->
             if at % 50 == 0:
                 rows.append((1, START + at, float(at)))
                 slow.append(float(at))
-            await store.append("agv", "b1", sequence, addresses=ADDRESSES, columns=batch(rows))
+            await store.append_samples(
+                "agv", "b1", sequence, addresses=ADDRESSES, columns=batch(rows)
+            )
             sequence += len(rows)
         database = sqlite3.connect(tmp_path / "history.db")
         assert database.execute("select sum(samples) from history_hot").fetchone()[0] < 1000
         database.close()
     async with opened(url) as store:
-        fast, slowly = await store.read("agv", ADDRESSES[:2], *ALL, width=5000)
+        fast, slowly = await store.read_series("agv", ADDRESSES[:2], *ALL, width=5000)
         assert fast.time_us.size == 4000
         assert slowly.value.tolist() == slow
         assert await store.stored_below("agv", "b1") == sequence
@@ -397,11 +419,11 @@ async def test_readings_for_sql_between_a_plan_and_its_commit_lose_nothing(tmp_p
     async with opened(f"sqlite:///{tmp_path}/history.db", limits) as store:
         # All channels are full at once, and only a few are sealed with each commit.
         for first, past in ((0, 140), (140, 160), (160, 174)):
-            await store.append(
+            await store.append_samples(
                 "agv", "b1", first, addresses=addresses, columns=batch(rows[first:past])
             )
-        await store.show()
-        found = await store.read("agv", addresses, *ALL, width=100)
+        await store.write_plain_rows()
+        found = await store.read_series("agv", addresses, *ALL, width=100)
         for channel, series in enumerate(found):
             assert rows_of(series) == wanted(rows, channel)
 
@@ -418,7 +440,7 @@ async def test_reads_see_every_sample_while_blocks_are_sealed(url) -> None:
         writing = asyncio.create_task(write(store))
         seen = 0
         while not done.is_set():
-            (series,) = await store.read("agv", ["base/speed"], *ALL, width=4000)
+            (series,) = await store.read_series("agv", ["base/speed"], *ALL, width=4000)
             assert series.exact
             assert series.time_us.size >= seen
             assert np.unique(series.time_us).size == series.time_us.size
@@ -450,7 +472,7 @@ async def test_a_database_that_refuses_for_a_while_loses_and_doubles_nothing(url
             connection.exec_driver_sql("ALTER TABLE elsewhere RENAME TO history_hot")
         await feed(store, 200, first=190, size=20)
         assert await store.stored_below("agv", "b1") == 390
-        (series,) = await store.read("agv", ["base/speed"], *ALL, width=1000)
+        (series,) = await store.read_series("agv", ["base/speed"], *ALL, width=1000)
         np.testing.assert_array_equal(series.value, np.sin(np.arange(390) / 500))
     engine.dispose()
 
@@ -465,7 +487,7 @@ async def test_a_mistake_of_ours_leaves_nobody_waiting_and_is_over_with_the_next
         with monkeypatch.context() as broken:
             broken.setattr(store._writer._checkpoints, "after_commit", mistake)
             await feed(store, 500)
-            broken.setattr(store._writer, "_store", mistake)
+            broken.setattr(store._writer, "_store_jobs", mistake)
             with pytest.raises(HistoryError, match="no longer there"):
                 await feed(store, 500, first=500)
         await feed(store, 500, first=500)
@@ -474,22 +496,24 @@ async def test_a_mistake_of_ours_leaves_nobody_waiting_and_is_over_with_the_next
 
 async def test_a_renamed_channel_keeps_all_it_had_and_goes_on_also_after_a_restart(url) -> None:
     async with opened(url) as store:
-        await store.append(
+        await store.append_samples(
             "agv", "b1", 0, addresses=["base/speed"], columns=batch([(0, START, 1.0)])
         )
-        await store.rename("agv", {"base/speed": "base/velocity"})
-        await store.append(
+        await store.rename_channels("agv", {"base/speed": "base/velocity"})
+        await store.append_samples(
             "agv", "b1", 1, addresses=["base/velocity"], columns=batch([(0, START + 1, 2.0)])
         )
         # Another one takes the old name, and has nothing of its history.
         both = ["base/velocity", "base/speed"]
-        await store.append("agv", "b1", 2, addresses=both, columns=batch([(1, START + 2, 3.0)]))
+        await store.append_samples(
+            "agv", "b1", 2, addresses=both, columns=batch([(1, START + 2, 3.0)])
+        )
     async with opened(url) as store:
-        renamed, new = await store.read("agv", both, START, START + SECOND, width=100)
+        renamed, new = await store.read_series("agv", both, START, START + SECOND, width=100)
         assert renamed.value.tolist() == [1.0, 2.0]
         assert new.value.tolist() == [3.0]
         # Where there is a history already, nothing is mixed.
-        await store.rename("agv", {"base/speed": "base/velocity"})
-        assert (await store.read("agv", both, START, START + SECOND, width=100))[
+        await store.rename_channels("agv", {"base/speed": "base/velocity"})
+        assert (await store.read_series("agv", both, START, START + SECOND, width=100))[
             1
         ].value.tolist() == [3.0]

@@ -7,7 +7,7 @@ from object_graph import paths_to, replaced_structs
 from talaia.model.yaml_text.load import load_site
 from talaia.wire.browser import EventUpdate, Subscribe, Values
 from talaia.wire.frames import Ack, DescriptionUpdate
-from talaia.wire.sealing import deflated
+from talaia.wire.sealing import compress_text
 
 FIRST = """
 talaia: 1
@@ -38,9 +38,9 @@ async def test_no_part_keeps_a_description_that_has_been_replaced(hub) -> None:
     await page.say(Subscribe(sub=1, site="agv", channels=["base/speed"]))
     await gateway.samples(("base/speed", 1, 1.0))
     await page.hear(Values)
-    before = hub.hub.core.sites.get("agv").description
+    before = hub.hub.core.sites.find_site("agv").description
     update = DescriptionUpdate(
-        description=deflated(SECOND),
+        description=compress_text(SECOND),
         catalogue="c1",
         addresses=[each.address for each in load_site(SECOND).channels()],
         renamed={},
@@ -50,6 +50,6 @@ async def test_no_part_keeps_a_description_that_has_been_replaced(hub) -> None:
     # The detectors go by it from the next sample on.
     await gateway.samples(("base/speed", 2, 1.0))
     await gateway.hear(Ack, lambda ack: ack.below == 2)
-    after = hub.hub.core.sites.get("agv").description
+    after = hub.hub.core.sites.find_site("agv").description
     assert after.name == "New Robot"
     assert paths_to(hub.hub, replaced_structs(before, after)) == []

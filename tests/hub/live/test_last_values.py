@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 
 from talaia.hub.live.last_values import Latest
 from talaia.wire.browser import AlarmUpdate, Subscribe, Subscribed, Values
-from talaia.wire.columns import Columns, unpack
+from talaia.wire.columns import Columns, unpack_columns
 from talaia.wire.frames import Ack
 from talaia.wire.newest import NewestSamples, newest_frame, newest_of, runs_of
 
@@ -44,7 +44,7 @@ async def looking(hub, *channels: str, every_ms: int = 0):
 
 
 def numbers(values: Values) -> list[float]:
-    return unpack(values).value.tolist()
+    return unpack_columns(values).value.tolist()
 
 
 async def test_value_said_in_an_outage_is_shown_with_its_age_and_kept_before_the_backlog(
@@ -64,7 +64,7 @@ async def test_value_said_in_an_outage_is_shown_with_its_age_and_kept_before_the
     assert 300_000 <= told.age_ms[0] < 330_000
     await gateway.hear(Ack)
     assert history.samples["agv", "boot-1"][7] == ("base/speed", at + 100, 11.0, "")
-    assert (await history.last("agv", ["base/speed"]))["base/speed"][1] == 11.0
+    assert (await history.last_readings("agv", ["base/speed"]))["base/speed"][1] == 11.0
     # The old ones come behind, the told one among them, and change nothing that is shown.
     rows = [("base/speed", at + 2 + each, 4.0 + each) for each in range(5)]
     await gateway.samples(*rows, ("base/speed", at + 100, 11.0), first=2, live=False)
@@ -137,15 +137,15 @@ def test_newest_of_a_run_is_what_its_numbers_say_in_whatever_way_it_came(
             one = Columns(
                 np.array([channel], np.uint16), np.array([0]), np.array([float(number)]), {}
             )
-            latest.update(one, 0, "b", number + 1)
+            latest.update_values(one, 0, "b", number + 1)
         else:
             number = ahead
             one = Columns(
                 np.array([channel], np.uint16), np.array([0]), np.array([float(number)]), {}
             )
             told = NewestSamples(one, np.array([number]), np.array([0.0]))
-            if latest.newer(told, "b", 0, current=True).all():
-                latest.correct(told, "b", 0)
+            if latest.newer_samples(told, "b", 0, current=True).all():
+                latest.correct_values(told, "b", 0)
         best[channel] = max(best.get(channel, -1), number)
         assert latest.value[channel] == best[channel]
 
@@ -171,8 +171,8 @@ def test_latest_keeps_the_last_of_a_batch_and_tells_its_age() -> None:
     batch = Columns(
         np.array([1, 1, 2], np.uint16), np.array([5, 6, 7]), np.array([0.1, 0.2, np.nan]), {2: "hi"}
     )
-    latest.update(batch, 1_000_000_000)
-    columns, ages = latest.of(np.array([2, 0, 1]), 1_500_000_000)
+    latest.update_values(batch, 1_000_000_000)
+    columns, ages = latest.values_of(np.array([2, 0, 1]), 1_500_000_000)
     assert columns.channel.tolist() == [0, 2]
     assert columns.time_us.tolist() == [7, 6]
     assert columns.value[1] == 0.2
@@ -182,9 +182,9 @@ def test_latest_keeps_the_last_of_a_batch_and_tells_its_age() -> None:
 
 def test_remembered_sample_does_not_hide_a_live_one() -> None:
     latest = Latest(1)
-    latest.remember(0, time_us=5, value=1.0, text="", arrived_ns=-1_000_000)
-    columns, ages = latest.of(np.array([0]), 0)
+    latest.remember_value(0, time_us=5, value=1.0, text="", arrived_ns=-1_000_000)
+    columns, ages = latest.values_of(np.array([0]), 0)
     assert (columns.value.tolist(), ages) == ([1.0], [1.0])
-    latest.update(Columns(np.zeros(1, np.uint16), np.array([9]), np.array([2.0]), {}), 10)
-    latest.remember(0, time_us=5, value=1.0, text="", arrived_ns=0)
-    assert latest.of(np.array([0]), 10)[0].value.tolist() == [2.0]
+    latest.update_values(Columns(np.zeros(1, np.uint16), np.array([9]), np.array([2.0]), {}), 10)
+    latest.remember_value(0, time_us=5, value=1.0, text="", arrived_ns=0)
+    assert latest.values_of(np.array([0]), 10)[0].value.tolist() == [2.0]

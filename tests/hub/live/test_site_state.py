@@ -33,14 +33,14 @@ class _Link:
     def send(self, message: FromHub) -> None:
         raise AssertionError(message)
 
-    def dismiss(self, reason: str) -> None:
+    def dismiss_gateway(self, reason: str) -> None:
         raise AssertionError(reason)
 
 
 @pytest.fixture
 def live() -> LiveSite:
-    live = Sites().describe(load_site(DESCRIBED), "c1")
-    live.attach(_Link(), LinkedGateway(id=1, boot="b1"), 10)
+    live = Sites().describe_site(load_site(DESCRIBED), "c1")
+    live.attach_link(_Link(), LinkedGateway(id=1, boot="b1"), 10)
     for device in ("base", "mast"):
         live.current.leases[device] = LeaseState(device=device), 1
         live.current.drives[device] = DriveState(device=device, linear=0.0, angular=0.0, cap=1.0)
@@ -58,13 +58,13 @@ def live() -> LiveSite:
 
 
 def test_a_lost_link_leaves_none_of_what_holds_only_while_it_stands(live) -> None:
-    live.detach(20)
+    live.detach_link(20)
     live.forget_current()
     assert live.current == CurrentState()
 
 
 def test_a_latched_stop_and_an_open_roof_are_still_shown_while_the_gateway_is_away(live) -> None:
-    live.detach(20)
+    live.detach_link(20)
     live.forget_current()
     assert set(live.retained.stops) == {"base", "mast"}
     assert live.retained.enclosures == {"dome": "it rains"}
@@ -73,8 +73,8 @@ def test_a_latched_stop_and_an_open_roof_are_still_shown_while_the_gateway_is_aw
 
 def test_a_new_link_begins_without_what_was_said_over_an_earlier_one(live) -> None:
     live.gateway.problem = object()
-    live.detach(20)
-    live.attach(_Link(), LinkedGateway(id=1, boot="b2"), 30)
+    live.detach_link(20)
+    live.attach_link(_Link(), LinkedGateway(id=1, boot="b2"), 30)
     assert live.retained == RetainedState()
     assert live.gateway == LinkedGateway(id=1, boot="b2")
 
@@ -82,10 +82,10 @@ def test_a_new_link_begins_without_what_was_said_over_an_earlier_one(live) -> No
 def test_presence_says_since_when_a_site_is_there_or_away_and_why(live) -> None:
     here = live.presence
     assert (live.online, here.since_us, here.last_seen_us, here.why) == (True, 10, 0, "")
-    live.detach(20)
+    live.detach_link(20)
     assert (live.online, here.since_us, here.last_seen_us) == (False, 20, 20)
     assert here.why == "the connection to its gateway was lost"
-    live.attach(_Link(), LinkedGateway(id=1, boot="b1"), 30)
+    live.attach_link(_Link(), LinkedGateway(id=1, boot="b1"), 30)
     assert (live.online, here.since_us, here.last_seen_us, here.why) == (True, 30, 20, "")
 
 
@@ -108,9 +108,9 @@ def test_people_are_told_once_of_a_rival_and_again_after_it_was_linked(live) -> 
     assert live.rivals.add_boot("b0")
     assert not live.rivals.add_boot("b0")
     live.rivals.seen_us = 15
-    live.detach(20)
+    live.detach_link(20)
     assert live.rivals.seen_us == 0
-    live.attach(_Link(), LinkedGateway(id=1, boot="b0"), 30)
+    live.attach_link(_Link(), LinkedGateway(id=1, boot="b0"), 30)
     assert live.rivals.add_boot("b0")
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from talaia.clock import SECOND, HandClock
 from talaia.hub.alarms.rules import Rule
-from talaia.hub.alarms.state_machine import Raise, State, step
+from talaia.hub.alarms.state_machine import Raise, State, apply_event
 from talaia.hub.auth.secret_box import Seal
 from talaia.hub.notify.delivery_worker import DeliveryWorker
 from talaia.hub.notify.message import AlarmMessage
@@ -33,7 +33,7 @@ LOOPBACK = [ipaddress.ip_network("127.0.0.1/32")]
 
 
 async def chat(url: str, networks=LOOPBACK):
-    return await Sender(networks).send(
+    return await Sender(networks).send_message(
         Way(1, "way", WayKind.CHAT, {}, ()), {"url": url}, target="", message=SAID
     )
 
@@ -205,7 +205,7 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
     database = Database(f"sqlite:///{tmp_path}/talaia.db")
     await database.migrate()
     clock = HandClock()
-    user = await People(database, clock).add("op", "x", "operator")
+    user = await People(database, clock).add_person("op", "x", "operator")
     store, outbox = NotifyStore(database, lambda: Seal(bytes(32))), NotificationOutbox(database)
     way = await store.put_way(
         None, "chat", kind=WayKind.CHAT, settings={}, secrets={"url": TELEGRAM}, now_us=0
@@ -217,9 +217,9 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
         )
     )  # fmt: skip
     now = clock.wall_ns() // 1000
-    state, happened = step(State(), Raise(now, "Voltage is 10 V"))
+    state, happened = apply_event(State(), Raise(now, "Voltage is 10 V"))
     about = About("agv", "low", "power", Severity.CRITICAL, "Battery low", "AGV", "")
-    await AlarmStore(database).commit([AlarmChange(about, state, happened)], now)
+    await AlarmStore(database).commit_changes([AlarmChange(about, state, happened)], now)
 
     async def told() -> None: ...
 
@@ -229,7 +229,7 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
     telegram_is_at(9)
     for wait_s in (10, 60, 300):
         await delivering.deliver_due()
-        assert "onnection" in (await outbox.troubles())["agv", "low"]
+        assert "onnection" in (await outbox.failed_alarms())["agv", "low"]
         assert await outbox.next_due_us() == clock.wall_ns() // 1000 + wait_s * 1_000_000
         clock.advance(wait_s * SECOND)
     # The loss is in the log once, whatever was tried since.
@@ -244,5 +244,5 @@ async def test_alarm_says_that_telegram_is_not_reached_until_it_is_and_then_it_c
     await delivering.deliver_due()
     server.close()
     assert len(peer.asked) == 1
-    assert await outbox.troubles() == {}
+    assert await outbox.failed_alarms() == {}
     await database.close()

@@ -31,7 +31,7 @@ async def peer():
 
 async def send(kind: WayKind, secrets: dict[str, str], **more):
     way = Way(1, "way", kind, more.pop("settings", {}), ())
-    return await Sender(more.pop("networks", LOOPBACK)).send(
+    return await Sender(more.pop("networks", LOOPBACK)).send_message(
         way, secrets, target="", message=SAID, **more
     )
 

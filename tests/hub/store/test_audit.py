@@ -57,7 +57,7 @@ async def test_rows_are_found_by_person_device_kind_outcome_and_time(database) -
     began = 1_700_000_000 * 1_000_000
 
     async def numbers(**wanted) -> list[int]:
-        rows, more = await audit.find(AuditFilter(**wanted), 100)
+        rows, more = await audit.find_records(AuditFilter(**wanted), 100)
         assert not more
         return [int(row.entry.message.split()[1]) for row in rows]
 
@@ -76,19 +76,19 @@ async def test_paging_gives_every_row_once(database) -> None:
     audit = await filled(database)
     seen, before = [], None
     while True:
-        rows, more = await audit.find(AuditFilter(who="ada", before=before), 2)
+        rows, more = await audit.find_records(AuditFilter(who="ada", before=before), 2)
         seen += [row.id for row in rows]
         if not more:
             break
         before = rows[-1].id
     assert len(seen) == 5
     assert seen == sorted(set(seen), reverse=True)
-    assert [row.id async for row in audit.every(AuditFilter(who="ada"))] == seen
+    assert [row.id async for row in audit.iterate_records(AuditFilter(who="ada"))] == seen
 
 
 async def test_whole_log_follows_from_its_first_row(database) -> None:
     audit = await filled(database)
-    assert await audit.verify() == (10, 0)
+    assert await audit.verify_chain() == (10, 0)
 
 
 @pytest.mark.parametrize(
@@ -104,12 +104,12 @@ async def test_whole_log_follows_from_its_first_row(database) -> None:
 )
 async def test_row_that_was_changed_or_cut_out_is_named(database, tampering, broken) -> None:
     audit = await filled(database)
-    ids = [row.id for row in reversed((await audit.find(AuditFilter(), 100))[0])]
+    ids = [row.id for row in reversed((await audit.find_records(AuditFilter(), 100))[0])]
     at = {"third": ids[2], "fourth": ids[3], "last": ids[-1]}
     async with database.write() as connection:
         used = {name: value for name, value in at.items() if f":{name}" in tampering}
         await connection.execute(text(tampering), used)
-    assert (await audit.verify()).broken == at[broken]
+    assert (await audit.verify_chain()).broken == at[broken]
 
 
 async def test_two_hubs_on_one_database_write_one_chain(database, database_url) -> None:
@@ -119,7 +119,7 @@ async def test_two_hubs_on_one_database_write_one_chain(database, database_url) 
         for number in range(20):
             audits[number % 2].append_record(f"row {number}")
         await asyncio.gather(*(written(audit) for audit in audits))
-        assert await audits[0].verify() == (20, 0)
+        assert await audits[0].verify_chain() == (20, 0)
     finally:
         await other.close()
 
@@ -129,11 +129,11 @@ async def test_text_that_no_database_takes_is_written_all_the_same(database) -> 
     audit.append_record("odd \x00 \ud800 \x1b[2J", who="a\nb\r\tc\u202e\u2028", message="x" * 9000)
     audit.append_record("next")
     await written(audit)
-    rows, _ = await audit.find(AuditFilter(), 10)
+    rows, _ = await audit.find_records(AuditFilter(), 10)
     assert rows[1].entry.kind == r"odd \x00 \ud800 \x1b[2J"
     assert rows[1].entry.who == r"a\nb\r\tc\u202e\u2028"
     assert len(rows[1].entry.message) == 2000
-    assert await audit.verify() == (2, 0)
+    assert await audit.verify_chain() == (2, 0)
 
 
 def test_what_can_be_seen_stays_as_it_is() -> None:
@@ -147,7 +147,7 @@ def test_what_can_be_seen_stays_as_it_is() -> None:
 
 async def kinds(hub, **wanted) -> list[tuple[str, str]]:
     """Give kind and who of the rows, oldest first."""
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     admin = await hub.client("admin")
     rows = (await admin.get("/api/audit", params=wanted)).json()["rows"]
     return [(row["kind"], row["who"]) for row in reversed(rows)]
@@ -257,7 +257,7 @@ async def test_export_is_a_file_that_no_spreadsheet_works_out(hub) -> None:
     for row in rows:
         assert not any(cell.startswith(tuple("=+-@\t\r")) for cell in row.values())
         assert row["time_utc"].endswith("+00:00")
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     assert ("audit exported", "admin") in await kinds(hub)
 
 

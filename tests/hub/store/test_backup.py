@@ -11,9 +11,9 @@ from talaia.cli.main import main
 from talaia.clock import HandClock, SystemClock
 from talaia.hub.errors import StoreError
 from talaia.hub.history.store import HistoryStore
-from talaia.hub.store.backup import backup, restore_server, take_restored
+from talaia.hub.store.backup import restore_server, take_restored, write_backup
 from talaia.hub.store.database import Database
-from talaia.hub.store.database_url import reach
+from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.quarantine import set_aside_if_damaged
 from talaia.hub.store.tables import metadata
 from talaia.wire.frames import Ack
@@ -75,7 +75,7 @@ async def test_a_damaged_backup_is_not_restored(tmp_path, capsys) -> None:
     database = Database(f"sqlite+aiosqlite:///{tmp_path}/talaia.db")
     await database.migrate()
     await database.close()
-    backup(f"sqlite:///{tmp_path}/talaia.db", tmp_path, tmp_path / "b", HandClock())
+    write_backup(f"sqlite:///{tmp_path}/talaia.db", tmp_path, tmp_path / "b", HandClock())
     file = tmp_path / "b" / "talaia.db"
     file.write_bytes(file.read_bytes()[:8192] + b"junk" * 5_000)
     assert main(["restore", str(tmp_path / "b"), "--data", str(tmp_path / "other")]) == 2
@@ -98,25 +98,27 @@ async def test_a_server_s_database_is_backed_up_and_restored_into_another(kind, 
         store = HistoryStore(urls[0], SystemClock())
         await store.open()
         rows = [(0, NOW + at, at / 7) for at in range(9_000)] + [(1, NOW, "word ´'\\%")]
-        await store.append("agv", "b", 0, addresses=["a/x", "a/y"], columns=batch(rows))
-        await store.append(
+        await store.append_samples("agv", "b", 0, addresses=["a/x", "a/y"], columns=batch(rows))
+        await store.append_samples(
             "agv", "b", 9_001, addresses=["a/x"], columns=batch([(0, NOW, float("nan"))])
         )
-        target = backup(urls[0], tmp_path, tmp_path.parent / f"{tmp_path.name}-b", SystemClock())
-        wanted = await store.read("agv", ["a/x", "a/y"], *ALL, width=10_000)
+        target = write_backup(
+            urls[0], tmp_path, tmp_path.parent / f"{tmp_path.name}-b", SystemClock()
+        )
+        wanted = await store.read_series("agv", ["a/x", "a/y"], *ALL, width=10_000)
         await store.close()
         assert restore_server(target, urls[1]) > 0
         for url in (urls[1], f"sqlite:///{target}/talaia.db"):
             store = HistoryStore(url, SystemClock())
             await store.open()
-            found = await store.read("agv", ["a/x", "a/y"], *ALL, width=10_000)
+            found = await store.read_series("agv", ["a/x", "a/y"], *ALL, width=10_000)
             for one, other in zip(found, wanted, strict=True):
                 assert one.value.tobytes() == other.value.tobytes()
                 assert one.texts == other.texts
             assert await store.stored_below("agv", "b") == 9_002
             await store.close()
         # What has people in it is not written over.
-        engine = sa.create_engine(reach(urls[1], blocking=True).url)
+        engine = sa.create_engine(parse_database_url(urls[1], blocking=True).url)
         users = metadata.tables["users"]
         with engine.begin() as connection:
             fill(connection, users)
@@ -168,7 +170,7 @@ async def test_of_a_large_database_what_all_else_needs_is_looked_at(tmp_path, ta
     await migrate(url)
     store = HistoryStore(url, SystemClock())
     await store.open()
-    await store.append(
+    await store.append_samples(
         "agv",
         "b",
         0,
@@ -202,7 +204,7 @@ async def test_a_backup_in_the_middle_of_a_load_holds_all_up_to_one_moment(
         nonlocal stored
         while not ended.is_set():
             rows = [(0, NOW + stored + at, float(stored + at)) for at in range(500)]
-            await store.append("agv", "b", stored, addresses=["a/x"], columns=batch(rows))
+            await store.append_samples("agv", "b", stored, addresses=["a/x"], columns=batch(rows))
             stored += 500
             if stored >= 5_000:
                 begun.set()
@@ -212,7 +214,9 @@ async def test_a_backup_in_the_middle_of_a_load_holds_all_up_to_one_moment(
     before = stored
     data = tmp_path / "data"
     data.mkdir()
-    target = await asyncio.to_thread(backup, database_url, data, tmp_path / "b", SystemClock())
+    target = await asyncio.to_thread(
+        write_backup, database_url, data, tmp_path / "b", SystemClock()
+    )
     after = stored
     ended.set()
     await loading
@@ -220,7 +224,7 @@ async def test_a_backup_in_the_middle_of_a_load_holds_all_up_to_one_moment(
     copy = HistoryStore(f"sqlite:///{target}/talaia.db", SystemClock())
     await copy.open()
     below = await copy.stored_below("agv", "b")
-    (series,) = await copy.read("agv", ["a/x"], *ALL, width=1_000_000)
+    (series,) = await copy.read_series("agv", ["a/x"], *ALL, width=1_000_000)
     await copy.close()
     # What is on its way when the backup begins may be in it; what was stored before is.
     assert before <= below <= after + 500

@@ -28,8 +28,8 @@ from talaia.hub.store.accounts.people import People
 from talaia.hub.store.accounts.roles import Roles
 from talaia.hub.store.accounts.sessions import Sessions
 from talaia.hub.store.audit import Audit, AuditFilter
-from talaia.hub.store.database import Database, _last_migration, _upgrade
-from talaia.hub.store.database_url import reach
+from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
+from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.hub.store.tables import metadata
 
@@ -124,7 +124,7 @@ KILLED = """
 import asyncio, os, signal, sys
 from sqlalchemy import event
 from talaia.hub.store import migrations
-from talaia.hub.store.database import Database, _last_migration, _upgrade
+from talaia.hub.store.database import Database, _last_migration, _upgrade_schema
 
 left = int(sys.argv[2])
 database = Database(sys.argv[1])
@@ -149,7 +149,7 @@ async def test_kill_minus_nine_in_a_migration_is_survived(database_url, changes)
     database = Database(database_url)
     await database.migrate()
     people = People(database, SystemClock())
-    assert await people.add("ada", "hash", "admin")
+    assert await people.add_person("ada", "hash", "admin")
     await database.close()
 
 
@@ -165,7 +165,7 @@ async def test_of_programs_that_start_at_once_one_makes_the_tables(database_url)
 async def test_who_migrates_next_sees_the_last_step_of_the_one_before(database_url) -> None:
     first, second = Database(database_url), Database(database_url)
     async with first._writer.begin() as connection:
-        await connection.run_sync(_upgrade)
+        await connection.run_sync(_upgrade_schema)
         if "mariadb" in database_url:
             # The others hold their lock for as long as the transaction.
             await second.migrate()
@@ -176,16 +176,16 @@ async def test_who_migrates_next_sees_the_last_step_of_the_one_before(database_u
 
 async def test_rows_that_came_with_numbers_do_not_stand_in_the_way_of_new_ones(database) -> None:
     roles = Roles(database)
-    assert await roles.add("night", [Permission(Right.VIEW, "agv", "base")]) > 3
+    assert await roles.add_role("night", [Permission(Right.VIEW, "agv", "base")]) > 3
 
 
 async def test_names_that_differ_by_an_accent_are_different_people(database) -> None:
     people = People(database, SystemClock())
     for name in ("ada", "àda", "дана", "😀 pilot"):
-        await people.add(name, "hash", "guest")
-        assert (await people.find(name)).name == name
-    assert await people.find("ada  ") is None
-    assert await people.find("ada\0") is None
+        await people.add_person(name, "hash", "guest")
+        assert (await people.find_by_name(name)).name == name
+    assert await people.find_by_name("ada  ") is None
+    assert await people.find_by_name("ada\0") is None
 
 
 async def test_change_of_rows_that_fails_leaves_nothing_behind(database) -> None:
@@ -310,8 +310,11 @@ async def test_database_that_cannot_be_opened_says_which_and_why(tmp_path) -> No
 def test_one_plain_url_gives_the_driver_of_the_accounts_and_of_the_history(
     given, waiting, blocking
 ) -> None:
-    assert reach(given).url.render_as_string(hide_password=False) == waiting
-    assert reach(given, blocking=True).url.render_as_string(hide_password=False) == blocking
+    assert parse_database_url(given).url.render_as_string(hide_password=False) == waiting
+    assert (
+        parse_database_url(given, blocking=True).url.render_as_string(hide_password=False)
+        == blocking
+    )
 
 
 @pytest.mark.parametrize(
@@ -342,11 +345,11 @@ def test_driver_that_is_not_installed_is_named_with_what_installs_it(
 
 def test_tls_to_a_server_is_asked_for_in_one_way_for_every_driver() -> None:
     for url, key in (("postgresql://h/d", "ssl"), ("mariadb://h/d", "ssl")):
-        found = reach(f"{url}?sslmode=verify-full")
+        found = parse_database_url(f"{url}?sslmode=verify-full")
         assert found.arguments[key].verify_mode is ssl.CERT_REQUIRED
         assert found.arguments[key].check_hostname
         assert "sslmode" not in found.url.query
-    found = reach("postgresql://h/d?sslmode=require", blocking=True)
+    found = parse_database_url("postgresql://h/d?sslmode=require", blocking=True)
     assert found.arguments["ssl_context"].verify_mode is ssl.CERT_NONE
 
 
@@ -361,12 +364,14 @@ async def test_notes_are_written_in_order_and_chained(database) -> None:
     await written(Audit(database, SystemClock()), "a", "b", "c")
     await written(Audit(database, SystemClock()), "d")
     audit = Audit(database, SystemClock())
-    assert [row.entry.kind for row in (await audit.find(AuditFilter(site="agv"), 3))[0]] == [
+    assert [
+        row.entry.kind for row in (await audit.find_records(AuditFilter(site="agv"), 3))[0]
+    ] == [
         "d",
         "c",
         "b",
     ]
-    assert await audit.verify() == (4, 0)
+    assert await audit.verify_chain() == (4, 0)
 
 
 @pytest.mark.parametrize(
@@ -378,7 +383,7 @@ async def test_changed_or_missing_row_breaks_the_chain(database, tampering) -> N
     await written(audit, "a", "b", "c")
     async with database.write() as connection:
         await connection.execute(text(tampering))
-    assert (await audit.verify()).broken in {2, 3}
+    assert (await audit.verify_chain()).broken in {2, 3}
 
 
 async def test_note_never_waits_and_is_cut_to_its_column(database) -> None:
@@ -386,7 +391,7 @@ async def test_note_never_waits_and_is_cut_to_its_column(database) -> None:
     entry = audit.append_record("k" * 500, message="m" * 5000)
     assert (len(entry.kind), len(entry.message)) == (200, 2000)
     writing = asyncio.create_task(audit.run())
-    await audit.written()
+    await audit.wait_written()
     audit.stop()
     await writing
 
@@ -414,13 +419,13 @@ async def test_new_password_ends_the_persons_sessions_and_the_old_password(setti
     await accounts.create_user(settings, "Ada", "the first password", "operator")
     database = Database(settings.url)
     try:
-        person = await People(database, clock).find("ada")
+        person = await People(database, clock).find_by_name("ada")
         assert person is not None
         sessions = Sessions(database, clock, settings)
-        token, _ = await sessions.begin(person.id, "127.0.0.1")
+        token, _ = await sessions.start_session(person.id, "127.0.0.1")
         await accounts.set_password(settings, "ADA", "quite another password")
-        assert await sessions.who(token) is None
-        changed = await People(database, clock).find("ada")
+        assert await sessions.find_session(token) is None
+        changed = await People(database, clock).find_by_name("ada")
         assert changed is not None
         assert changed.password_hash != person.password_hash
     finally:
@@ -433,13 +438,13 @@ async def test_lost_second_factor_is_removed_from_the_command_line(settings, dat
     assert not await accounts.remove_factor(settings, "ada")
     clock, database = SystemClock(), Database(database_url)
     factors = SecondFactors(database, clock, lambda: Seal(b"k" * 32))
-    person = await People(database, clock).find("ada")
-    totp = pyotp.TOTP(await factors.offer(person.id))
-    assert await factors.confirm(person.id, totp.at(clock.wall_ns() // 10**9))
-    assert (await People(database, clock).find("ada")).factor
+    person = await People(database, clock).find_by_name("ada")
+    totp = pyotp.TOTP(await factors.offer_factor(person.id))
+    assert await factors.confirm_factor(person.id, totp.at(clock.wall_ns() // 10**9))
+    assert (await People(database, clock).find_by_name("ada")).factor
     assert await accounts.remove_factor(settings, "ADA")
-    assert not (await People(database, clock).find("ada")).factor
-    rows, _ = await Audit(database, clock).find(AuditFilter(), 10)
+    assert not (await People(database, clock).find_by_name("ada")).factor
+    rows, _ = await Audit(database, clock).find_records(AuditFilter(), 10)
     assert [row.entry.kind for row in rows][:2] == ["person's second factor removed"] * 2
     assert {row.entry.who for row in rows} == {"(command line)"}
     await database.close()

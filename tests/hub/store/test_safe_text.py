@@ -42,7 +42,7 @@ async def test_no_text_brings_the_hub_to_its_knees(stored) -> None:
     people = (await admin.get("/api/people")).json()["people"]
     assert {"guest", "operator", "admin"} <= {each["name"] for each in people}
     assert all(each["name"].isprintable() for each in people)
-    await stored.hub.audit.log.written()
+    await stored.hub.audit.log.wait_written()
     assert (await admin.get("/api/audit/verify")).json()["ok"]
 
 

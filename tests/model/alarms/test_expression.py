@@ -37,7 +37,7 @@ KINDS = {"a/b": ValueKind.NUMBER, "a/c": ValueKind.NUMBER, "a/s": ValueKind.TEXT
     ],
 )
 def test_condition_is_judged(text, values, holds) -> None:
-    assert parse_condition(text, KINDS).judge(values) is holds
+    assert parse_condition(text, KINDS).evaluate_expression(values) is holds
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ _WORDS += ["*", "/", "abs(", "min(", ",", "{", '"', "x", "1e999", "."]
 @given(st.lists(st.sampled_from(_WORDS), max_size=30).map(" ".join), st.floats())
 def test_nothing_but_a_condition_or_its_mistake_comes_of_any_text(text, number) -> None:
     with suppress(ExpressionError):
-        assert parse_condition(text, KINDS).judge({"a/b": number, "a/s": "on"}) in {
+        assert parse_condition(text, KINDS).evaluate_expression({"a/b": number, "a/s": "on"}) in {
             True,
             False,
             None,

@@ -4,7 +4,7 @@ import pytest
 
 from talaia.hub.anomaly.kinds import KINDS
 from talaia.model.alarms.anomaly import DetectorKind
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import load_site
 
 HEAD = """
@@ -24,7 +24,7 @@ devices:
 
 
 def findings(text: str) -> list[tuple[str, str]]:
-    return [(each.where, each.problem) for each in check(load_site(HEAD + text))]
+    return [(each.where, each.problem) for each in check_site(load_site(HEAD + text))]
 
 
 def test_a_signal_is_watched_by_the_detectors_of_its_list():
@@ -34,7 +34,7 @@ def test_a_signal_is_watched_by_the_detectors_of_its_list():
     watches = site.devices["power"].signals["voltage"].anomalies
     assert [each.detector for each in watches] == [DetectorKind.TOGETHER, DetectorKind.LIMITS]
     assert watches[1].maximum == 15
-    assert check(site) == []
+    assert check_site(site) == []
 
 
 def test_nothing_is_watched_by_default():
@@ -63,7 +63,7 @@ def test_what_does_not_fit_is_said_with_its_place(watch, where, problem):
 
 def test_a_text_is_not_watched():
     text = HEAD.replace("unit: V", "type: text") + "        anomalies: [{detector: change}]"
-    said = [each.problem for each in check(load_site(text))]
+    said = [each.problem for each in check_site(load_site(text))]
     assert said == ["only numbers are watched"]
 
 

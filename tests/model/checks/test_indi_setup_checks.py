@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.load import dump_site, load_site
 
 SITE = """
@@ -25,7 +25,7 @@ GOOD = (
 
 def test_setup_is_read_checked_and_survives_a_round_trip() -> None:
     site = load_site(SITE % GOOD)
-    assert check(site) == []
+    assert check_site(site) == []
     assert site.devices["weather"].setup["WEATHER_UPDATE"] == {"PERIOD": 5}
     assert site.devices["weather"].setup["SIMULATION"] == {"ENABLE": True}
     assert load_site(dump_site(site)) == site
@@ -45,7 +45,7 @@ def test_setup_is_read_checked_and_survives_a_round_trip() -> None:
 def test_setup_that_moves_or_says_nothing_is_told_with_its_place(
     setup: str, where: str, says: str
 ) -> None:
-    found = check(load_site(SITE % setup))
+    found = check_site(load_site(SITE % setup))
     assert [(each.where, says in each.problem) for each in found] == [
         (f"$.devices.weather.setup.{where}", True)
     ]
@@ -53,9 +53,9 @@ def test_setup_that_moves_or_says_nothing_is_told_with_its_place(
 
 @pytest.mark.parametrize("name", ["DOME_SHUTTER_PARK_POLICY", "TELESCOPE_PARK_OPTION"])
 def test_policies_that_only_sound_like_motion_may_be_set(name: str) -> None:
-    assert check(load_site(SITE % f"{{{name}: {{A: true}}}}")) == []
+    assert check_site(load_site(SITE % f"{{{name}: {{A: true}}}}")) == []
 
 
 def test_setup_of_a_device_that_is_no_indi_driver_is_told() -> None:
     text = (SITE % GOOD).replace("    indi: Weather Simulator\n", "")
-    assert any("only INDI drivers" in each.problem for each in check(load_site(text)))
+    assert any("only INDI drivers" in each.problem for each in check_site(load_site(text)))

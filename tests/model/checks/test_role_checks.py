@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import load_site
 
@@ -28,7 +28,7 @@ devices:
 def findings(signal: str = "unit: m", other: str = "unit: m", command: str = "ttl: 1") -> list[str]:
     return [
         str(found)
-        for found in check(load_site(SITE.format(signal=signal, other=other, command=command)))
+        for found in check_site(load_site(SITE.format(signal=signal, other=other, command=command)))
     ]
 
 

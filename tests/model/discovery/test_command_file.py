@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import ProcessConnection
 from talaia.model.discovery.command_file import read_classic, site_of
 from talaia.model.errors import DescriptionError
@@ -21,7 +21,7 @@ RECORDED = Path(__file__).parents[2] / "wire" / "recorded" / "observatory_comman
 
 def test_the_contracts_file_is_a_site_that_can_run() -> None:
     site = site_of(RECORDED.read_text(), "observatory")
-    assert check(site) == []
+    assert check_site(site) == []
     dome = site.devices["dome"]
     assert dome.kind is DeviceKind.DOME
     assert dome.signals["status"].type is SignalType.STATE
@@ -46,7 +46,7 @@ def test_a_description_names_the_file_and_may_say_more_of_a_device(tmp_path: Pat
         "devices: {weather: {name: Station, connection: old}}\n"
     )
     site = read_site(tmp_path / "site.yaml")
-    assert check(site) == []
+    assert check_site(site) == []
     assert list(site.devices) == ["dome", "weather", "telescope"]
     assert site.devices["weather"].name == "Station"
     connection = site.connections["old"]

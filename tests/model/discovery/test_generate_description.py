@@ -5,8 +5,8 @@ from __future__ import annotations
 import msgspec
 from hypothesis import given, settings, strategies as st
 
-from talaia.model.checks.site_checks import check
-from talaia.model.discovery.generate_description import propose
+from talaia.model.checks.site_checks import check_site
+from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import (
     ActionFound,
     FieldFound,
@@ -15,7 +15,7 @@ from talaia.model.discovery.probe_report import (
     TopicFound,
 )
 from talaia.model.discovery.proposed_signals import MAX_PRIMARY
-from talaia.model.discovery.ros_units import human, unit_in_comment, unit_in_name, word_of
+from talaia.model.discovery.ros_units import readable_name, unit_in_comment, unit_in_name, word_of
 from talaia.model.site import Signal, SignalType
 from talaia.model.units.unit import UNITS
 from talaia.model.yaml_text.load import load_site
@@ -50,7 +50,7 @@ def found(*topics: TopicFound, **more: object) -> Found:
 
 
 def signals(*topics: TopicFound) -> dict[str, Signal]:
-    site = propose(found(*topics), "robot", "Robot", "UTC").site
+    site = propose_description(found(*topics), "robot", "Robot", "UTC").site
     return {
         f"{device}/{word}": signal
         for device, each in site.devices.items()
@@ -106,7 +106,7 @@ asked = st.tuples(topic_names, st.lists(fields, max_size=4).map(tuple))
 def test_whatever_was_found_the_description_is_right_and_reads_back_as_written(
     published: list[TopicFound], services: list[tuple], actions: list[tuple]
 ) -> None:
-    made = propose(
+    made = propose_description(
         found(
             *published,
             services=tuple(ServiceFound(name, "own_msgs/srv/Do", of) for name, of in services),
@@ -117,13 +117,13 @@ def test_whatever_was_found_the_description_is_right_and_reads_back_as_written(
         "UTC",
     )
     if made.site.devices:
-        assert check(made.site) == []
+        assert check_site(made.site) == []
     read = load_site(write_description(made.site, made.left_out))
     assert msgspec.to_builtins(read) == msgspec.to_builtins(made.site)
 
 
 def test_a_robot_that_listens_to_velocities_can_be_driven_carefully() -> None:
-    site = propose(found(ODOMETRY, CMD_VEL, STOP, IMAGE), "robot", "Robot", "UTC").site
+    site = propose_description(found(ODOMETRY, CMD_VEL, STOP, IMAGE), "robot", "Robot", "UTC").site
     drive = site.devices["base"].drive
     assert drive is not None
     assert drive.topic == "/cmd_vel"
@@ -157,7 +157,7 @@ def test_each_name_on_cloudconnects_metric_is_a_signal() -> None:
 
 def test_a_robot_that_listens_to_cloudconnects_keys_is_driven_by_them() -> None:
     control = TopicFound(topic="/control", type="std_msgs/msg/String", subscribers=1)
-    site = propose(found(ODOMETRY, control), "robot", "Robot", "UTC").site
+    site = propose_description(found(ODOMETRY, control), "robot", "Robot", "UTC").site
     drive = site.devices["base"].drive
     assert drive is not None
     assert drive.message == "std_msgs/msg/String"
@@ -195,7 +195,7 @@ def test_a_name_with_a_line_end_stays_a_comment_and_a_value() -> None:
         fields=(FieldFound("a", "number", name="x\ninterlocks: {}\n"),),
         left_out=("b\ntalaia: 2",),
     )
-    made = propose(found(evil), "robot", "Robot", "UTC")
+    made = propose_description(found(evil), "robot", "Robot", "UTC")
     text = write_description(made.site, made.left_out)
     assert load_site(text) == made.site
     assert "\ntalaia: 2" not in text
@@ -218,4 +218,4 @@ def test_any_text_becomes_a_word_of_an_address_and_a_name(text: str) -> None:
     assert word[0].isalpha()
     assert word == word.lower()
     assert len(word) <= 63
-    assert "\n" not in human(text)
+    assert "\n" not in readable_name(text)

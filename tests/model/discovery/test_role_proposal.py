@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.command_file import site_of
 from talaia.model.discovery.role_proposal import (
     meanings_of,
@@ -194,7 +194,7 @@ def test_a_description_of_before_roles_is_given_those_that_its_pages_need(where:
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_examples_say_every_role_that_is_proposed(name: str) -> None:
     site = example(name)
-    assert check(site) == []
+    assert check_site(site) == []
     for device in site.devices.values():
         assert table_of(device) == table_of(without_roles(device))
         assert with_roles(device) == device
@@ -205,7 +205,7 @@ def test_whatever_is_proposed_passes_the_checks_and_is_written_and_read_again(na
     site = example(name)
     devices = {key: with_roles(without_roles(device)) for key, device in site.devices.items()}
     proposed = msgspec.structs.replace(site, devices=devices)
-    assert check(proposed) == []
+    assert check_site(proposed) == []
     assert load_site(dump_site(proposed)) == proposed
 
 

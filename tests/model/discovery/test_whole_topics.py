@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import RosSource, source_as
-from talaia.model.discovery.generate_description import propose
+from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import FieldFound, Found, TopicFound
 from talaia.model.roles import StateMeaning
 from talaia.model.site import NEVER_STALE_S, Signal, Site
@@ -17,7 +17,9 @@ LEVEL = (FieldFound("data", "number"),)
 
 
 def proposed(*topics: TopicFound) -> tuple[Site, tuple[str, ...]]:
-    return propose(Found(1, "ros2", "a test", 5.0, topics=topics), "robot", "Robot", "UTC")
+    return propose_description(
+        Found(1, "ros2", "a test", 5.0, topics=topics), "robot", "Robot", "UTC"
+    )
 
 
 def signals_of(site: Site) -> dict[str, Signal]:
@@ -54,7 +56,7 @@ def test_a_latched_topic_never_goes_stale_and_a_rare_one_late() -> None:
     ages = {topic: signal.max_age for topic, signal in signals_of(site).items()}
     assert ages == {"/mode": 0.0, "/once": 3600.0, "/often": 2.0}
     assert signals_of(site)["/mode"].stale_after == NEVER_STALE_S
-    assert check(site) == []
+    assert check_site(site) == []
 
 
 def test_diagnostics_are_a_state_for_each_of_their_names() -> None:
@@ -68,7 +70,7 @@ def test_diagnostics_are_a_state_for_each_of_their_names() -> None:
     assert motor.states == ("OK", "Warning", "Error", "Stale")
     assert motor.meanings[2] is StateMeaning.ERROR
     assert motor.source == RosSource(topic="/diagnostics", type=kind, name="arm: motor")
-    assert check(site) == []
+    assert check_site(site) == []
 
 
 def test_an_interlock_on_a_signal_that_never_goes_stale_says_how_old_it_may_be() -> None:
@@ -86,7 +88,7 @@ devices:
 interlocks:
   high: {name: High, when: [{signal: d/mode, above: 1%s}], refuse: [d/go]}
 """
-    (finding,) = check(load_site(text % ""))
+    (finding,) = check_site(load_site(text % ""))
     assert finding.where == "$.interlocks.high.when[0].max_age"
     assert "d/mode never goes stale" in finding.problem
-    assert check(load_site(text % ", max_age: 30")) == []
+    assert check_site(load_site(text % ", max_age: 30")) == []

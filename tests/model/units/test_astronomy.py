@@ -58,9 +58,9 @@ def test_horizon_coordinates_agree_with_astropys_within_a_minute_of_arc(
             ra * 15 * units.deg, dec * units.deg, frame=TETE(obstime=when, location=place)
         )
         theirs = at.transform_to(AltAz(obstime=when, location=place))
-    ours = astronomy.altaz(ra, dec, MONTSEC, astronomy.julian_day(unix))
+    ours = astronomy.equatorial_to_horizontal(ra, dec, MONTSEC, astronomy.julian_day(unix))
     other = astronomy.Horizontal(theirs.alt.deg, theirs.az.deg)
-    assert astronomy.separation(ours, other) < 1 / 60
+    assert astronomy.angular_separation(ours, other) < 1 / 60
 
 
 @pytest.mark.parametrize("unix", MOMENTS)
@@ -73,8 +73,8 @@ def test_the_sun_stands_where_astropy_sees_it_within_a_minute_of_arc(unix: float
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         theirs = get_sun(when).transform_to(TETE(obstime=when, location=place))
-    ra, dec = astronomy.sun(astronomy.julian_day(unix))
-    away = astronomy.separation(
+    ra, dec = astronomy.sun_position(astronomy.julian_day(unix))
+    away = astronomy.angular_separation(
         astronomy.Horizontal(dec, ra * 15), astronomy.Horizontal(theirs.dec.deg, theirs.ra.deg)
     )
     assert away < 1 / 60
@@ -82,7 +82,7 @@ def test_the_sun_stands_where_astropy_sees_it_within_a_minute_of_arc(unix: float
 
 def test_precession_carries_meeus_example_of_theta_persei() -> None:
     # Example 21.b, with the proper motion to 2028 November 13.19 already added.
-    ra, dec = astronomy.precess(41.054063 / 15, 49.227750, astronomy.J2000, 2462088.69)
+    ra, dec = astronomy.precess_coordinates(41.054063 / 15, 49.227750, astronomy.J2000, 2462088.69)
     assert ra * 15 == pytest.approx(41.547214, abs=1e-5)
     assert dec == pytest.approx(49.348483, abs=1e-5)
 
@@ -95,5 +95,7 @@ def test_to_the_sky_and_back_is_the_same_place(
     alt: float, az: float, unix: float, latitude: float
 ) -> None:
     place, jd = astronomy.Observer(latitude, 12.0), astronomy.julian_day(unix)
-    back = astronomy.altaz(*astronomy.radec(alt, az, place, jd), place, jd)
-    assert astronomy.separation(back, astronomy.Horizontal(alt, az)) < 1e-6
+    back = astronomy.equatorial_to_horizontal(
+        *astronomy.horizontal_to_equatorial(alt, az, place, jd), place, jd
+    )
+    assert astronomy.angular_separation(back, astronomy.Horizontal(alt, az)) < 1e-6

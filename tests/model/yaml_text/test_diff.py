@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
-from talaia.model.checks.site_checks import check
-from talaia.model.renames import formers, renames, touched
+from talaia.model.checks.site_checks import check_site
+from talaia.model.renames import changed_devices, former_addresses, list_renames
 from talaia.model.schema import site_schema
 from talaia.model.yaml_text.diff import ChangeKind, Difference, list_differences, unified_diff
 from talaia.model.yaml_text.load import load_site
@@ -33,26 +33,26 @@ RENAMED = TEXT.replace("pose:\n", "place:\n        was: pose\n")
 def test_renamed_signal_takes_all_its_channels_along_and_back_again() -> None:
     before, after = load_site(TEXT), load_site(RENAMED)
     forward = {f"base/pose.{part}": f"base/place.{part}" for part in ("x", "y", "yaw")}
-    assert renames(before, after) == forward
-    assert renames(after, before) == {new: old for old, new in forward.items()}
-    assert formers(after) == forward
-    assert renames(after, after) == {}
+    assert list_renames(before, after) == forward
+    assert list_renames(after, before) == {new: old for old, new in forward.items()}
+    assert former_addresses(after) == forward
+    assert list_renames(after, after) == {}
 
 
 def test_was_that_names_a_signal_of_the_description_is_refused_and_so_are_two_of_one() -> None:
     there = TEXT.replace("{name: Speed,", "{name: Speed, was: pose,")
-    found = check(load_site(there))
+    found = check_site(load_site(there))
     assert found[0].where == "$.devices.base.signals.speed.was"
     two = RENAMED.replace("{name: Speed,", "{name: Speed, was: base/pose,")
-    assert "already" in check(load_site(two))[0].problem
+    assert "already" in check_site(load_site(two))[0].problem
 
 
 def test_only_devices_that_differ_are_touched_and_all_of_a_changed_connection() -> None:
     before = load_site(TEXT)
-    assert touched(before, load_site(RENAMED)) == {"base"}
-    assert touched(before, load_site(TEXT.replace("name: Robot", "name: R"))) == frozenset()
+    assert changed_devices(before, load_site(RENAMED)) == {"base"}
+    assert changed_devices(before, load_site(TEXT.replace("name: Robot", "name: R"))) == frozenset()
     other = load_site(TEXT.replace("ros2: {}", "ros2: {node: other}"))
-    assert touched(before, other) == {"base", "arm"}
+    assert changed_devices(before, other) == {"base", "arm"}
 
 
 def test_difference_names_each_part_once() -> None:
@@ -70,10 +70,10 @@ def test_difference_names_each_part_once() -> None:
 
 def test_path_leads_to_its_line_and_what_is_missing_to_what_it_would_stand_in() -> None:
     places = SourcePositions(TEXT)
-    assert places.of("$.devices.base.signals.pose.type") == (12, 9)
-    assert places.of("$.devices.base.drive.topic") == (6, 3)
-    assert places.of("line 4, column 2") == (4, 2)
-    assert SourcePositions("a: [").of("$.a") == (0, 0)
+    assert places.position_of("$.devices.base.signals.pose.type") == (12, 9)
+    assert places.position_of("$.devices.base.drive.topic") == (6, 3)
+    assert places.position_of("line 4, column 2") == (4, 2)
+    assert SourcePositions("a: [").position_of("$.a") == (0, 0)
 
 
 def test_schema_says_of_each_attribute_what_the_model_does() -> None:

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 from hypothesis import assume, given, strategies as st
 
-from talaia.model.checks.site_checks import check, raise_first
+from talaia.model.checks.site_checks import check_site, raise_first
 from talaia.model.connection import RosSource, VideoSource
 from talaia.model.errors import DescriptionError, NotReadable
 from talaia.model.site import Device, Ros2Settings, Signal, SignalType, Site
@@ -23,7 +23,7 @@ AGV = (Path(__file__).parents[3] / "examples/agv/site.yaml").read_text()
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.parent.name)
 def test_every_example_is_right_and_survives_a_round_trip(path: Path) -> None:
     site = read_site(path)
-    assert check(site) == []
+    assert check_site(site) == []
     assert load_site(dump_site(site)) == site
 
 
@@ -163,14 +163,14 @@ def test_what_is_right_and_dumped_is_loaded_back_equal(
             )
         },
     )
-    assume(not check(site))
+    assume(not check_site(site))
     assert load_site(dump_site(site)) == site
 
 
 @pytest.mark.parametrize("letter", ["\n", "\x85", "\u202e", "\u2028", "\x00"])
 def test_a_name_with_letters_that_cannot_be_seen_is_refused(letter: str) -> None:
     site = msgspec.structs.replace(load_site(AGV), name=f"House{letter}vehicle")
-    assert [each.where for each in check(site)] == ["$.name"]
+    assert [each.where for each in check_site(site)] == ["$.name"]
 
 
 def test_a_position_has_a_channel_for_each_of_its_numbers() -> None:
@@ -188,7 +188,7 @@ def test_ten_thousand_signals_are_read_and_checked() -> None:
         devices={"d": Device(name="D", signals=signals)},
     )  # fmt: skip
     again = load_site(dump_site(site))
-    assert check(again) == []
+    assert check_site(again) == []
     assert len(again.channels()) == 10_000
 
 
@@ -199,7 +199,7 @@ def test_text_has_no_unit_and_no_list_of_states() -> None:
         talaia=1, site="s", name="S", ros2=load_site(AGV).ros2,
         devices={"d": Device(name="D", signals={"t": signal})},
     )  # fmt: skip
-    assert [each.where for each in check(site)] == [
+    assert [each.where for each in check_site(site)] == [
         "$.devices.d.signals.t.states",
         "$.devices.d.signals.t.unit",
     ]
@@ -245,10 +245,10 @@ TOGETHER = f"{{all: [{WIND}, {{signal: weather/rain, is_not: [dry]}}, {{link_los
 @pytest.mark.parametrize("text", [GUARDED, GUARDED.replace(WIND, TOGETHER)], ids=["any", "all"])
 def test_interlocks_are_read_and_written_back_equal(text: str) -> None:
     site = load_site(text)
-    assert check(site) == []
+    assert check_site(site) == []
     assert load_site(dump_site(site)) == site
     assert site.interlocks["rain"].when[0].is_one_of == ("raining",)
-    assert site.guarded() == {"weather/rain", "weather/wind"}
+    assert site.safety_signals() == {"weather/rain", "weather/wind"}
 
 
 @pytest.mark.parametrize(
@@ -285,7 +285,7 @@ def test_what_does_not_fit_in_an_interlock_is_told_with_its_place(
     good: str, bad: str, where: str, word: str
 ) -> None:
     assert GUARDED.count(good) >= 1
-    findings = check(load_site(GUARDED.replace(good, bad, 1)))
+    findings = check_site(load_site(GUARDED.replace(good, bad, 1)))
     assert len(findings) == 1, findings
     assert where in findings[0].where
     assert word in str(findings[0])
@@ -386,7 +386,7 @@ OF_CONNECTIONS = [
 
 def test_a_site_of_several_protocols_is_right_and_survives_a_round_trip() -> None:
     site = load_site(SEVERAL)
-    assert check(site) == []
+    assert check_site(site) == []
     assert load_site(dump_site(site)) == site
     assert msgspec.json.decode(msgspec.json.encode(site), type=Site) == site
     assert site.connection_of("mount") == "sky"
@@ -414,7 +414,7 @@ def test_the_only_connection_need_not_be_named() -> None:
 def test_the_zones_are_listed_once_for_all_descriptions() -> None:
     known_zones.cache_clear()
     for zone in ("Europe/Madrid", "Asia/Tokyo", "Mars/Olympus"):
-        check(msgspec.structs.replace(load_site(AGV), zone=zone))
+        check_site(msgspec.structs.replace(load_site(AGV), zone=zone))
     assert known_zones.cache_info().misses == 1
 
 
@@ -423,5 +423,5 @@ def test_frames_of_a_ros_camera_that_name_no_topic_are_refused_whatever_their_pr
     for source in (RosSource(), VideoSource()):
         camera = msgspec.structs.replace(site.devices["camera"], frames=source)
         devices = {**site.devices, "camera": camera}
-        found = check(msgspec.structs.replace(site, devices=devices))
+        found = check_site(msgspec.structs.replace(site, devices=devices))
         assert "$.devices.camera.frames.topic" in [finding.where for finding in found]

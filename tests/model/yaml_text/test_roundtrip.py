@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
 from msgspec import inspect
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.site import Site
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.model.yaml_text.save import save_into_text
@@ -169,7 +169,7 @@ def test_any_description_that_check_accepts_survives_load_save_load(
     change: tuple[str, Site, Site], write: Callable[[Site], str]
 ) -> None:
     text, _, after = change
-    assume(not check(after))
+    assume(not check_site(after))
     assert load_site(write(after)) == after
     read = load_site(save_into_text(text, after))
     assert read == after
@@ -179,5 +179,5 @@ def test_any_description_that_check_accepts_survives_load_save_load(
 
 @pytest.mark.parametrize(("text", "site"), BASES, ids=range(len(BASES)))
 def test_the_descriptions_they_are_made_of_are_right(text: str, site: Site) -> None:
-    assert check(site) == []
+    assert check_site(site) == []
     assert save_into_text(text, site) == text

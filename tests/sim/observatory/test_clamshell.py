@@ -40,12 +40,14 @@ def _nobody(device: str, service: str) -> Ticket:
 
 def test_a_clamshell_has_two_end_switches_and_nothing_that_turns() -> None:
     said = server()
-    assert {"west_closed", "west_position", "east_closed", "east_position"} <= {*said.topics()}
-    assert not {"azimuth", "turning"} & {*said.topics()}
+    assert {"west_closed", "west_position", "east_closed", "east_position"} <= {
+        *said.topic_values()
+    }
+    assert not {"azimuth", "turning"} & {*said.topic_values()}
     assert "park" not in said.triggers
     assert said.asks == {}
-    assert not said.model.turn(90.0).good
-    assert "no fault 'encoder'" in said.fault("encoder")
+    assert not said.model.turn_to(90.0).good
+    assert "no fault 'encoder'" in said.inject_fault("encoder")
 
 
 def test_parking_all_of_an_observatory_does_not_ask_a_clamshell_to_turn() -> None:
@@ -98,12 +100,12 @@ def test_an_end_switch_that_never_says_closed_ends_the_closing_as_an_error() -> 
 
 def test_faults_of_one_shell_are_named_and_ok_ends_them() -> None:
     said = server()
-    assert said.fault("west stuck") == ""
-    assert said.fault("east lying closed") == ""
-    assert "no fault 'bent'" in said.fault("east bent")
+    assert said.inject_fault("west stuck") == ""
+    assert said.inject_fault("east lying closed") == ""
+    assert "no fault 'bent'" in said.inject_fault("east bent")
     shells = said.model.shells
     assert (shells["west"].stuck, shells["east"].lying) == (True, "closed")
-    assert said.fault("ok") == ""
+    assert said.inject_fault("ok") == ""
     assert (shells["west"].stuck, shells["east"].lying) == (False, "")
 
 

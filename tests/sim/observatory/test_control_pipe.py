@@ -29,14 +29,14 @@ def test_lines_come_whole_however_they_were_cut(tmp_path: Path) -> None:
     writer = os.open(pipe, os.O_WRONLY)
     try:
         os.write(writer, b"dome do open\nweather ra")
-        assert orders.read() == [("dome", "do open")]
-        assert orders.read() == []
+        assert orders.read_orders() == [("dome", "do open")]
+        assert orders.read_orders() == []
         os.write(writer, b"in\n\n")
-        assert orders.read() == [("weather", "rain")]
+        assert orders.read_orders() == [("weather", "rain")]
     finally:
         os.close(writer)
         orders.close()
-    assert ControlPipe(None).read() == []
+    assert ControlPipe(None).read_orders() == []
 
 
 def test_an_order_acts_on_the_server_and_a_fault_is_none() -> None:
@@ -74,24 +74,24 @@ def test_truth_is_the_position_whatever_the_switches_say() -> None:
 def test_a_station_says_other_numbers_frozen_ones_and_old_stamps() -> None:
     station = WeatherServer(Weather(1, 0.0))
     station.step(1.0, 100.0)
-    assert station.topics()["stamped"] == Stamped(station.model.temperature, 100.0)
-    assert station.fault("set wind -999") == ""
-    assert station.topics()["wind"] == -999.0
-    assert station.fault("set wind nan") == ""
-    wind = station.topics()["wind"]
+    assert station.topic_values()["stamped"] == Stamped(station.model.temperature, 100.0)
+    assert station.inject_fault("set wind -999") == ""
+    assert station.topic_values()["wind"] == -999.0
+    assert station.inject_fault("set wind nan") == ""
+    wind = station.topic_values()["wind"]
     assert isinstance(wind, float)
     assert math.isnan(wind)
-    assert "expected one of" in station.fault("set color 1")
-    assert "not a number" in station.fault("set wind strong")
-    station.fault("ok")
-    station.fault("freeze")
-    station.fault("old stamps")
-    before = dict(station.topics())
+    assert "expected one of" in station.inject_fault("set color 1")
+    assert "not a number" in station.inject_fault("set wind strong")
+    station.inject_fault("ok")
+    station.inject_fault("freeze")
+    station.inject_fault("old stamps")
+    before = dict(station.topic_values())
     station.step(60.0, 160.0)
-    after = station.topics()
+    after = station.topic_values()
     assert after["temperature"] == before["temperature"] != station.model.temperature
     stamped = after["stamped"]
     assert isinstance(stamped, Stamped)
     assert stamped.unix_s == 100.0
-    station.fault("ok")
-    assert station.topics()["temperature"] == station.model.temperature
+    station.inject_fault("ok")
+    assert station.topic_values()["temperature"] == station.model.temperature

@@ -44,7 +44,7 @@ def test_parked_is_not_closed() -> None:
     dome = SimulatedEnclosure()
     dome.open()
     pass_time(dome, 13)
-    dome.turn(90)
+    dome.turn_to(90)
     pass_time(dome, 20)
     dome.park()
     pass_time(dome, 20)
@@ -77,14 +77,14 @@ def test_a_stuck_shutter_ends_its_request_with_words_and_moves_not() -> None:
 
 def test_a_lost_encoder_is_no_azimuth_and_turning_is_refused() -> None:
     dome = SimulatedEnclosure()
-    ticket = dome.turn(180)
+    ticket = dome.turn_to(180)
     pass_time(dome, 1)
     dome.lost = True
     pass_time(dome, 1)
     assert ticket.ended
     assert not ticket.good
     assert math.isnan(dome.shown_azimuth)
-    assert "encoder" in dome.turn(10).message
+    assert "encoder" in dome.turn_to(10).message
 
 
 def test_a_lying_switch_says_closed_while_the_shutter_is_open() -> None:
@@ -118,7 +118,7 @@ def test_whatever_is_asked_the_switches_agree_with_the_shutter(
 ) -> None:
     dome = SimulatedEnclosure()
     for what, seconds in asked:
-        ticket = dome.turn(123.0) if what == "turn" else getattr(dome, what)()
+        ticket = dome.turn_to(123.0) if what == "turn" else getattr(dome, what)()
         pass_time(dome, seconds)
         assert 0 <= dome.position <= 1
         assert dome.closed == (dome.position == 0)
@@ -158,7 +158,7 @@ def test_a_slew_ends_tracking_its_target_within_the_axes_rate() -> None:
     telescope = scope()
     telescope.unpark()
     ticket = telescope.goto(2.5, 60)
-    far = max(abs(astronomy.altaz(2.5, 60, MONTSEC, telescope.jd).alt - 10), 1)
+    far = max(abs(astronomy.equatorial_to_horizontal(2.5, 60, MONTSEC, telescope.jd).alt - 10), 1)
     unix = run(telescope, NIGHT, far / 5 * 0.5)
     assert not ticket.ended
     unix = run(telescope, unix, 60)
@@ -209,12 +209,12 @@ def test_no_slew_by_day_comes_near_the_sun(alt: float, az: float, hour: int) -> 
     telescope = scope(unix)
     telescope.unpark()
     ticket = telescope.goto_altaz(alt, az)
-    began_near = astronomy.separation(telescope.at, telescope.sun) < 30
+    began_near = astronomy.angular_separation(telescope.at, telescope.sun) < 30
     while not ticket.ended:
         unix += 0.2
         telescope.step(0.2, unix)
         if telescope.sun.alt > -6 and not began_near:
-            assert astronomy.separation(telescope.at, telescope.sun) > 28
+            assert astronomy.angular_separation(telescope.at, telescope.sun) > 28
 
 
 def test_tracking_ends_at_the_horizon_limit() -> None:
@@ -222,7 +222,7 @@ def test_tracking_ends_at_the_horizon_limit() -> None:
     telescope.unpark()
     telescope.goto_altaz(16, 270)
     unix = run(telescope, NIGHT, 60)
-    telescope.track(on=True)
+    telescope.set_tracking(on=True)
     run(telescope, unix, 1800)
     assert telescope.state == "idle"
     assert telescope.at.alt >= 15
@@ -233,13 +233,13 @@ def test_the_same_seed_gives_the_same_weather_and_rain_can_be_forced() -> None:
     for each in (one, other):
         for minute in range(100):
             each.step(60, NIGHT + minute * 60)
-    assert one.info() == other.info()
-    assert one.force("rain") == ""
+    assert one.weather_info() == other.weather_info()
+    assert one.force_weather("rain") == ""
     assert one.rain > 0
     one.lying = True
     one.step(1, NIGHT)
     assert one.rain == 0
-    assert "expected one of" in one.force("frogs")
+    assert "expected one of" in one.force_weather("frogs")
 
 
 def test_the_dew_point_is_that_of_the_tables() -> None:
@@ -248,7 +248,7 @@ def test_the_dew_point_is_that_of_the_tables() -> None:
 
 
 def expose(camera: CcdCamera, seconds: float, unix: float = NIGHT, **more: str) -> Ticket:
-    ticket = camera.expose(seconds, **more)
+    ticket = camera.start_exposure(seconds, **more)
     while not ticket.ended:
         unix += 0.5
         camera.step(0.5, unix)
@@ -260,7 +260,7 @@ def test_an_exposure_counts_down_and_gives_a_fits_file_that_astropy_accepts() ->
     from astropy.wcs import WCS
 
     camera = CcdCamera(Scene(MONTSEC, 5.6, -5.39, dome_open=True, weather={"temperature": 4.0}))
-    ticket = camera.expose(10, "light", "M 42 'Orion'")
+    ticket = camera.start_exposure(10, "light", "M 42 'Orion'")
     camera.step(4, NIGHT)
     assert camera.remaining == 6
     for second in range(1, 10):
@@ -293,7 +293,7 @@ def test_two_pictures_of_one_field_show_the_same_stars_and_a_closed_dome_shows_n
     for opened in (True, True, False):
         camera = CcdCamera(Scene(MONTSEC, 2.0, 50.0, dome_open=opened))
         camera.celsius = -20
-        camera.cool(-20)
+        camera.cool_to(-20)
         expose(camera, 30)
         assert camera.newest is not None
         pictures.append(numpy.array(camera.newest.rows, float))
@@ -306,23 +306,23 @@ def test_two_pictures_of_one_field_show_the_same_stars_and_a_closed_dome_shows_n
 @pytest.mark.parametrize("seconds", [-1, float("nan"), 3601, 0])
 def test_an_exposure_that_makes_no_sense_is_refused(seconds: float) -> None:
     camera = CcdCamera(Scene(MONTSEC))
-    ticket = camera.expose(seconds)
+    ticket = camera.start_exposure(seconds)
     assert (ticket.good, camera.state) == (False, "idle")
     assert "expected 0.04 to 3600 s" in ticket.message
 
 
 def test_an_aborted_exposure_leaves_no_picture() -> None:
     camera = CcdCamera(Scene(MONTSEC))
-    ticket = camera.expose(60)
+    ticket = camera.start_exposure(60)
     camera.step(5, NIGHT)
-    camera.abort()
+    camera.abort_exposure()
     camera.step(100, NIGHT + 100)
     assert (ticket.good, camera.newest) == (False, None)
 
 
 def test_the_cooler_reaches_its_set_point_but_no_more_than_it_can() -> None:
     camera = CcdCamera(Scene(MONTSEC, weather={"temperature": 10.0}))
-    camera.cool(-40)
+    camera.cool_to(-40)
     for _ in range(900):
         camera.step(1, NIGHT)
     assert camera.celsius == pytest.approx(-25, abs=0.5)
@@ -330,11 +330,11 @@ def test_the_cooler_reaches_its_set_point_but_no_more_than_it_can() -> None:
 
 def test_an_outlet_is_rebooted_and_a_wrong_one_is_refused() -> None:
     power = Power()
-    assert power.reboot(3).good
+    assert power.reboot_outlet(3).good
     assert not power.on[2]
     power.step(6)
     assert power.on[2]
-    assert "expected 1 to 8" in power.switch(9, on=True).message
+    assert "expected 1 to 8" in power.switch_outlet(9, on=True).message
 
 
 def test_the_wall_camera_sees_the_sky_through_an_open_slit_by_day() -> None:

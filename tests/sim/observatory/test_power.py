@@ -36,21 +36,21 @@ def test_a_dome_that_loses_power_half_open_stands_and_does_not_go_on_when_power_
     server.pass_time(6.0, NIGHT)
     position = server.model.position
     assert 0 < position < 1
-    server.feed(False)  # noqa: FBT003
+    server.set_power(False)
     assert (ticket.ended, ticket.good) == (True, False)
     for on in (False, True):
-        server.feed(on)
+        server.set_power(on)
         server.pass_time(30.0, NIGHT)
         assert server.model.position == position
-    assert server.topics()["status"] == "stopped"
-    assert not server.topics()["closed"]
+    assert server.topic_values()["status"] == "stopped"
+    assert not server.topic_values()["closed"]
 
 
 def test_a_camera_without_power_loses_its_exposure_and_its_cold() -> None:
     server = server_of("camera")
     server.asks["cool"].act(celsius=-10.0)
     ticket = server.asks["expose"].act(seconds=30.0, frame="dark", target="")
-    server.feed(False)  # noqa: FBT003
+    server.set_power(False)
     assert (ticket.ended, ticket.good, server.model.cooling) == (True, False, False)
 
 

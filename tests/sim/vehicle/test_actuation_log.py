@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 def test_a_change_is_in_the_file_at_once_with_both_clocks(tmp_path: Path) -> None:
     clock = HandClock(wall_ns=5 * SECOND, monotonic_ns=7)
     log = ActuationLog(tmp_path / "log.jsonl", clock)
-    log.write(Change(MotionSource.TWIST, 0.2, -0.5))
-    log.write(None)
+    log.write_change(Change(MotionSource.TWIST, 0.2, -0.5))
+    log.write_change(None)
     clock.advance(3)
-    log.write(Change(MotionSource.TIME_OUT, 0.0, 0.0))
+    log.write_change(Change(MotionSource.TIME_OUT, 0.0, 0.0))
     lines = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text().splitlines()]
     log.close()
     assert lines == [
@@ -30,5 +30,5 @@ def test_a_change_is_in_the_file_at_once_with_both_clocks(tmp_path: Path) -> Non
 
 def test_without_a_file_nothing_is_written() -> None:
     log = ActuationLog(None, HandClock())
-    log.write(Change(MotionSource.STOP, 0.0, 0.0))
+    log.write_change(Change(MotionSource.STOP, 0.0, 0.0))
     log.close()

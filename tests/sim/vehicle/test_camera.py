@@ -39,7 +39,7 @@ def camera(world: World) -> Iterator[Camera]:
 
 
 def test_it_draws_a_furnished_house(camera: Camera) -> None:
-    picture = camera.draw(0.0, 0.0, 0.0)
+    picture = camera.render_view(0.0, 0.0, 0.0)
     assert picture.shape == (480, 640, 3)
     assert picture.std() > 30
     colours = np.unique(picture.reshape(-1, 3) // 16, axis=0)
@@ -47,25 +47,25 @@ def test_it_draws_a_furnished_house(camera: Camera) -> None:
 
 
 def test_another_heading_gives_another_picture_and_the_same_one_the_same(camera: Camera) -> None:
-    ahead = camera.draw(0.0, 0.0, 0.0)
-    aside = camera.draw(0.0, 0.0, 1.0)
-    again = camera.draw(0.0, 0.0, 0.0)
+    ahead = camera.render_view(0.0, 0.0, 0.0)
+    aside = camera.render_view(0.0, 0.0, 1.0)
+    again = camera.render_view(0.0, 0.0, 0.0)
     assert np.array_equal(ahead, again)
     assert np.abs(ahead.astype(int) - aside).mean() > 10
 
 
 def test_up_is_up(camera: Camera) -> None:
     # From the hall's middle: wooden floor below (red over blue), pale ceiling above.
-    picture = camera.draw(5.0, 0.25, 0.0).astype(int)
+    picture = camera.render_view(5.0, 0.25, 0.0).astype(int)
     floor, ceiling = picture[-20:, 300:340].mean((0, 1)), picture[:20, 300:340].mean((0, 1))
     assert floor[0] - floor[2] > 30
     assert abs(ceiling[0] - ceiling[2]) < 25
 
 
 def test_what_is_left_out_behind_the_camera_is_there_when_it_turns(camera: Camera) -> None:
-    whole = camera.draw(0.0, -1.0, -1.2)
-    camera.draw(0.0, -1.0, 2.0)
-    assert np.array_equal(camera.draw(0.0, -1.0, -1.2), whole)
+    whole = camera.render_view(0.0, -1.0, -1.2)
+    camera.render_view(0.0, -1.0, 2.0)
+    assert np.array_equal(camera.render_view(0.0, -1.0, -1.2), whole)
 
 
 @pytest.mark.parametrize(

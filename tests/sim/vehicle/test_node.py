@@ -16,7 +16,7 @@ from tests.sim.conftest import Peer, Vehicle, missing, start_vehicle
 
 from talaia.model.detection import DetectionSource
 from talaia.model.yaml_text.load import read_site
-from talaia.sim.ros_domain import reserve
+from talaia.sim.ros_domain import reserve_domain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -208,7 +208,7 @@ def test_odometry_comes_often_and_in_time(vehicle: Vehicle, peer: Peer) -> None:
 
 def test_another_domain_hears_nothing(vehicle: Vehicle, peer: Peer) -> None:
     kind = message("nav_msgs/msg/Odometry")
-    with reserve() as elsewhere:
+    with reserve_domain() as elsewhere:
         stranger = Peer(elsewhere.domain)
         own = message("std_msgs/msg/Bool")
         fence = stranger.collect(own, "/fence")
@@ -236,7 +236,7 @@ def test_it_listens_on_this_machine_only(vehicle: Vehicle, domain: int) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_cleanly_and_soon(ros: None, tmp_path: Path, number: int) -> None:
-    with reserve() as reservation:
+    with reserve_domain() as reservation:
         running = start_vehicle(tmp_path / "log.jsonl", reservation.domain, "--no-camera")
         assert running.ready["camera"] is None
         before = time.monotonic()
@@ -245,7 +245,7 @@ def test_a_signal_ends_it_cleanly_and_soon(ros: None, tmp_path: Path, number: in
 
 
 def test_wandering_from_the_start_moves_it_and_is_written_down(ros: None, tmp_path: Path) -> None:
-    with reserve() as reservation:
+    with reserve_domain() as reservation:
         running = start_vehicle(
             tmp_path / "log.jsonl", reservation.domain, "--no-camera", "--wander"
         )

@@ -6,15 +6,15 @@ import math
 
 import pytest
 
-from talaia.sim.vehicle.sensors import ORIGIN, Battery, on_earth, temperature
+from talaia.sim.vehicle.sensors import ORIGIN, Battery, on_earth, room_temperature
 
 pytestmark = pytest.mark.pure
 
 
 def test_driving_drains_the_battery_faster_than_standing() -> None:
     standing, driving = Battery(0.9), Battery(0.9)
-    standing.drain(600.0, 0.0, 0.0)
-    driving.drain(600.0, 0.22, 0.0)
+    standing.drain_battery(600.0, 0.0, 0.0)
+    driving.drain_battery(600.0, 0.22, 0.0)
     assert driving.charge < standing.charge < 0.9
     assert driving.voltage < standing.voltage
 
@@ -26,7 +26,7 @@ def test_the_voltage_is_that_of_three_cells(charge: float) -> None:
 
 def test_an_empty_battery_is_changed() -> None:
     battery = Battery(0.06)
-    battery.drain(3600.0, 0.22, 2.0)
+    battery.drain_battery(3600.0, 0.22, 2.0)
     assert battery.charge > 0.9
 
 
@@ -40,4 +40,4 @@ def test_a_metre_in_the_house_is_a_metre_on_earth() -> None:
 
 
 def test_it_is_warmer_at_the_stove_than_in_bed() -> None:
-    assert temperature(7.7, -3.3, 0.0) > temperature(-1.0, 3.0, 0.0) + 2.0
+    assert room_temperature(7.7, -3.3, 0.0) > room_temperature(-1.0, 3.0, 0.0) + 2.0

@@ -19,9 +19,9 @@ def test_it_drives_for_minutes_and_touches_nothing(seed: int) -> None:
     metres = 0.0
     places = set()
     for _ in range(MINUTES * 600):
-        speed, turn = wander.drive(0.1, world.scan())
+        speed, turn = wander.choose_velocity(0.1, world.scan_lidar())
         for _ in range(5):
-            ramp.follow(0.02, speed, turn)
+            ramp.follow_velocity(0.02, speed, turn)
             motion = world.step(0.02, ramp.speed, ramp.turn)
             assert not world.touching, motion
             metres += abs(motion.speed) * 0.02
@@ -39,7 +39,7 @@ def test_it_drives_for_minutes_and_touches_nothing(seed: int) -> None:
 def test_before_a_wall_it_turns_away_on_the_spot() -> None:
     ranges = np.full(360, 3.0, dtype=np.float32)
     ranges[:60] = ranges[-60:] = 0.25
-    speed, turn = Wander(0).drive(0.1, ranges)
+    speed, turn = Wander(0).choose_velocity(0.1, ranges)
     assert speed == 0.0
     assert turn != 0.0
 
@@ -48,11 +48,11 @@ def test_it_keeps_turning_the_same_way_until_it_is_free() -> None:
     wander = Wander(0)
     ranges = np.full(360, 3.0, dtype=np.float32)
     ranges[:60] = ranges[-60:] = 0.25
-    first = wander.drive(0.1, ranges)[1]
+    first = wander.choose_velocity(0.1, ranges)[1]
     ranges[:20] = ranges[-90:] = 0.25
-    assert wander.drive(0.1, ranges)[1] == first
+    assert wander.choose_velocity(0.1, ranges)[1] == first
 
 
 def test_where_the_lidar_sees_nothing_it_goes_ahead() -> None:
-    speed, _ = Wander(0).drive(0.1, np.full(360, np.inf, dtype=np.float32))
+    speed, _ = Wander(0).choose_velocity(0.1, np.full(360, np.inf, dtype=np.float32))
     assert speed > 0.1

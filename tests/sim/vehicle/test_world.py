@@ -20,9 +20,9 @@ def drive(world: World, seconds: float, speed: float, turn: float) -> None:
 def test_it_drives_as_fast_as_asked(speed: float) -> None:
     world = World(0)
     drive(world, 0.5, speed, 0.0)
-    start = world.motion()
+    start = world.current_motion()
     drive(world, 2.0, speed, 0.0)
-    end = world.motion()
+    end = world.current_motion()
     assert (end.x - start.x) / 2.0 == pytest.approx(speed, rel=0.02)
     assert end.speed == pytest.approx(speed, rel=0.02)
     assert abs(end.y) < 1e-3
@@ -32,17 +32,17 @@ def test_it_drives_as_fast_as_asked(speed: float) -> None:
 def test_it_turns_as_fast_as_asked(turn: float) -> None:
     world = World(0)
     drive(world, 0.5, 0.0, turn)
-    start = world.motion().yaw
+    start = world.current_motion().yaw
     drive(world, 1.0, 0.0, turn)
-    turned = math.remainder(world.motion().yaw - start, 2 * math.pi)
+    turned = math.remainder(world.current_motion().yaw - start, 2 * math.pi)
     assert turned == pytest.approx(math.remainder(turn, 2 * math.pi), rel=0.02)
-    assert world.motion().turn == pytest.approx(turn, rel=0.02)
+    assert world.current_motion().turn == pytest.approx(turn, rel=0.02)
 
 
 def test_it_drives_along_an_arc_without_slipping_aside() -> None:
     world = World(0)
     drive(world, 4.0, 0.2, 0.5)
-    motion = world.motion()
+    motion = world.current_motion()
     assert abs(motion.slip) < 0.002
     assert motion.yaw == pytest.approx(2.0, rel=0.03)
 
@@ -50,26 +50,26 @@ def test_it_drives_along_an_arc_without_slipping_aside() -> None:
 @pytest.mark.parametrize("yaw", [math.pi, 2.6, -2.5])
 def test_a_wall_stops_it(yaw: float) -> None:
     world = World(0)
-    world.place(-1.0, -0.4, yaw)
+    world.place_vehicle(-1.0, -0.4, yaw)
     drive(world, 12.0, 0.22, 0.0)
     assert world.touching
-    assert world.motion().speed == pytest.approx(0.0, abs=0.01)
-    before = world.motion()
+    assert world.current_motion().speed == pytest.approx(0.0, abs=0.01)
+    before = world.current_motion()
     drive(world, 5.0, 0.22, 0.0)
-    after = world.motion()
+    after = world.current_motion()
     assert math.hypot(after.x - before.x, after.y - before.y) < 0.03
     assert after.x > -2.0 + RADIUS
 
 
 def test_furniture_stops_it_and_it_can_back_off() -> None:
     world = World(0)
-    world.place(0.9, -0.9, -math.pi / 2)
+    world.place_vehicle(0.9, -0.9, -math.pi / 2)
     drive(world, 10.0, 0.22, 0.0)
-    stuck = world.motion()
+    stuck = world.current_motion()
     assert world.touching
     assert stuck.y > -2.1
     drive(world, 2.0, -0.2, 0.0)
-    assert world.motion().y - stuck.y == pytest.approx(0.4, rel=0.1)
+    assert world.current_motion().y - stuck.y == pytest.approx(0.4, rel=0.1)
     assert not world.touching
 
 
@@ -83,26 +83,26 @@ def test_every_door_lets_it_through() -> None:
         (0.9, 0.3, math.pi / 2, 1.2),
     ):
         world = World(0)
-        world.place(x, y, yaw)
+        world.place_vehicle(x, y, yaw)
         drive(world, metres / 0.2, 0.2, 0.0)
-        motion = world.motion()
+        motion = world.current_motion()
         assert math.hypot(motion.x - x, motion.y - y) == pytest.approx(metres, rel=0.03), (x, y)
 
 
 def test_the_lidar_measures_the_walls() -> None:
     world = World(0)
-    world.place(5.2, 0.25, 0.0)
-    scan = world.scan()
+    world.place_vehicle(5.2, 0.25, 0.0)
+    scan = world.scan_lidar()
     assert scan.shape == (360,)
     assert scan[270] == pytest.approx(0.25 + 0.5 - 0.06, abs=0.03)
-    world.place(5.2, 0.25, math.pi / 2)
-    assert world.scan()[180] == pytest.approx(0.69, abs=0.03)
+    world.place_vehicle(5.2, 0.25, math.pi / 2)
+    assert world.scan_lidar()[180] == pytest.approx(0.69, abs=0.03)
 
 
 def test_the_lidar_says_infinite_where_it_meets_nothing_in_range() -> None:
     world = World(0)
-    world.place(-1.6, -0.3, 0.0)
-    scan = world.scan()
+    world.place_vehicle(-1.6, -0.3, 0.0)
+    scan = world.scan_lidar()
     assert np.isfinite(scan).sum() > 300
     assert (scan[np.isfinite(scan)] >= 0.12).all()
     assert (scan[np.isfinite(scan)] <= 8.0).all()
@@ -110,8 +110,8 @@ def test_the_lidar_says_infinite_where_it_meets_nothing_in_range() -> None:
 
 def test_the_ultrasonic_sensors_look_left_ahead_and_right() -> None:
     world = World(0)
-    world.place(6.0, 0.4, 0.0)
-    left, front, right = world.sonars()
+    world.place_vehicle(6.0, 0.4, 0.0)
+    left, front, right = world.measure_sonars()
     assert left == pytest.approx(0.54 * math.sqrt(2) - RADIUS, abs=0.12)
     assert right == pytest.approx(0.84 * math.sqrt(2) - RADIUS, abs=0.15)
     assert front == pytest.approx(2.6, abs=0.3)
@@ -122,27 +122,27 @@ def test_the_same_seed_and_steps_give_the_same_world() -> None:
     for world in worlds:
         drive(world, 3.0, 0.2, 0.3)
     same, twin, other = worlds
-    assert same.motion() == twin.motion()
-    assert (same.scan() == twin.scan()).all()
-    assert same.sonars() == twin.sonars()
-    assert not np.array_equal(same.scan(), other.scan())
+    assert same.current_motion() == twin.current_motion()
+    assert (same.scan_lidar() == twin.scan_lidar()).all()
+    assert same.measure_sonars() == twin.measure_sonars()
+    assert not np.array_equal(same.scan_lidar(), other.scan_lidar())
 
 
 def test_looks_change_nothing_of_the_physics() -> None:
     plain, furnished = World(3), World(3, looks=True)
     for world in (plain, furnished):
         drive(world, 4.0, 0.22, -0.25)
-    assert plain.motion() == furnished.motion()
-    assert np.array_equal(plain.scan(), furnished.scan())
+    assert plain.current_motion() == furnished.current_motion()
+    assert np.array_equal(plain.scan_lidar(), furnished.scan_lidar())
 
 
 def test_wheels_turn_as_far_as_it_drives() -> None:
     world = World(0)
     drive(world, 2.0, 0.2, 0.0)
-    motion = world.motion()
+    motion = world.current_motion()
     assert motion.left == pytest.approx(motion.x / World.WHEEL_RADIUS, rel=0.01)
     drive(world, 1.0, 0.0, 1.0)
-    turned = world.motion()
+    turned = world.current_motion()
     assert turned.right > motion.right
     assert turned.left < motion.left
 
@@ -150,7 +150,7 @@ def test_wheels_turn_as_far_as_it_drives() -> None:
 def test_odd_time_steps_add_up() -> None:
     world = World(0)
     drive(world, 1.0, 0.2, 0.0)
-    start = world.motion().x
+    start = world.current_motion().x
     for _ in range(1000):
         world.step(0.0013, 0.2, 0.0)
-    assert world.motion().x - start == pytest.approx(0.26, abs=0.002)
+    assert world.current_motion().x - start == pytest.approx(0.26, abs=0.002)

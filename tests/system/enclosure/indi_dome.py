@@ -88,13 +88,13 @@ class Device:
             elements = {"PARK": _on(parks), "UNPARK": _on(not parks)}
             found["TELESCOPE_PARK"] = ("Switch", "Busy" if at == "parking" else "Ok", elements)
         elif isinstance(self.server, WeatherServer):
-            said = self.server.topics()
+            said = self.server.topic_values()
             values = {each.upper(): repr(said[each]) for each in VALUES}
             found["WEATHER_PARAMETERS"] = ("Number", "Ok", values)
         return found
 
     def _stamp(self) -> str:
-        stamped = self.server.topics().get("stamped")
+        stamped = self.server.topic_values().get("stamped")
         unix_s = stamped.unix_s if isinstance(stamped, Stamped) else time.time()
         return datetime.fromtimestamp(unix_s, UTC).strftime("%Y-%m-%dT%H:%M:%S.%f")[:-3]
 
@@ -163,7 +163,7 @@ class Device:
     def _act(self, what: str) -> None:
         ticket = self.server.triggers[what]()
         phase = "answered" if ticket.ended else "asked"
-        self.ledger.write(self.server.name, what, phase, ticket.message, good=ticket.good)
+        self.ledger.write_entry(self.server.name, what, phase, ticket.message, good=ticket.good)
         if not ticket.ended:
             self._waiting.append((what, ticket))
 
@@ -172,17 +172,17 @@ class Device:
         name = self.server.name
         ticket = act_on(self.server, words)
         if ticket is None:
-            self.ledger.write(name, words, "fault", self.server.fault(words))
+            self.ledger.write_entry(name, words, "fault", self.server.inject_fault(words))
             return
         said = ticket.message or "by hand"
-        self.ledger.write(name, words.partition(" ")[2], "by hand", said, good=ticket.good)
+        self.ledger.write_entry(name, words.partition(" ")[2], "by hand", said, good=ticket.good)
 
     def step(self, seconds: float, *, publish: bool) -> None:
         """Let time pass, and tell."""
         self.server.pass_time(seconds, time.time())
         if self.server.truth != self._truth:
             self._truth = self.server.truth
-            self.ledger.write(self.server.name, "truth", "truth", self._truth)
+            self.ledger.write_entry(self.server.name, "truth", "truth", self._truth)
         if self.server.hanging:
             return
         while self.lying:
@@ -191,7 +191,7 @@ class Device:
             self._waiting.remove(each)
             what, ticket = each
             phase = "done" if ticket.good else "failed"
-            self.ledger.write(self.server.name, what, phase, ticket.message, good=ticket.good)
+            self.ledger.write_entry(self.server.name, what, phase, ticket.message, good=ticket.good)
         shown = self.server.model.state if isinstance(self.server, DomeServer) else ""
         if self.connected and (publish or shown != self._shown):
             self._shown = shown
@@ -231,7 +231,7 @@ def main(ledger: str, orders_file: str, speed: str, state: str) -> None:
                     for each in devices:
                         if element.get("device", each.name) == each.name:
                             each.take(element)
-        for name, rest in orders.read():
+        for name, rest in orders.read_orders():
             for each in devices:
                 if each.server.name == name:
                     each.obey(rest)

@@ -26,10 +26,10 @@ from ports import free_port
 from websockets.asyncio.server import Server, serve
 from websockets.exceptions import ConnectionClosed
 
-from talaia.gateway.watchdog.feeding import dismiss
+from talaia.gateway.watchdog.feeding import dismiss_watchdog
 from talaia.model.yaml_text.load import load_site
 from talaia.sim.observatory.night import longitude_of_night
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 from talaia.wire.frames import (
     CommandPhase,
     CommandRequest,
@@ -73,7 +73,7 @@ class Hub(FakeHub):
         return self._next.get(boot, 0)
 
     def _store(self, frame: SampleBatch) -> None:
-        size = len(unpack(frame))
+        size = len(unpack_columns(frame))
         self._next[frame.boot] = max(self.below(frame.boot), frame.first + size)
 
     async def _take(self, socket, message: FromGateway) -> None:
@@ -384,7 +384,7 @@ class World(Observatory):
             self._server.close()
         self.close()
         os.close(self._orders)
-        dismiss(self.data / "watchdog.lock")
+        dismiss_watchdog(self.data / "watchdog.lock")
         if self.small_disk:
             subprocess.run(["umount", "-l", str(self.data)], check=False)
         shutil.rmtree(self.folder, ignore_errors=True)

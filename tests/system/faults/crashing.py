@@ -30,20 +30,21 @@ class Point(NamedTuple):
 
 
 _INDEX = "talaia.hub.history.writing.block_index"
+_SPOOL = "talaia.gateway.spool.journal"
 _REGISTRY = "talaia.hub.store.sites.site_registry"
 POINTS = {
-    "hub-before-commit": Point(_INDEX, "BlockIndex._write", call=10),
-    "hub-in-commit": Point(_INDEX, "BlockIndex._write", after=True, call=10),
-    "hub-after-commit": Point(_INDEX, "BlockIndex.store", after=True, call=10),
+    "hub-before-commit": Point(_INDEX, "BlockIndex._write_draft", call=10),
+    "hub-in-commit": Point(_INDEX, "BlockIndex._write_draft", after=True, call=10),
+    "hub-after-commit": Point(_INDEX, "BlockIndex.commit_jobs", after=True, call=10),
     "hub-mid-migration": Point(
         "alembic.runtime.migration", "HeadMaintainer.update_to_step", call=2
     ),
     "hub-before-description": Point(_REGISTRY, "SiteRegistry.said_hello"),
-    "hub-after-description": Point("talaia.hub.live.gateways.ingest", "Ingest.start"),
-    "spool-before-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", call=2),
-    "spool-mid-rotation": Point("talaia.gateway.spool.journal", "Spool._begin", after=True, call=2),
-    "spool-before-removal": Point("talaia.gateway.spool.journal", "Spool._remove"),
-    "spool-after-removal": Point("talaia.gateway.spool.journal", "Spool._remove", after=True),
+    "hub-after-description": Point("talaia.hub.live.gateways.ingest", "Ingest.first_missing"),
+    "spool-before-rotation": Point(_SPOOL, "Spool._begin_segment", call=2),
+    "spool-mid-rotation": Point(_SPOOL, "Spool._begin_segment", after=True, call=2),
+    "spool-before-removal": Point(_SPOOL, "Spool._remove_segment"),
+    "spool-after-removal": Point(_SPOOL, "Spool._remove_segment", after=True),
 }  # fmt: skip
 
 

@@ -12,7 +12,7 @@ import websockets
 from patience import lasts_for
 
 from talaia.wire import browser
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 from ..people import Page, connection
 from . import ledgers
@@ -74,7 +74,7 @@ class Ages:
                 message = browser.TO_BROWSER.decode(data)
                 if isinstance(message, browser.Values) and not message.age_ms:
                     at = now()
-                    columns = unpack(message)
+                    columns = unpack_columns(message)
                     self._got += [(at, int(value)) for value in columns.value]
 
     async def during(self, seconds: float) -> list[float]:

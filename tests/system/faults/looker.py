@@ -11,7 +11,7 @@ import httpx
 import websockets
 
 from talaia.wire import browser
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 from ..people import connection, sign_in
 from ..stack import SITE
@@ -74,7 +74,7 @@ class Looker:
                 self._take(message)
 
     def _take(self, message: browser.Values) -> None:
-        columns = unpack(message)
+        columns = unpack_columns(message)
         ages = message.age_ms or [0.0] * len(columns)
         rows = zip(
             columns.channel.tolist(), columns.value.tolist(), columns.time_us.tolist(), ages,

@@ -23,7 +23,7 @@ from talaia.hub.settings import Settings
 from talaia.hub.store.database import Database
 from talaia.hub.store.sites.site_registry import SiteRegistry
 from talaia.wire import browser, frames
-from talaia.wire.columns import Columns, pack, unpack
+from talaia.wire.columns import Columns, pack_columns, unpack_columns
 
 from ..conftest import chromium_program, launching, missing
 from ..people import PERIOD_S, page
@@ -84,7 +84,7 @@ class Flood:
                 columns = Columns(np.zeros(TEXTS, np.uint16), at, np.full(TEXTS, np.nan), texts)
                 # The hub stores each number once, so that its disk is not what is measured here.
                 batch = frames.SampleBatch(
-                    boot="flood", first=0, catalogue="c", **pack(columns)._asdict()
+                    boot="flood", first=0, catalogue="c", **pack_columns(columns)._asdict()
                 )
                 self.said += TEXTS
                 await link.send(frames.LINK_FROM_GATEWAY.encode(batch))
@@ -186,7 +186,7 @@ async def _read(slow: ClientConnection, within: float) -> list[int]:
         message = browser.TO_BROWSER.decode(await slow.recv())
     if not isinstance(message, browser.Values):
         return []
-    piece = unpack(message)
+    piece = unpack_columns(message)
     return [int(text.split()[0]) for _, text in sorted(piece.texts.items())]
 
 

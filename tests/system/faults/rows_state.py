@@ -27,7 +27,7 @@ from talaia.gateway.spool.segment import SampleRecord
 from talaia.hub import accounts
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
-from talaia.wire.columns import Columns, pack
+from talaia.wire.columns import Columns, pack_columns
 
 from ..people import Page, page
 from ..stack import SOURCE, Process, until
@@ -159,9 +159,11 @@ def fill_spool(world: World, seconds: int, rate: int) -> tuple[int, int]:
             np.sin(index / 100), {},
         )  # fmt: skip
         body = frames.LINK_FROM_GATEWAY.encode(frames.SampleBatch(
-            boot=boot, first=first, catalogue=head.catalogue, **pack(columns)._asdict(),
+            boot=boot, first=first, catalogue=head.catalogue, **pack_columns(columns)._asdict(),
         ))  # fmt: skip
-        spool.append(SampleRecord(first, int(index.size), int(times[0]), int(times[-1]), body))
+        spool.append_record(
+            SampleRecord(first, int(index.size), int(times[0]), int(times[-1]), body)
+        )
     spool.close()
     return from_us, from_us + seconds * 1_000_000
 

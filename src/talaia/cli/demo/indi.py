@@ -107,7 +107,7 @@ async def _start_parts(
     words = ["indiserver", "-v", "-p", str(indi), "-u", str(home / "socket"), *DRIVERS]
     parts.append(await start_program("INDI server", words, data / "indi.log", {"HOME": str(home)}))
     # Before the gateway, which would only warn of a server that is still starting.
-    await parts[0].says("listening to port", 30)
+    await parts[0].wait_line("listening to port", 30)
     settings = Settings(
         data=data, host="127.0.0.1", port=port, plain=True, database_url=Settings.url_from()
     )
@@ -134,7 +134,7 @@ async def _start_parts(
     ]
     parts.append(await start_talaia("hub", hub, data / "hub.log", restart=True))
     parts.append(await start_talaia("gateway", gateway, data / "gateway.log", restart=True))
-    await asyncio.gather(parts[1].says("ready", 60), parts[2].says("linked to", 60))
+    await asyncio.gather(parts[1].wait_line("ready", 60), parts[2].wait_line("linked to", 60))
     print_greeting(f"http://localhost:{port}", logins, data=data, took=time.monotonic() - began)
     if not options.no_browser and has_screen():
         await asyncio.to_thread(open_page, f"http://localhost:{port}")

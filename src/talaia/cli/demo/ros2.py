@@ -103,8 +103,8 @@ async def _start_robots(
     # The order of `parts`: robots and hub, which say "ready", then the gateways.
     ready = len(robots) + 1
     await asyncio.gather(
-        *(part.says("ready", READY_S) for part in parts[:ready]),
-        *(part.says("linked to", READY_S) for part in parts[ready:]),
+        *(part.wait_line("ready", READY_S) for part in parts[:ready]),
+        *(part.wait_line("linked to", READY_S) for part in parts[ready:]),
     )
     changed = [robot.description for robot in robots if robot.changed]
     blind = [
@@ -143,7 +143,7 @@ class _Robot(NamedTuple):
 
 
 def _start_vehicle(options: argparse.Namespace, data: Path) -> _Robot:
-    world = ros_domain.reserve().domain  # kept until this process ends
+    world = ros_domain.reserve_domain().domain  # kept until this process ends
     words = ["sim", "vehicle", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "actuations.jsonl")]
     words += ["--no-camera"] if options.no_camera else []
@@ -155,7 +155,7 @@ def _start_vehicle(options: argparse.Namespace, data: Path) -> _Robot:
         # Without them its gateway would not start: what is to be recorded must be.
         text += RECORDING if find_spec("mcap") and find_spec("av") else ""
         write_description(description, _without_detections(text) if options.no_camera else text)
-    here = ros_domain.environment(world)
+    here = ros_domain.domain_environment(world)
     return _Robot(VEHICLE, description, changed, "vehicle", words, "sim.log", world, here)
 
 
@@ -188,7 +188,7 @@ def _without_detections(text: str) -> str:
 
 def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
     # A domain of its own: two robots in one would be one robot.
-    world = ros_domain.reserve().domain
+    world = ros_domain.reserve_domain().domain
     words = ["sim", "observatory", "--domain", str(world), "--seed", str(options.seed)]
     words += ["--log", str(data / "observatory.jsonl"), "--fits", str(data / "fits")]
     # It observes by night only, and somewhere it is night.
@@ -204,7 +204,7 @@ def _start_observatory(options: argparse.Namespace, data: Path) -> _Robot:
         write_description(
             description, dump_site(at_night(read_site(find_example(OBSERVATORY)), now))
         )
-    here = ros_domain.environment(world)
+    here = ros_domain.domain_environment(world)
     return _Robot(
         OBSERVATORY, description, changed, "observatory", words, "observatory.log", world, here
     )

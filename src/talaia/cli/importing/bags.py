@@ -48,14 +48,14 @@ class Bag:
             for number, connection in self._connections.items()
         }
 
-    def messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
+    def iterate_messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
         """Give number of the topic, time (ns) and bytes, in order of time."""
         chosen = [self._connections[number] for number in wanted]
         for connection, time_ns, data in self._reader.messages(connections=chosen):
             # The time of recording, which is there for every type; stamps inside are not.
             yield connection.id, time_ns, bytes(data)
 
-    def place(self) -> str:
+    def reading_place(self) -> str:
         """Nothing is known of where the reader stands."""
         return ""
 

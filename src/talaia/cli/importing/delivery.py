@@ -75,7 +75,7 @@ def known_description(settings: Settings, site: str) -> str | None:
         database = Database(settings.url)
         try:
             await database.migrate()
-            known = await SiteRegistry(database, SystemClock()).all()
+            known = await SiteRegistry(database, SystemClock()).list_sites()
         finally:
             await database.close()
         return next(
@@ -108,7 +108,7 @@ async def _deliver_files(settings: Settings, paths: Sequence[Path]) -> list[Impo
     async def taken(head: Head, how: ImportResult) -> None:
         # A site that no gateway has ever brought still needs its row, or nobody could open its
         # history.
-        if head.site not in {known_site.site for known_site in await registry.all()}:
+        if head.site not in {known_site.site for known_site in await registry.list_sites()}:
             await registry.said_hello(head.site, head.description, "", "")
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"
         # Written here for no hub does it: an import without one must not be missing from the

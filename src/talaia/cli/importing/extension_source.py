@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from talaia.cli.errors import BadFile
 from talaia.cli.importing.source import Findings, Piece
 from talaia.extensions.declarations import ImporterExtension, ImportProblem, ImportRequest
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 from talaia.gateway.adapters.topic_readers import SampleBuffer
 
 if TYPE_CHECKING:
@@ -33,13 +33,13 @@ def importer_of(path: Path) -> str:
     with path.open("rb") as file:
         begin = file.read(_BEGIN)
     # By name: two importers that take the same file are chosen between in the same way each time.
-    for name, importer in sorted(installed().importers().items()):
+    for name, importer in sorted(installed_extensions().importers_by_name().items()):
         try:
             if importer.recognizes(path, begin):
                 return name
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
             said = f"it fails at {path.name}: {type(error).__name__}: {error}"
-            installed().note_failure(ImporterExtension, name, said)
+            installed_extensions().note_failure(ImporterExtension, name, said)
     return ""
 
 
@@ -57,7 +57,7 @@ class ExtensionImportSource:
 
         """
         # The extension's own object; its `read` runs in this process and may raise anything.
-        self._importer = installed().importers()[name]
+        self._importer = installed_extensions().importers_by_name()[name]
         self._name, self._path, self._named = name, path, named
         self.kind = self._importer.title
         # Filled while it is read, by the extension's `note` and `skip`.
@@ -72,7 +72,7 @@ class ExtensionImportSource:
             for channel in site.channels()
         }
 
-    def pieces(self) -> Iterator[Piece]:
+    def read_pieces(self) -> Iterator[Piece]:
         """See `Source.pieces`."""
         request = ImportRequest(
             path=self._path,
@@ -117,7 +117,7 @@ class ExtensionImportSource:
         # Not a number stands for a gap; infinity cannot be drawn or summed.
         if math.isinf(number):
             raise BadFile(str(self._path), "", f"{address}: {value!r} is no number")
-        buffer.add(channel, int(time_us), number)
+        buffer.add_number(channel, int(time_us), number)
 
     def close(self) -> None:
         """See `Source.close`."""

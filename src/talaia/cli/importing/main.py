@@ -19,7 +19,7 @@ from talaia.cli.importing.messages import Messages
 from talaia.cli.importing.staging import Staging
 from talaia.cli.importing.table import Table
 from talaia.cli.importing.times import TimeReader, TimeUnit
-from talaia.hub.history.import_file import FOLDER, Head, ParcelWriter, sweep
+from talaia.hub.history.import_file import FOLDER, Head, ParcelWriter, remove_abandoned
 from talaia.hub.settings import Settings
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import dump_site, load_site, read_site
@@ -56,7 +56,9 @@ def main(argv: Sequence[str]) -> int:
     folder = settings.data / FOLDER
     if not options.dry_run:
         _check_data(settings.data)
-        sweep(folder)  # What a killed import left behind, before this one needs the room.
+        remove_abandoned(
+            folder
+        )  # What a killed import left behind, before this one needs the room.
     with contextlib.ExitStack() as stack:
         writers: list[ParcelWriter] = []
         for path in options.file:
@@ -80,7 +82,7 @@ def main(argv: Sequence[str]) -> int:
             print("nothing was written (--dry-run)")
             return 0
         # Only now that all of them are read; until here nothing has happened.
-        ready = [writer.publish() for writer in writers]
+        ready = [writer.publish_file() for writer in writers]
     for read, how in zip(reads, deliver_parcels(settings, ready, _print_progress), strict=True):
         print(f"{read.path}: {_result_text(how)}")
     return 0
@@ -230,13 +232,13 @@ def _read_file(
 ) -> list[Tally]:
     staging = Staging([channel.address for channel in site.channels()], writer)
     told = time.monotonic()  # Monotonic, or a clock that is set would silence the progress.
-    for piece in source.pieces():
-        staging.add(piece.columns)
+    for piece in source.read_pieces():
+        staging.add_samples(piece.columns)
         if time.monotonic() - told > _TELL_S:
             told = time.monotonic()
             _print_progress(f"{path}: {piece.done:.0%} read, {staging.samples:,} samples")
-    staging.finish()
-    tallies = staging.tallies()
+    staging.finish_files()
+    tallies = staging.channel_tallies()
     signals = {tally.address for tally in tallies}
     for channel in site.channels():
         if channel.address not in signals:

@@ -49,7 +49,7 @@ class McapFile:
             self._stream.close()
             raise
 
-    def messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
+    def iterate_messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
         """Give number of the topic, time (ns) and bytes, in order of time."""
         # The reader chooses by topic; channels of one topic with another definition are dropped
         # below.
@@ -61,7 +61,7 @@ class McapFile:
                 # said.
                 yield channel.id, message.log_time, message.data
 
-    def place(self) -> str:
+    def reading_place(self) -> str:
         """Tell where in the file the reader stands."""
         return f"byte {self._stream.tell()}"
 

@@ -57,11 +57,11 @@ class MessageFile(Protocol):
         """See above."""
         ...
 
-    def messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
+    def iterate_messages(self, wanted: Collection[int]) -> Iterator[tuple[int, int, bytes]]:
         """Give the messages of some topics in order of time: number, time (ns), bytes."""
         ...
 
-    def place(self) -> str:
+    def reading_place(self) -> str:
         """Tell where in the file the reader stands, if that is known."""
         ...
 
@@ -81,7 +81,7 @@ class Messages:
 
         """
         self.kind = kind
-        # What the description lacks or the file lacks; complete only when `pieces` has ended.
+        # What the description lacks or the file lacks; complete only when `read_pieces` has ended.
         self.findings = Findings()
         self._path = path
         try:
@@ -94,19 +94,19 @@ class Messages:
         self._read: dict[int, tuple[TopicPlan, Callable[[bytes], object]]] = {}
         self._match_channels(site)
 
-    def pieces(self) -> Iterator[Piece]:
+    def read_pieces(self) -> Iterator[Piece]:
         """See `Source.pieces`."""
         gathered = SampleBuffer()
         # Messages read, those since the last piece, and the newest time until now (µs).
         read, waiting, past_us = 0, 0, -(2**63)
         # Unknown, the share stays at zero, which is better than one that runs past its end.
         total = self._file.count or math.inf
-        messages = self._file.messages(list(self._read)) if self._read else iter(())
+        messages = self._file.iterate_messages(list(self._read)) if self._read else iter(())
         while True:
             try:
                 found = next(messages, None)
             except Exception as error:
-                place = self._file.place() or f"after message {read}"
+                place = self._file.reading_place() or f"after message {read}"
                 raise self._file_error(error, place) from error
             if found is None:
                 break

@@ -45,7 +45,7 @@ class ImportSource(Protocol):
     # Complete only when all pieces were taken.
     findings: Findings
 
-    def pieces(self) -> Iterator[Piece]:
+    def read_pieces(self) -> Iterator[Piece]:
         """Read the samples; ``columns.channel`` indexes the site's channels.
 
         Raises:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from talaia.hub.history.import_file import ImportChunk
-from talaia.wire.columns import Columns, part
+from talaia.wire.columns import Columns, slice_columns
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +52,7 @@ class Staging:
         """How many came until now."""
         return sum(count for count, _, _ in self._spans.values())
 
-    def add(self, columns: Columns) -> None:
+    def add_samples(self, columns: Columns) -> None:
         """Take samples in the order of the file."""
         # Stable: within a channel the file's order decides, and numbers its samples.
         order = np.argsort(columns.channel, kind="stable")
@@ -67,17 +67,17 @@ class Staging:
         numbers, starts = np.unique(sorted_columns.channel, return_index=True)
         bounds = [*starts.tolist(), len(columns)]
         for at, number in enumerate(numbers.tolist()):
-            self._keep_columns(number, part(sorted_columns, bounds[at], bounds[at + 1]))
+            self._keep_columns(number, slice_columns(sorted_columns, bounds[at], bounds[at + 1]))
         # Many channels of a few samples each never get to `_ENOUGH`, and would fill the memory.
         if sum(self._waiting.values()) > _MOST:
-            self.finish()
+            self.finish_files()
 
-    def finish(self) -> None:
+    def finish_files(self) -> None:
         """Write what waits."""
         for number in list(self._parts):
             self._write_batch(number)
 
-    def tallies(self) -> list[Tally]:
+    def channel_tallies(self) -> list[Tally]:
         """Tell what came, by channel, in the order of the description."""
         return [
             Tally(self._addresses[number], *self._spans[number]) for number in sorted(self._spans)
@@ -111,6 +111,6 @@ class Staging:
         )
         if self._writer is not None:
             first = self._written[number]
-            self._writer.add(ImportChunk(self._addresses[number], first, whole))
+            self._writer.add_chunk(ImportChunk(self._addresses[number], first, whole))
             # After the write, which numbers the batch's first sample by it.
             self._written[number] = first + count

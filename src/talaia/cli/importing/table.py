@@ -104,7 +104,7 @@ class Table:
             self.close()
             raise
 
-    def pieces(self) -> Iterator[Piece]:
+    def read_pieces(self) -> Iterator[Piece]:
         """See `Source.pieces`."""
         gathered = SampleBuffer()
         waiting = 0
@@ -150,7 +150,7 @@ class Table:
                 line, f"expected {len(self._headings)} cells as in the heading, found {len(row)}"
             )
         try:
-            time_us = self._times.read(row[self._time_at])
+            time_us = self._times.read_time(row[self._time_at])
         except CellError as error:
             raise self._cell_error(line, str(error), self._headings[self._time_at]) from error
         for column in self._columns:
@@ -164,7 +164,7 @@ class Table:
                     value = _parse_number(cell, column.states)
                 except CellError as error:
                     raise self._cell_error(line, str(error), column.heading) from error
-                gathered.add(column.channel, time_us, value)
+                gathered.add_number(column.channel, time_us, value)
 
     def _find_time(self, asked: str) -> int:
         if asked:

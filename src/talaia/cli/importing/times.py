@@ -78,7 +78,7 @@ class TimeReader:
         # For a note at the end of the import.
         self.doubtful = 0
 
-    def read(self, cell: str) -> int:
+    def read_time(self, cell: str) -> int:
         """Give a cell's time.
 
         Raises:
@@ -88,13 +88,13 @@ class TimeReader:
         text = cell.strip()
         if self.unit is TimeUnit.AUTO:
             self.unit = _unit_of(text)
-        time_us = self._parse_iso(text) if self.unit is TimeUnit.ISO else self._number(text)
+        time_us = self._parse_iso(text) if self.unit is TimeUnit.ISO else self._read_number(text)
         if not -_FARTHEST_US < time_us < _FARTHEST_US:
             raise CellError(f"the time {text[:40]!r} is too far away")
         self._above_us = time_us
         return time_us
 
-    def _number(self, text: str) -> int:
+    def _read_number(self, text: str) -> int:
         if not _NUMBER.fullmatch(text):
             raise CellError(f"expected a time as a number ({self.unit}), found {text[:40]!r}")
         value = Decimal(text)

@@ -59,7 +59,7 @@ class Editor(QObject):
         except ConfiguratorError as error:
             self.refused.emit(str(error))
             return False
-        if not self.document.change(what, made):
+        if not self.document.apply_change(what, made):
             return False
         # Takes back what the window still says of a change that was refused before.
         self.refused.emit("")

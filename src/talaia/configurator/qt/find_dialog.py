@@ -151,7 +151,7 @@ class FindDialog(QDialog):
         self._show_message("Looking …", "")
         self.left_out.hide()
         # Before the process: it may fail to start at once, and that must find a search that runs.
-        self.look.start(host, self.seconds.value())
+        self.look.mark_started(host, self.seconds.value())
         self._since.start()
         self._tick.start()
         self._show_phase()
@@ -160,7 +160,7 @@ class FindDialog(QDialog):
     def cancel(self) -> None:
         """End the look; nothing is changed."""
         if self.look.phase is DiscoveryPhase.RUNNING:
-            self.look.cancel()
+            self.look.mark_cancelled()
             self._process.stop()
             self._show_phase()
 
@@ -180,7 +180,7 @@ class FindDialog(QDialog):
         super().closeEvent(event)
 
     def _show_progress(self) -> None:
-        self.bar.setValue(int(1000 * self.look.progress(self._since.elapsed() / 1000)))
+        self.bar.setValue(int(1000 * self.look.expected_progress(self._since.elapsed() / 1000)))
 
     def _not_started(self) -> None:
         program = "ssh" if self.there.isChecked() else self._talaia[0]
@@ -188,7 +188,7 @@ class FindDialog(QDialog):
         self._finish_search()
 
     def _on_ended(self, code: int, said: bytes, complained: str) -> None:
-        self.look.ended(code, said, complained)
+        self.look.handle_exit(code, said, complained)
         self._finish_search()
 
     def _finish_search(self) -> None:

@@ -242,7 +242,7 @@ class GeneratePage(Page):
 
     def _show_line(self, run: ProgramRun, line: str) -> None:
         before = run.phase
-        run.line(line)
+        run.add_line(line)
         if line.strip():
             self.log.appendPlainText(line)
         if run.phase is not before:
@@ -253,7 +253,7 @@ class GeneratePage(Page):
                 self.open_dashboard()
 
     def _on_ended(self, run: ProgramRun, code: int) -> None:
-        run.ended(code)
+        run.handle_exit(code)
         self.show_state()
 
     def _not_started(self, run: ProgramRun) -> None:

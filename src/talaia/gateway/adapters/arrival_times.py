@@ -21,11 +21,11 @@ class Arrivals:
         """Begin with a thread that is awake now."""
         self._awake_ns = mono_ns  # When this thread last had taken all that waited (monotonic ns).
 
-    def awake(self, mono_ns: int) -> None:
+    def mark_awake(self, mono_ns: int) -> None:
         """Note that all that waited until now has been taken."""
         self._awake_ns = mono_ns
 
-    def at(self, came_us: int, now_us: int, mono_ns: int) -> int:
+    def arrival_time(self, came_us: int, now_us: int, mono_ns: int) -> int:
         """Give when a message came (µs, UTC).
 
         Args:

@@ -39,19 +39,19 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
     remedy = "install talaia[gateway]"
     match scope.connection:
         case Ros2Connection():
-            make, remedy = _ros2, "see `talaia doctor`"
+            make, remedy = _make_ros2, "see `talaia doctor`"
         case Ros1Connection():
-            make = _ros1
+            make = _make_ros1
         case RosbridgeConnection():
-            make = _rosbridge
+            make = _make_rosbridge
         case IndiConnection():
-            make, remedy = _indi, "install talaia[indi]"
+            make, remedy = _make_indi, "install talaia[indi]"
         case ProcessConnection():
-            make = _process
+            make = _make_process
         case VideoConnection():
-            make, remedy = _video, "install talaia[camera]"
+            make, remedy = _make_video, "install talaia[camera]"
         case ExtensionConnection():
-            make = _extension
+            make = _make_extension
     try:
         return make(scope, context, status)
     except ForeignRos as error:
@@ -64,43 +64,49 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
         ) from error
 
 
-def _ros2(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+def _make_ros2(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.ros2.adapter import Ros2Adapter
 
     return Ros2Adapter(scope, context, status)
 
 
-def _ros1(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+def _make_ros1(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.ros1.adapter import Ros1Adapter
 
     return Ros1Adapter(scope, context, status)
 
 
-def _rosbridge(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+def _make_rosbridge(
+    scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
+) -> Adapter:
     from talaia.gateway.adapters.rosbridge.adapter import RosbridgeAdapter
 
     return RosbridgeAdapter(scope, context, status)
 
 
-def _indi(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+def _make_indi(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.indi.adapter import IndiAdapter
 
     return IndiAdapter(scope, context, status)
 
 
-def _process(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+def _make_process(
+    scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
+) -> Adapter:
     from talaia.gateway.adapters.process import ProcessAdapter
 
     return ProcessAdapter(scope, context, status)
 
 
-def _video(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+def _make_video(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
     from talaia.gateway.adapters.video.adapter import VideoAdapter
 
     return VideoAdapter(scope, context, status)
 
 
-def _extension(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+def _make_extension(
+    scope: ConnectionScope, context: AdapterContext, status: AdapterStatus
+) -> Adapter:
     from talaia.gateway.adapters.extension import ExtensionAdapterProcess
 
     return ExtensionAdapterProcess(scope, context, status)

@@ -34,7 +34,7 @@ def parse_metric(text: str) -> Metric:
     """
     if len(text) > MAX_TEXT:
         raise FieldError("data", f"a text of {len(text)} characters; at most {MAX_TEXT}")
-    found = _read(text)
+    found = _read_text(text)
     if not isinstance(found, dict):
         raise FieldError("data", f"expected {{'name': …, 'magnitude': …}}, found {text[:60]!r}")
     name, magnitude = found.get("name"), found.get("magnitude")
@@ -50,7 +50,7 @@ def parse_metric(text: str) -> Metric:
         raise FieldError("data", f"the magnitude of {name[:40]!r} is no number") from None
 
 
-def _read(text: str) -> object:
+def _read_text(text: str) -> object:
     # JSON first: it knows true, false and NaN, and it is what most newer nodes write.
     try:
         return json.loads(text)

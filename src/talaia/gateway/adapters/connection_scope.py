@@ -27,7 +27,7 @@ class ConnectionScope(NamedTuple):
             robot says.
         channel: by the address of a signal of theirs: the number of its first channel, which is
             what samples carry; see `ChannelNumbering`.
-        guarded: signals of theirs whose newest readings must be at hand; see `Site.guarded`.
+        guarded: signals of theirs whose newest readings must be at hand; see `Site.safety_signals`.
 
     """
 
@@ -49,8 +49,8 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
     Without a ``numbering`` channels are numbered by their place in `Site.channels`.
     """
     # Once for all connections, so that each number is given once.
-    first = (numbering or ChannelNumbering(site)).numbers(site)
-    guarded = site.guarded()
+    first = (numbering or ChannelNumbering(site)).numbers_of(site)
+    guarded = site.safety_signals()
     of = connection_names(site)
     scopes = []
     for name, connection in site.links().items():

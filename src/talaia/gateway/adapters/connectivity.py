@@ -60,10 +60,10 @@ class DeviceReachability:
         for device in of:
             self._report_change(device)
 
-    def lost(self, connection: str, why: str) -> list[str]:
+    def mark_lost(self, connection: str, why: str) -> list[str]:
         """Take a connection as gone; give its devices."""
         self._lost[connection] = why
-        devices = self.devices(connection)
+        devices = self.devices_of(connection)
         for device in devices:
             # When it is back, everything is heard anew.
             self._away.pop(device, None)
@@ -71,10 +71,10 @@ class DeviceReachability:
             self._report_change(device)
         return devices
 
-    def back(self, connection: str) -> list[str]:
+    def mark_back(self, connection: str) -> list[str]:
         """Take a connection as there; give its devices."""
         self._lost.pop(connection, None)
-        devices = self.devices(connection)
+        devices = self.devices_of(connection)
         for device in devices:
             self._report_change(device)
         return devices
@@ -94,32 +94,32 @@ class DeviceReachability:
             self._slow.add(device)
         self._report_change(device)
 
-    def devices(self, connection: str) -> list[str]:
+    def devices_of(self, connection: str) -> list[str]:
         """Name the devices of a connection."""
         return [device for device, name in self._of.items() if name == connection]
 
-    def reached(self, device: str) -> bool:
+    def is_reached(self, device: str) -> bool:
         """Tell whether a device is reached now."""
-        return not self._why(device)
+        return not self._unreached_reason(device)
 
-    def counts(self, device: str) -> bool:
+    def still_counts(self, device: str) -> bool:
         """Tell whether what a device said last still counts, for as long as it is not too old."""
-        return self.reached(device) or (
+        return self.is_reached(device) or (
             # Of a lost connection nothing counts, however slow its device was thought to be.
             device in self._slow and not self._lost.get(self._of.get(device, ""))
         )
 
-    def report(self) -> None:
+    def report_unreached(self) -> None:
         """Say it of all that are not reached, to a hub that has just come."""
         for device in self._said:
-            self._say(self._state(device))
+            self._say(self._device_state(device))
 
-    def _why(self, device: str) -> str:
+    def _unreached_reason(self, device: str) -> str:
         # The connection first: it explains all of its devices.
         return self._lost.get(self._of.get(device, "")) or self._away.get(device, "")
 
     def _report_change(self, device: str) -> None:
-        why = self._why(device)
+        why = self._unreached_reason(device)
         said = self._said.get(device)
         if why == (said[0] if said is not None else ""):
             return
@@ -129,9 +129,9 @@ class DeviceReachability:
             self._said[device] = (why, since)
         else:
             del self._said[device]
-        self._say(self._state(device))
+        self._say(self._device_state(device))
 
-    def _state(self, device: str) -> DeviceState:
+    def _device_state(self, device: str) -> DeviceState:
         why, since = self._said.get(device, ("", 0))
         # A duration: the hub's clock may be another.
         passed = (self._clock.monotonic_ns() - since) // MS if why else 0

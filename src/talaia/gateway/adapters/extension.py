@@ -36,7 +36,7 @@ from talaia.extensions.adapter_messages import (
     write_message,
 )
 from talaia.extensions.declarations import AdapterExtension
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 from talaia.gateway.adapters.outlast_cancellation import outlast_cancellation
 from talaia.gateway.adapters.topic_readers import SampleBuffer
 from talaia.gateway.adapters.undriven_adapter import UndrivenAdapter
@@ -146,17 +146,17 @@ class ExtensionAdapterProcess(UndrivenAdapter):
                 raise cancelled
             # A longer line is an error: it must not fill our memory.
             reader, self._writer = await asyncio.open_connection(sock=ours, limit=MAX_LINE)
-            self._send(self._job())
-            # `_hear` returns only when nothing more is to be heard, with the reason.
-            raise AdapterLost(await self._hear(reader))
+            self._send_message(self._make_job())
+            # `_read_messages` returns only when nothing more is to be heard, with the reason.
+            raise AdapterLost(await self._read_messages(reader))
         finally:
             # The socket first: its end is what tells the process to go.
             try:
-                self._end()
+                self._end_process()
             finally:
-                await _ended(child)
+                await _wait_ended(child)
 
-    def _job(self) -> AdapterJob:
+    def _make_job(self) -> AdapterJob:
         signals = tuple(
             SignalMessage(
                 address,
@@ -173,11 +173,11 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             self._scope.name, self._name, self._keys, folder, tuple(self._scope.devices), signals
         )
 
-    def _end(self) -> None:
+    def _end_process(self) -> None:
         """Let go of the process, and of all that it was asked."""
         # What it said before it ended is heard, and goes out.
         if self._flushing is not None:
-            self._flush()
+            self._flush_samples()
         if self._writer is not None:
             self._writer.close()
             self._writer = None
@@ -186,9 +186,9 @@ class ExtensionAdapterProcess(UndrivenAdapter):
         # A copy: each outcome takes its own number out.
         for number in list(self._acts):
             said = "the adapter ended meanwhile; look at the device"
-            self._done(number, CommandOutcome(CommandPhase.UNKNOWN, said))
+            self._finish_command(number, CommandOutcome(CommandPhase.UNKNOWN, said))
 
-    async def _hear(self, reader: asyncio.StreamReader) -> str:
+    async def _read_messages(self, reader: asyncio.StreamReader) -> str:
         """Take what the process says; give why it ended."""
         why = ""
         while True:
@@ -209,7 +209,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
                 why = words.why
                 if words.broken:
                     why = f"the extension {self._name!r} failed: {why}"
-                    installed().note_failure(AdapterExtension, self._name, words.why)
+                    installed_extensions().note_failure(AdapterExtension, self._name, words.why)
             else:
                 self._dispatch_message(words)
 
@@ -218,7 +218,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             case UpMessage():
                 self._status.up()
             case ValueMessage():
-                self._value(words)
+                self._handle_value(words)
             case ReachableMessage():
                 # Of its own devices only: an extension has no say in others.
                 if words.device in self._scope.devices:
@@ -229,11 +229,11 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             case DoneMessage():
                 # A phase that is not known here: something may have moved all the same.
                 phase = _PHASES.get(words.phase, CommandPhase.UNKNOWN)
-                self._done(words.number, CommandOutcome(phase, words.message))
+                self._finish_command(words.number, CommandOutcome(phase, words.message))
             case EndMessage():
                 pass
 
-    def _value(self, words: ValueMessage) -> None:
+    def _handle_value(self, words: ValueMessage) -> None:
         signal = self._signals.get(words.address)
         # A signal of an earlier description, or one that it made up.
         if signal is None:
@@ -247,21 +247,21 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             text = words.value if isinstance(words.value, str) else f"{words.value}"
             self._gathered.add_text(channel, time_us, text[:_MAX_TEXT])
         else:
-            value = _number(signal, words.value)
+            value = _to_number(signal, words.value)
             if value is None:
-                self._complain(words)
+                self._report_unreadable(words)
                 return
             # Before the sampler: interlocks see every value.
             if words.address in self._scope.guarded:
                 self._latest[words.address] = ChannelReading(value, mono_ns)
             sampler = self._samplers.get(words.address)
-            if sampler is not None and not sampler.accepts(time_us, (value,)):
+            if sampler is not None and not sampler.accept_sample(time_us, (value,)):
                 return
-            self._gathered.add(channel, time_us, value)
+            self._gathered.add_number(channel, time_us, value)
         if self._flushing is None:
-            self._flushing = asyncio.get_running_loop().call_later(_FLUSH_S, self._flush)
+            self._flushing = asyncio.get_running_loop().call_later(_FLUSH_S, self._flush_samples)
 
-    def _complain(self, words: ValueMessage) -> None:
+    def _report_unreadable(self, words: ValueMessage) -> None:
         # Once for each address: a wrong unit would come with every value.
         if words.address in self._unreadable:
             return
@@ -272,16 +272,16 @@ class ExtensionAdapterProcess(UndrivenAdapter):
             "unreadable", said, device=words.address.partition("/")[0]
         )
 
-    def _flush(self) -> None:
+    def _flush_samples(self) -> None:
         if self._flushing is not None:
-            # Also called by `_end`, before the timer has run out.
+            # Also called by `_end_process`, before the timer has run out.
             self._flushing.cancel()
             self._flushing = None
         columns = self._gathered.take_columns()
         if columns is not None:
             self._context.samples.put_samples(columns)
 
-    def _send(self, words: ToAdapter) -> None:
+    def _send_message(self, words: ToAdapter) -> None:
         if self._writer is not None:
             self._writer.write(write_message(words))
 
@@ -326,16 +326,16 @@ class ExtensionAdapterProcess(UndrivenAdapter):
         number = next(self._numbers)
         self._acts[number] = done
         keys = {"target": described.target, **fields}
-        self._send(ActMessage(number, device, command, keys))
+        self._send_message(ActMessage(number, device, command, keys))
         loop = asyncio.get_running_loop()
 
         def cancel() -> None:
             # `act` promises that it may be called from any thread.
-            loop.call_soon_threadsafe(self._send, CancelMessage(number))
+            loop.call_soon_threadsafe(self._send_message, CancelMessage(number))
 
         return cancel
 
-    def _done(self, number: int, outcome: CommandOutcome) -> None:
+    def _finish_command(self, number: int, outcome: CommandOutcome) -> None:
         # Taken out first: a second answer to the same number finds nobody.
         done = self._acts.pop(number, None)
         if done is not None:
@@ -344,7 +344,7 @@ class ExtensionAdapterProcess(UndrivenAdapter):
 
 def _require_installed(connection: str, name: str) -> None:
     # By name only: its code is for a process of its own.
-    names = installed().names(AdapterExtension)
+    names = installed_extensions().names_of(AdapterExtension)
     if name in names:
         return
     there = ", ".join(names) or "none"
@@ -355,7 +355,7 @@ def _require_installed(connection: str, name: str) -> None:
     )
 
 
-def _number(signal: Signal, value: float | str) -> float | None:
+def _to_number(signal: Signal, value: float | str) -> float | None:
     """Give a value as a number of the signal's; none where it is no value of it."""
     if signal.type is SignalType.STATE:
         if isinstance(value, str):
@@ -371,7 +371,7 @@ def _number(signal: Signal, value: float | str) -> float | None:
     return number if math.isfinite(number) else None
 
 
-async def _ended(child: asyncio.subprocess.Process) -> None:
+async def _wait_ended(child: asyncio.subprocess.Process) -> None:
     """Wait for the end of a process whose socket is closed, also when cancelled meanwhile."""
     cancelled = await outlast_cancellation(asyncio.ensure_future(_end_process(child)))
     if cancelled is not None:

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.model.discovery.probe_report import FieldFound
 from talaia.model.discovery.ros_units import (
     Meaning,
-    human,
     meaning_of,
+    readable_name,
     unit_in_comment,
     unit_in_name,
 )
@@ -89,7 +89,9 @@ def shape_of(
     """
     walk = _Walk(find, comment_of)
     fields = tuple(
-        walk.of(kind=kind, type_name=type_name, message=message, prefix="", above=None, depth=0)
+        walk.walk_message(
+            kind=kind, type_name=type_name, message=message, prefix="", above=None, depth=0
+        )
     )
     return ReadableFields(fields[:MAX_FIELDS], tuple(walk.left_out))
 
@@ -104,7 +106,7 @@ class _Walk:
         self._find = find
         self._comment_of = comment_of
 
-    def of(
+    def walk_message(
         self,
         *,
         kind: RosMessageType,
@@ -122,13 +124,13 @@ class _Walk:
             path = f"{prefix}.{field}" if prefix else field
             value = getattr(message, field, None)
             # A part takes the unit of the whole it belongs to, where it has none of its own.
-            meaning = self._meaning(type_name, field) or above
+            meaning = self._field_meaning(type_name, field) or above
             # Names of coordinate frames are settings, no readings.
             if declared in _ABOUT or field.endswith("frame_id"):
                 continue
             listed = _LIST.match(declared)
             if listed is None:
-                yield from self._one(
+                yield from self._walk_field(
                     kind=kind,
                     field=field,
                     declared=declared,
@@ -141,11 +143,11 @@ class _Walk:
             # As in `sensor_msgs/JointState`, whose `name` says what the elements of the other lists
             # are.
             names = getattr(message, "name", None) if field != "name" else None
-            yield from self._list(
+            yield from self._walk_list(
                 listed=listed, path=path, value=value, meaning=meaning, names=names, depth=depth
             )
 
-    def _meaning(self, type_name: str, field: str) -> Meaning | None:
+    def _field_meaning(self, type_name: str, field: str) -> Meaning | None:
         return (
             # The known meaning of a type first, then what its author wrote, then what the name
             # suggests.
@@ -154,7 +156,7 @@ class _Walk:
             or unit_in_name(field)
         )
 
-    def _one(
+    def _walk_field(
         self,
         *,
         kind: RosMessageType,
@@ -165,13 +167,13 @@ class _Walk:
         meaning: Meaning | None,
         depth: int,
     ) -> Iterator[FieldFound]:
-        simple = _simple(declared)
+        simple = _simple_type(declared)
         if simple is None:
             nested = self._find(declared)
             if nested is None:
                 self.left_out.append(f"{path}: the type {declared} is not known here")
             else:
-                yield from self.of(
+                yield from self.walk_message(
                     kind=nested,
                     type_name=declared,
                     message=value,
@@ -181,10 +183,10 @@ class _Walk:
                 )
         else:
             # States are counted by integers; a float with constants is none.
-            words = _words(kind, field) if simple == "integer" else ()
-            yield _field(path=path, simple=simple, meaning=meaning, value=value, words=words)
+            words = _state_words(kind, field) if simple == "integer" else ()
+            yield _field_found(path=path, simple=simple, meaning=meaning, value=value, words=words)
 
-    def _list(
+    def _walk_list(
         self,
         *,
         listed: re.Match[str],
@@ -199,7 +201,7 @@ class _Walk:
             return
         inner = listed["inner"] or listed["item"]
         # The message's own length where there is one: sequences have none in their type.
-        count = _length(value) if value is not None else int(listed["size"] or 0)
+        count = _length_of(value) if value is not None else int(listed["size"] or 0)
         if count > MAX_ELEMENTS:
             self.left_out.append(f"{path}: a list of {count}; name one of them as {path}[0]")
             return
@@ -207,14 +209,14 @@ class _Walk:
             why = "no message came to tell its length" if value is None else "it is empty"
             self.left_out.append(f"{path}: a list, and {why}")
             return
-        simple = _simple(inner)
+        simple = _simple_type(inner)
         for index in range(count):
-            item = _item(value, index)
+            item = _item_at(value, index)
             at = f"{path}[{index}]"
             if simple is not None:
                 # Names only count where there is one for each element.
-                named = _item(names, index) if _length(names) == count else None
-                yield _field(
+                named = _item_at(names, index) if _length_of(names) == count else None
+                yield _field_found(
                     path=at,
                     simple=simple,
                     meaning=meaning,
@@ -227,7 +229,7 @@ class _Walk:
             if nested is None:
                 self.left_out.append(f"{path}: the type {inner} is not known here")
                 return
-            yield from self.of(
+            yield from self.walk_message(
                 kind=nested,
                 type_name=inner,
                 message=item,
@@ -237,7 +239,7 @@ class _Walk:
             )
 
 
-def _field(
+def _field_found(
     *,
     path: str,
     simple: str,
@@ -253,7 +255,7 @@ def _field(
     return FieldFound(path, simple, unit.unit, unit.scale, words, name[:100], empty)
 
 
-def _simple(declared: str) -> str | None:
+def _simple_type(declared: str) -> str | None:
     if declared in _FLOATS:
         return "number"
     if declared in _INTEGERS or declared in ("octet", "byte", "char"):
@@ -263,14 +265,14 @@ def _simple(declared: str) -> str | None:
     return "text" if _TEXT.match(declared) else None
 
 
-def _words(kind: RosMessageType, field: str) -> tuple[str, ...]:
+def _state_words(kind: RosMessageType, field: str) -> tuple[str, ...]:
     """Name the states of a whole number by the type's constants that begin with its name.
 
     Only a list that counts from 0 without a gap is one; flags and commands with holes are not.
     """
     start = f"{field.upper()}_"
     found = {
-        value: human(name[len(start) :].lower())
+        value: readable_name(name[len(start) :].lower())
         for name, value in kind.constants.items()
         if name.startswith(start)
     }
@@ -281,14 +283,14 @@ def _words(kind: RosMessageType, field: str) -> tuple[str, ...]:
     return words if len(set(words)) == len(words) else ()
 
 
-def _length(value: object) -> int:
+def _length_of(value: object) -> int:
     try:
         return len(value)  # type: ignore[arg-type]
     except TypeError:
         return 0
 
 
-def _item(value: object, index: int) -> object:
+def _item_at(value: object, index: int) -> object:
     try:
         return value[index]  # type: ignore[index]
     except (TypeError, IndexError, KeyError):

@@ -119,7 +119,7 @@ class MultiAdapter:
                 group.create_task(asyncio.Event().wait())
                 self._group = group
                 for name in self._adapters:
-                    self._begin(name)
+                    self._begin_adapter(name)
         except BaseExceptionGroup as failed:
             # One error and no group of them: the caller names it.
             raise failed.exceptions[0] from failed
@@ -142,19 +142,19 @@ class MultiAdapter:
             if name in adapters:
                 # Told before it is begun anew, so that its old readings count for nothing
                 # meanwhile.
-                self._gone(name, "its description has changed; connecting anew")
+                self._handle_lost(name, "its description has changed; connecting anew")
             else:
                 self._lost.discard(name)
         self._of = of
         for name in [adapter for adapter in adapters if adapter in gone or adapter not in before]:
-            self._begin(name)
+            self._begin_adapter(name)
         for name in [adapter for adapter in gone if adapter not in adapters]:
             if (task := self._tasks.pop(name, None)) is not None:
                 task.cancel()
         # Each adapter is told again: which streams are its own may have changed.
         self.watch(self._streams)
 
-    def _begin(self, name: str) -> None:
+    def _begin_adapter(self, name: str) -> None:
         if self._group is None:
             return
         if (task := self._tasks.get(name)) is not None:
@@ -162,9 +162,11 @@ class MultiAdapter:
             self._ending.add(task)
         self._ending = {task for task in self._ending if not task.done()}
         before = tuple(self._ending)
-        self._tasks[name] = self._group.create_task(self._keep(name, *self._adapters[name], before))
+        self._tasks[name] = self._group.create_task(
+            self._keep_running(name, *self._adapters[name], before)
+        )
 
-    async def _keep(
+    async def _keep_running(
         self,
         name: str,
         adapter: Adapter,
@@ -174,21 +176,21 @@ class MultiAdapter:
         # A port or a bus may be held by the one before: two at once would fight for it.
         if before:
             await asyncio.wait(before)
-        post.on_up = lambda: self._back(name)
+        post.on_up = lambda: self._handle_back(name)
         while True:
             self._running.add(name)
             try:
                 # It returns only when cancelled; any other error ends all adapters.
                 await adapter.run()
             except AdapterLost as error:
-                self._gone(name, str(error))
+                self._handle_lost(name, str(error))
             finally:
                 self._running.discard(name)
             await asyncio.sleep(self._again_s)
 
-    def _gone(self, name: str, why: str) -> None:
+    def _handle_lost(self, name: str, why: str) -> None:
         # Each time, for the reason may be another; events and listeners are told once.
-        devices = self._reach.lost(name, why)
+        devices = self._reach.mark_lost(name, why)
         if name not in self._lost:
             self._lost.add(name)
             log.warning("%s: %s; trying again every %g s", name, why, self._again_s)
@@ -196,20 +198,20 @@ class MultiAdapter:
             for on_loss in self._loss_listeners:
                 on_loss(devices)
 
-    def _back(self, name: str) -> None:
+    def _handle_back(self, name: str) -> None:
         # An `up` that was on its way while the adapter was lost, or one that never was away.
         if name not in self._running or name not in self._lost:
             return
         self._lost.discard(name)
         log.info("%s is back", name)
         self._events.report_event("connection back", name, good=True)
-        devices = self._reach.back(name)
+        devices = self._reach.mark_back(name)
         for on_return in self._return_listeners:
             on_return(devices)
 
     # ── to the one that serves the device ──
 
-    def _for(self, device: str) -> Adapter:
+    def _adapter_for(self, device: str) -> Adapter:
         found = self._adapters.get(self._of.get(device, ""))
         return self._nobody if found is None else found[0]
 
@@ -225,15 +227,17 @@ class MultiAdapter:
         """See `ReadingSource.latest`; what is not reached has none."""
         device = address.split("/", 1)[0]
         # Asked here: an adapter may still hold what a device said before it went.
-        return self._for(device).latest(address) if self._reach.counts(device) else None
+        return (
+            self._adapter_for(device).latest(address) if self._reach.still_counts(device) else None
+        )
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """See `CommandTarget.drive`."""
-        self._for(device).drive(device, linear, angular, key)
+        self._adapter_for(device).drive(device, linear, angular, key)
 
     def stop(self, device: str, *, stopped: bool) -> None:
         """See `CommandTarget.stop`."""
-        self._for(device).stop(device, stopped=stopped)
+        self._adapter_for(device).stop(device, stopped=stopped)
 
     def act(
         self,
@@ -243,11 +247,11 @@ class MultiAdapter:
         done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
         """See `CommandTarget.act`."""
-        return self._for(device).act(device, command, fields, done)
+        return self._adapter_for(device).act(device, command, fields, done)
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """See `Adapter.reconnect`."""
         if device not in self._of:
             done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))
             return
-        self._for(device).reconnect(device, done)
+        self._adapter_for(device).reconnect(device, done)

@@ -74,13 +74,13 @@ class DevicePresence:
         """Whether devices are there and none of them speaks or answers; none: not known yet."""
         return self._deaf
 
-    def answered(self, node: str, now_ns: int) -> None:
+    def mark_alive(self, node: str, now_ns: int) -> None:
         """Take a node as alive."""
         self._answered_ns[node] = now_ns
         self._open.pop(node, None)
         self._gone.discard(node)
 
-    def gone(self, node: str) -> None:
+    def mark_dead(self, node: str) -> None:
         """Take a node as dead, without waiting: nobody is where it was."""
         self._gone.add(node)
 
@@ -90,7 +90,7 @@ class DevicePresence:
         """Judge every device.
 
         Args:
-            now_ns: monotonic, as ``heard_ns`` and `answered`.
+            now_ns: monotonic, as ``heard_ns`` and `mark_alive`.
             offers: by device.
             heard_ns: by device: when it said something last.
 
@@ -110,15 +110,15 @@ class DevicePresence:
                 continue
             # The graph itself says so: no patience is needed.
             if not offer.there:
-                self._set(device, "nothing of it is on the robot now", sure=True)
+                self._set_state(device, "nothing of it is on the robot now", sure=True)
             # It speaks, so its nodes live, whatever they owe an answer to.
             elif now_ns - heard_ns.get(device, 0) < ASK_NS:
                 for node in offer.nodes:
                     self._open.pop(node, None)
                     self._gone.discard(node)
-                self._set(device, "")
+                self._set_state(device, "")
             else:
-                self._set(device, self._silent(offer, now_ns, ask))
+                self._set_state(device, self._silence_reason(offer, now_ns, ask))
         # The first question counts: one that is asked again has not been answered yet.
         for node in ask:
             self._open.setdefault(node, self._look)
@@ -133,18 +133,18 @@ class DevicePresence:
             self._deaf = None
         return frozenset(ask)
 
-    def _silent(self, offer: DeviceEndpoints, now_ns: int, ask: set[str]) -> str:
+    def _silence_reason(self, offer: DeviceEndpoints, now_ns: int, ask: set[str]) -> str:
         # Also those that are asked already: an answer may be lost.
         ask |= {node for node in offer.askable if now_ns - self._answered_ns.get(node, 0) >= ASK_NS}
         # One node that lives is enough: the others may have nothing to say.
-        if not offer.nodes or not all(self._dead(node) for node in offer.nodes):
+        if not offer.nodes or not all(self._is_dead(node) for node in offer.nodes):
             return ""
         return f"{', '.join(sorted(offer.nodes))} does not answer"
 
-    def _dead(self, node: str) -> bool:
+    def _is_dead(self, node: str) -> bool:
         return node in self._gone or self._look - self._open.get(node, self._look) >= PATIENCE
 
-    def _set(self, device: str, why: str, *, sure: bool = False) -> None:
+    def _set_state(self, device: str, why: str, *, sure: bool = False) -> None:
         # Told once for each change; another reason is a change, too.
         if why == self._away.get(device, ""):
             return

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from talaia.model.site import Command, Signal
     from talaia.wire.frames import Scalar
 
-__all__ = ["ProcessAdapter", "ProcessResult", "filled", "number_in", "run_words"]
+__all__ = ["ProcessAdapter", "ProcessResult", "fill_arguments", "number_in", "run_words"]
 
 log = logging.getLogger(__name__)
 # Bytes of one output that are kept; the rest is read and thrown away, so that the command can end.
@@ -66,7 +66,7 @@ class ProcessResult(NamedTuple):
     problem: str = ""
 
 
-def filled(target: str, command: Command, fields: Mapping[str, Scalar]) -> list[str] | str:
+def fill_arguments(target: str, command: Command, fields: Mapping[str, Scalar]) -> list[str] | str:
     """Give the arguments of a command with its placeholders filled, or what is wrong with one.
 
     Each placeholder becomes one argument as it is; an optional text that is empty becomes none.
@@ -223,9 +223,9 @@ class ProcessAdapter(UndrivenAdapter):
         self.answers = {} if context.answers is None else context.answers
         for device_id, device in scope.devices.items():
             for signal_id, signal in device.signals.items():
-                self._plan(device_id, f"{device_id}/{signal_id}", signal)
+                self._plan_signal(device_id, f"{device_id}/{signal_id}", signal)
 
-    def _plan(self, device: str, address: str, signal: Signal) -> None:
+    def _plan_signal(self, device: str, address: str, signal: Signal) -> None:
         written = source_as(signal.source, ProcessSource).run
         key = (device, written)
         if not written:
@@ -244,7 +244,7 @@ class ProcessAdapter(UndrivenAdapter):
     async def run(self) -> None:
         """See `Adapter.run`."""
         self._running = True
-        asks = [asyncio.ensure_future(self._poll(line)) for line in self._lines.values()]
+        asks = [asyncio.ensure_future(self._poll_command(line)) for line in self._lines.values()]
         try:
             self._status.up()
             if asks:
@@ -304,7 +304,7 @@ class ProcessAdapter(UndrivenAdapter):
                 CommandOutcome(CommandPhase.REFUSED, "the commands of this robot cannot be run now")
             )
             return None
-        words = filled(described.target, described, fields)
+        words = fill_arguments(described.target, described, fields)
         if isinstance(words, str):
             done(CommandOutcome(CommandPhase.REFUSED, words))
             return None
@@ -347,7 +347,7 @@ class ProcessAdapter(UndrivenAdapter):
 
     # ── asking ──
 
-    async def _poll(self, line: _Line) -> None:
+    async def _poll_command(self, line: _Line) -> None:
         loop = asyncio.get_running_loop()
         while True:
             began = loop.time()
@@ -376,7 +376,7 @@ class ProcessAdapter(UndrivenAdapter):
                 self._gathered.add_text(self._scope.channel[address], time_us, value)
             elif value is not None:
                 known = True
-                self._number(address, value, time_us, mono_ns)
+                self._record_number(address, value, time_us, mono_ns)
             # Only after a good end: a command that fails prints an error instead, which is no news
             # here.
             elif answer.code == 0 and address not in self._unreadable:
@@ -392,13 +392,13 @@ class ProcessAdapter(UndrivenAdapter):
         line.why = "" if line.good else (answer.text.strip() or answer.problem or "no answer")
         self._report_device(line)
 
-    def _number(self, address: str, value: float, time_us: int, mono_ns: int) -> None:
+    def _record_number(self, address: str, value: float, time_us: int, mono_ns: int) -> None:
         # Before rate and deadband, which are for the record; interlocks see every value.
         if address in self._scope.guarded:
             self._latest[address] = ChannelReading(value, mono_ns)
         sampler = self._samplers.get(address)
-        if sampler is None or sampler.accepts(time_us, (value,)):
-            self._gathered.add(self._scope.channel[address], time_us, value)
+        if sampler is None or sampler.accept_sample(time_us, (value,)):
+            self._gathered.add_number(self._scope.channel[address], time_us, value)
 
     def _report_device(self, line: _Line) -> None:
         """Say whether the device answers: one line that does is enough."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["WAIT_S", "ReconnectionAttempts", "rejoined"]
+__all__ = ["WAIT_S", "ReconnectionAttempts", "reconnection_outcome"]
 
 # A robot's parts are found within a second or two; who is not there by then is named.
 WAIT_S = 5.0
@@ -36,7 +36,7 @@ class ReconnectionAttempts:
         # Those without an outcome yet, in the order they were begun.
         self._begun: list[_Begun] = []
 
-    def begin(
+    def begin_attempt(
         self, parts: int, absent: Callable[[], list[str]], done: Callable[[CommandOutcome], None]
     ) -> None:
         """Watch over ``parts`` topics and services until none is ``absent`` or time is up."""
@@ -53,16 +53,16 @@ class ReconnectionAttempts:
                 continue
             # Before it is told, so that no outcome is told twice.
             self._begun.remove(begun)
-            begun.done(rejoined(begun.parts, absent))
+            begun.done(reconnection_outcome(begun.parts, absent))
 
-    def end(self) -> None:
+    def end_attempts(self) -> None:
         """Tell all that wait that the robot went away meanwhile."""
         for begun in self._begun:
             begun.done(CommandOutcome(CommandPhase.FAILED, "the robot's side was lost meanwhile"))
         self._begun.clear()
 
 
-def rejoined(parts: int, absent: list[str]) -> CommandOutcome:
+def reconnection_outcome(parts: int, absent: list[str]) -> CommandOutcome:
     """Say how connecting anew to ``parts`` topics and services went."""
     if not parts:
         return CommandOutcome(CommandPhase.SUCCEEDED, "it has nothing on the robot to connect to")

@@ -15,7 +15,7 @@ import numpy as np
 from talaia.gateway.adapters.named_sensors import readings_in
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import ChannelReading
-from talaia.gateway.samples.field_paths import getter, reader_of, text_of
+from talaia.gateway.samples.field_paths import compile_getter, reader_of, text_of
 from talaia.gateway.samples.header_times import HeaderTimes
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.gateway.samples.source_stamps import StampReader
@@ -33,7 +33,7 @@ __all__ = ["SampleBuffer", "TopicPlan", "file_in", "parameter_plans_of", "plans_
 
 
 # Fields of `UInt8MultiArray`; see `file_in`.
-_DATA, _OFFSET = getter("data"), getter("layout.data_offset")
+_DATA, _OFFSET = compile_getter("data"), compile_getter("layout.data_offset")
 
 
 class SampleBuffer:
@@ -47,7 +47,7 @@ class SampleBuffer:
         self._value: list[float] = []
         self._texts: dict[int, str] = {}  # By position in the columns.
 
-    def add(self, channel: int, time_us: int, value: float) -> None:
+    def add_number(self, channel: int, time_us: int, value: float) -> None:
         """Append a number."""
         self._channel.append(channel)
         self._time.append(time_us)
@@ -56,7 +56,7 @@ class SampleBuffer:
     def add_text(self, channel: int, time_us: int, text: str) -> None:
         """Append a text."""
         self._texts[len(self._channel)] = text
-        self.add(channel, time_us, math.nan)
+        self.add_number(channel, time_us, math.nan)
 
     def take_columns(self) -> Columns | None:
         """Give what was gathered and start anew; none if that is nothing."""
@@ -222,15 +222,15 @@ class TopicPlan:
             # One assignment of one tuple: other threads see the old reading or the new.
             self._latest[row.address] = ChannelReading(value, mono_ns)
             return
-        stamp_ns, advanced_ns = row.stamp.arrived(message, mono_ns)
+        stamp_ns, advanced_ns = row.stamp.read_stamp(message, mono_ns)
         # None: no stamp has advanced yet, so nothing proves that the value is of now.
         if advanced_ns is not None:
             self._latest[row.address] = ChannelReading(value, advanced_ns, stamp_ns, mono_ns)
 
     def _add(self, row: _Row, values: tuple[float, ...], time_us: int, into: SampleBuffer) -> None:
-        if row.sampler is None or row.sampler.accepts(time_us, values):
+        if row.sampler is None or row.sampler.accept_sample(time_us, values):
             for part, value in enumerate(values):
-                into.add(row.channel + part, time_us, value)
+                into.add_number(row.channel + part, time_us, value)
 
     def take_due(self, time_us: int, into: SampleBuffer) -> bool:
         """Let held-back values out whose turn has come; tell whether any still waits.
@@ -245,12 +245,12 @@ class TopicPlan:
             sampler = row.sampler
             if sampler is None or not sampler.holding:
                 continue
-            values = sampler.due(time_us)
+            values = sampler.due_values(time_us)
             if values is None:
                 waiting = True
                 continue
             for part, value in enumerate(values):
-                into.add(row.channel + part, time_us, value)
+                into.add_number(row.channel + part, time_us, value)
         return waiting
 
     def take_past(self, time_us: int, into: SampleBuffer) -> None:
@@ -264,8 +264,8 @@ class TopicPlan:
                 continue
             # Read before `due`, which begins the next interval.
             turn_us = sampler.turn_us
-            for part, value in enumerate(sampler.due(turn_us) or ()):
-                into.add(row.channel + part, turn_us, value)
+            for part, value in enumerate(sampler.due_values(turn_us) or ()):
+                into.add_number(row.channel + part, turn_us, value)
 
 
 def file_in(message: object) -> bytes:
@@ -303,7 +303,9 @@ def plans_of(
                 continue
             address = f"{device_id}/{signal_id}"
             key = (source.topic, source.type)
-            row = _row(address, scope.channel[address], signal, tapped=address in scope.guarded)
+            row = _plan_row(
+                address, scope.channel[address], signal, tapped=address in scope.guarded
+            )
             # Both, so that a topic with named signals alone has a plan as well.
             rows.setdefault(key, [])
             names.setdefault(key, {})
@@ -339,7 +341,7 @@ def parameter_plans_of(
             # The message of a parameter holds nothing but its value.
             of_data = msgspec.structs.replace(signal, source=RosSource(field="data"))
             tapped = address in scope.guarded
-            row = _row(address, scope.channel[address], of_data, tapped=tapped)
+            row = _plan_row(address, scope.channel[address], of_data, tapped=tapped)
             plans.append(
                 TopicPlan(
                     topic=name,
@@ -353,7 +355,7 @@ def parameter_plans_of(
     return plans
 
 
-def _row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
+def _plan_row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
     rule = rule_of(signal)
     sampler = None if rule is None else Sampler(rule)
     source, stamp = source_as(signal.source, RosSource), None
@@ -363,7 +365,7 @@ def _row(address: str, channel: int, signal: Signal, *, tapped: bool) -> _Row:
             address, channel, None, None, None if texts else sampler, tapped, signal.scale, signal
         )
     if signal.type is SignalType.TEXT:
-        return _Row(address, channel, None, getter(source.field), None, tapped, 1.0, signal)
+        return _Row(address, channel, None, compile_getter(source.field), None, tapped, 1.0, signal)
     if tapped and source.stamp:
-        stamp = StampReader(getter(source.stamp), source)
+        stamp = StampReader(compile_getter(source.stamp), source)
     return _Row(address, channel, reader_of(signal), None, sampler, tapped, 1.0, signal, stamp)

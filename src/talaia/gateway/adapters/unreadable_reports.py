@@ -22,7 +22,7 @@ class UnreadableReports:
         # What was reported already: a topic that is wrong is so with each of its messages.
         self._reported: set[str] = set()
 
-    def report(self, address: str, problem: str) -> None:
+    def report_unreadable(self, address: str, problem: str) -> None:
         """Report a signal or camera by its address; callers do so once."""
         log.warning("%s: %s", address, problem)
         device = address.split("/", 1)[0]

@@ -53,11 +53,11 @@ class ActuationPart(GatewayPart):
 
     def start(self) -> None:
         """Begin to keep time."""
-        self.actuation.timer.touch()
+        self.actuation.timer.reset_timer()
 
-    def halt(self) -> None:
+    def halt_all(self) -> None:
         """End every hold with a zero now, while there is still an adapter to carry it."""
-        self.actuation.driving.halt()
+        self.actuation.driving.halt_all()
 
     def stop_judging(self) -> None:
         """Keep no time any more.

@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.gateway_part import GatewayPart
-from talaia.gateway.reload.current_description import CurrentDescription, prepared
+from talaia.gateway.reload.current_description import CurrentDescription, prepare_description
 from talaia.gateway.reload.restart import GatewayRestart
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
 from talaia.model.derived_signals import with_counts
@@ -40,7 +40,7 @@ class DescriptionPart(GatewayPart):
         self.file = file
         # Without a text that can be written anew the hub may send no changes.
         text = file.text if file is not None and file.editable else ""
-        self.current = CurrentDescription(prepared(site, text))
+        self.current = CurrentDescription(prepare_description(site, text))
         self.numbering = ChannelNumbering(site)
         self.restart = GatewayRestart(base.settings.data, self.current)
         # Told at each start, for as long as it is so.

@@ -50,7 +50,7 @@ class DetectionPart(GatewayPart):
         self.reporter = DetectionReporter(settings.data / "sightings", base.lanes, base.file_thread)
         self.detection = ObjectDetection(
             site=site,
-            numbers=description.numbering.numbers(site),
+            numbers=description.numbering.numbers_of(site),
             pictures=video.frames,
             worker=lambda on_status: Worker(site.object_models, settings.folder, on_status),
             outlet=DetectionOutputs(
@@ -66,7 +66,7 @@ class DetectionPart(GatewayPart):
 
     def redescribe(self, site: Site) -> None:
         """Look at the cameras of another description."""
-        self.detection.redescribe(site, self._numbering.numbers(site))
+        self.detection.redescribe(site, self._numbering.numbers_of(site))
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Look at cameras, and tell the hub."""

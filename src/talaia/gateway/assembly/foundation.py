@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.assembly.signal import ThreadSafeSignal
-from talaia.gateway.persistence import locked
+from talaia.gateway.persistence import lock_folder
 from talaia.gateway.uplink.event_reporter import EventReporter
 from talaia.gateway.uplink.send_lanes import SendLanes
 
@@ -54,7 +54,7 @@ class FoundationPart(GatewayPart):
         self.loop = asyncio.get_running_loop()
         self.boot = _new_boot()
         # The lock is held until `close`; nothing in the folder is touched before.
-        self._lock = locked(settings.data)
+        self._lock = lock_folder(settings.data)
         # One thread for the small files: their writes keep their order.
         self._disk_thread = ThreadPoolExecutor(1, "talaia-disk")
         # Of its own, so that a picture of many megabytes never delays a STOP's write.

@@ -60,7 +60,7 @@ class RecordingPart(GatewayPart):
         films = RecordingStore(settings.data / "films", most_bytes, settings.spare_bytes, FILM)
         # Made before its recorders, which report their state through it.
         self.recorders = recorders = TriggeredRecorder(plan, base.send_threadsafe)
-        recorders.attach(
+        recorders.attach_recorders(
             recorder=self._make_recorder(plan, site, messages, recorders),
             films=self._make_film_recorder(plan, site, films, recorders),
         )
@@ -97,17 +97,17 @@ class RecordingPart(GatewayPart):
         try:
             from talaia.gateway.adapters.ros2.requests import class_of
             from talaia.gateway.recording.definitions import definition_of
-            from talaia.gateway.recording.mcap_file import recover
+            from talaia.gateway.recording.mcap_file import recover_file
             from talaia.gateway.recording.recorder import Recorder
         except ImportError as error:
             # Nothing is named, so nothing is missing.
-            if not site.recorded():
+            if not site.recorded_topics():
                 return None
             raise SettingsError(
                 f"the description names topics to record, and they cannot be ({error}); "
                 "install talaia[recording]"
             ) from error
-        _open(store, recover)
+        _open_store(store, recover_file)
 
         def fields_of(name: str) -> dict[str, str]:
             fields: dict[str, str] = class_of(name, "recording").get_fields_and_field_types()
@@ -115,7 +115,7 @@ class RecordingPart(GatewayPart):
 
         return Recorder(
             plan=plan,
-            topics=site.recorded(),
+            topics=site.recorded_topics(),
             shelf=store,
             clock=self._base.clock,
             definition=lambda name: definition_of(name, fields_of),
@@ -129,13 +129,13 @@ class RecordingPart(GatewayPart):
     ) -> FilmRecorder | None:
         if not ABLE:
             # Only cameras are missing then: messages are recorded all the same.
-            if site.filmed():
+            if site.filmed_cameras():
                 log.warning("cameras cannot be filmed here: install talaia[camera]")
             return None
         from talaia.gateway.recording.film_file import recover_film
         from talaia.gateway.recording.film_recorder import FilmRecorder
 
-        _open(store, recover_film)
+        _open_store(store, recover_film)
         base = self._base
 
         def on_change() -> None:
@@ -145,7 +145,7 @@ class RecordingPart(GatewayPart):
 
         return FilmRecorder(
             plan=plan,
-            cameras=site.filmed(),
+            cameras=site.filmed_cameras(),
             shelf=store,
             clock=base.clock,
             events=base.events,
@@ -154,7 +154,7 @@ class RecordingPart(GatewayPart):
         )
 
 
-def _open(store: RecordingStore, recover: Callable[[Path, Path], RecoveredFile]) -> None:
+def _open_store(store: RecordingStore, recover: Callable[[Path, Path], RecoveredFile]) -> None:
     """Open a store; a disk that takes nothing keeps nobody from guarding the robot."""
     try:
         store.open(recover)

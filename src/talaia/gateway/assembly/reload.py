@@ -80,7 +80,7 @@ class ReloadPart(GatewayPart):
             samples=samples,
             followers=followers,
             say=base.lanes.send,
-            begin_again=description.restart.begin,
+            begin_again=description.restart.request_restart,
         )
         self.requests = ChangeRequests(
             file=description.file,
@@ -95,4 +95,4 @@ class ReloadPart(GatewayPart):
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Follow the description's file."""
-        return {"file": self.requests.watch}
+        return {"file": self.requests.watch_file}

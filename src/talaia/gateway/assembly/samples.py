@@ -9,7 +9,12 @@ from talaia.clock import SECOND
 from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.freeze_watchdog import watch_stalls
 from talaia.gateway.legacy.messages import NewestValues
-from talaia.gateway.samples.absence_gaps import NOT_HEARD, NOT_RUNNING, absence, watch_first_heard
+from talaia.gateway.samples.absence_gaps import (
+    NOT_HEARD,
+    NOT_RUNNING,
+    absence_span,
+    watch_first_heard,
+)
 from talaia.gateway.samples.batching import Batcher
 from talaia.gateway.spool.journal import SegmentHead, Spool
 from talaia.gateway.spool.progress_mark import machine_run
@@ -65,13 +70,13 @@ class SamplesPart(GatewayPart):
             catalogue=begun.catalogue,
             flush=settings.flush,
             keep=self._keep_batch,
-            lose=self.spool.lose,
+            lose=self.spool.record_loss,
         )
         # Before the first sample, so that the gap has the lower number.
         self._record_absence()
         self.newest_values: NewestValues | None = None
         if settings.door is not None:
-            numbers = description.numbering.numbers(description.site)
+            numbers = description.numbering.numbers_of(description.site)
             self.newest_values = NewestValues(numbers, self.batcher, clock.monotonic_ns)
         # Where founding clients are served they see each sample on its way to the batcher.
         self.sink: SampleSink = self.newest_values or self.batcher
@@ -81,33 +86,33 @@ class SamplesPart(GatewayPart):
         catalogue, addresses = prepared.catalogue, prepared.addresses
         # Samples before the spool: what still waits is flushed by the old list, into the old
         # segment.
-        self.batcher.redescribe(catalogue, self._numbering.order(prepared.site))
+        self.batcher.redescribe(catalogue, self._numbering.order_of(prepared.site))
         self.spool.redescribe(SegmentHead(self._base.boot, catalogue, addresses))
         if self.newest_values is not None:
-            self.newest_values.redescribe(self._numbering.numbers(prepared.site))
+            self.newest_values.redescribe(self._numbering.numbers_of(prepared.site))
 
     def _keep_batch(self, record: SampleRecord) -> None:
         # The link first, which only queues; the spool is on a thread of its own.
         self._base.lanes.live(record.body, record.first, record.end)
-        self.spool.append(record)
+        self.spool.append_record(record)
 
     def _record_absence(self) -> None:
         """Record the time since the run before heard anything as a gap, if there was one."""
         former = self.spool.former
         if former is not None:
             mono_s = self._base.clock.monotonic_ns() / SECOND
-            span = absence(former, self._base.wall_us(), mono_s, machine_run())
-            self.batcher.missed(*span, NOT_RUNNING)
+            span = absence_span(former, self._base.wall_us(), mono_s, machine_run())
+            self.batcher.record_gap(*span, NOT_RUNNING)
             if 0 < former.deaf_us <= former.heard_us:
                 # It ended before it could tell since when it heard all.
-                self.batcher.missed(former.deaf_us, former.heard_us, NOT_HEARD)
+                self.batcher.record_gap(former.deaf_us, former.heard_us, NOT_HEARD)
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Force samples to disk, and notice times in which nothing was heard."""
         base, batcher = self._base, self.batcher
         tasks: dict[str, Callable[[], Awaitable[None]]] = {
             "sync": partial(self.spool.keep_syncing, base.settings.sync, base.wall_us),
-            "freezes": partial(watch_stalls, base.clock, batcher.missed),
+            "freezes": partial(watch_stalls, base.clock, batcher.record_gap),
         }
         # After another run only: nobody missed anything before the first.
         if self.spool.former is not None:
@@ -115,7 +120,7 @@ class SamplesPart(GatewayPart):
                 watch_first_heard,
                 batcher.first_heard,
                 base.clock,
-                batcher.missed,
+                batcher.record_gap,
                 self.spool.all_heard,
             )
         return tasks
@@ -123,5 +128,5 @@ class SamplesPart(GatewayPart):
     async def close(self) -> None:
         """Have on disk what was heard to the end."""
         # First: what waits in the batcher goes into the spool before that is closed.
-        self.batcher.flush()
+        self.batcher.flush_batches()
         await self.spool.close()

@@ -26,8 +26,8 @@ class ThreadSafeSignal:
     def emit(self) -> None:
         """Tell all receivers, soon; from any thread."""
         # Later and on the loop, never within the caller, who may hold a lock.
-        self._loop.call_soon_threadsafe(self._deliver)
+        self._loop.call_soon_threadsafe(self._deliver_signal)
 
-    def _deliver(self) -> None:
+    def _deliver_signal(self) -> None:
         for receiver in self._receivers:
             receiver()

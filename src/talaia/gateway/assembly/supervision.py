@@ -61,7 +61,7 @@ class SupervisionPart(GatewayPart):
             trouble=lambda why: output.record_event("watchdog_missing", "", why, "", good=False),
             notices=settings.notices,
         )
-        self.watchdog.describe(begun.site, begun.said)
+        self.watchdog.watch_site(begun.site, begun.said)
         self.heartbeats = Heartbeats(
             site=description.site,
             interlocks=interlocks,
@@ -73,23 +73,23 @@ class SupervisionPart(GatewayPart):
             # The moment of the last judgement: beats stop when interlocks are judged no more.
             judged_ns=lambda: interlocks.judged_ns,
             # Both by the same proof: a process that runs and does not judge feeds neither.
-            watched=(manager.feed_watchdog, self.watchdog.beat),
+            watched=(manager.feed_watchdog, self.watchdog.send_beat),
             heartbeats=self.heartbeats,
         )
 
     def redescribe(self, site: Site) -> None:
         """Send heartbeats, and have the watchdog close roofs, by another description."""
         self.heartbeats.redescribe(site)
-        self.watchdog.describe(site, dump_site(site))
+        self.watchdog.watch_site(site, dump_site(site))
 
     async def take_over(self) -> None:
         """End the watchdog of an earlier run: two must never move a roof."""
         # Its records are of a time when nobody else could tell the hub.
-        self._report(await self.watchdog.take_over())
+        self._report_records(await self.watchdog.take_over())
 
     async def say_goodbye(self) -> None:
         """End the watchdog: this gateway ends as it was asked to."""
-        await self.watchdog.goodbye()
+        await self.watchdog.end_process()
 
     def leave_watchdog(self) -> None:
         """Leave the watchdog to the gateway that follows, which takes over from it in time."""
@@ -102,12 +102,12 @@ class SupervisionPart(GatewayPart):
     async def _keep_watchdog(self) -> None:
         """Have a watchdog, and report what it did while this gateway stood still."""
         while True:
-            await self.watchdog.keep(self._base.clock.monotonic_ns() / SECOND)
+            await self.watchdog.keep_running(self._base.clock.monotonic_ns() / SECOND)
             # A watchdog that acted while we stood still has written down what it did.
-            self._report(self.watchdog.records())
+            self._report_records(self.watchdog.take_records())
             await asyncio.sleep(KEEP_S)
 
-    def _report(self, records: list[WatchdogRecord]) -> None:
+    def _report_records(self, records: list[WatchdogRecord]) -> None:
         for record in records:
             log.warning("%s %s", record.kind, record.message)
             self._base.lanes.send(

@@ -29,9 +29,9 @@ class CommandBook:
 
     def __init__(self, remembered: Iterable[CommandState] = ()) -> None:
         """Take what the journal remembers; what had not ended then is unknown now."""
-        # By id, oldest first; changed only by `open` and `move`.
+        # By id, oldest first; changed only by `enter_command` and `move_command`.
         self._states: dict[str, CommandState] = {}
-        # What a restart cut off; told to the hub once and cleared by `CommandService.report`.
+        # What a restart cut off; told to the hub once, cleared by `CommandService.report_states`.
         self.interrupted: list[CommandState] = []
         for state in remembered:
             # Taken out first, so that the order is by the last time it was written.
@@ -39,7 +39,7 @@ class CommandBook:
             self._states[state.id] = state
         for state in list(self._states.values()):
             if state.phase not in FINAL:
-                lost = _with(
+                lost = _next_state(
                     state=state,
                     # Neither failed nor done: the robot may have finished it. Only a person can
                     # tell.
@@ -48,25 +48,25 @@ class CommandBook:
                 )
                 self._states[state.id] = lost
                 self.interrupted.append(lost)
-        self._forget()
+        self._forget_oldest()
 
-    def get(self, command_id: str) -> CommandState | None:
+    def find_state(self, command_id: str) -> CommandState | None:
         """Give where a command stands, or none if its id was never seen."""
         return self._states.get(command_id)
 
-    def states(self) -> list[CommandState]:
+    def all_states(self) -> list[CommandState]:
         """Give all, oldest first."""
         return list(self._states.values())
 
-    def open(self, state: CommandState) -> bool:
+    def enter_command(self, state: CommandState) -> bool:
         """Enter a new id; tell whether it was new. An id is acted on only by who got True."""
         if state.id in self._states:
             return False
         self._states[state.id] = state
-        self._forget()
+        self._forget_oldest()
         return True
 
-    def move(
+    def move_command(
         self,
         *,
         command_id: str,
@@ -80,13 +80,13 @@ class CommandBook:
         # An answer that came after the end, or twice.
         if state is None or phase not in _STEPS[state.phase]:
             return None
-        moved = _with(
+        moved = _next_state(
             state=state, phase=phase, message=message, progress=progress, blocked_by=blocked_by
         )
         self._states[command_id] = moved
         return moved
 
-    def _forget(self) -> None:
+    def _forget_oldest(self) -> None:
         excess = len(self._states) - self.KEPT
         if excess <= 0:
             return
@@ -95,7 +95,7 @@ class CommandBook:
             del self._states[key]
 
 
-def _with(
+def _next_state(
     *,
     state: CommandState,
     phase: CommandPhase,

@@ -48,7 +48,7 @@ class InterlockGuard(CommandGuard):
 
     def refusal_reason(self, device: str, command: str, args: dict[str, Scalar]) -> str:
         """See `CommandGuard`."""
-        return self._interlocks.refusal(device, command, self._clock.monotonic_ns(), args)
+        return self._interlocks.refusal_reason(device, command, self._clock.monotonic_ns(), args)
 
     def power_cut_reason(self, device: str, command: str, args: dict[str, Scalar]) -> str:
         """See `CommandGuard`."""

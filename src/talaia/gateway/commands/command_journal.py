@@ -62,7 +62,7 @@ class CommandJournal:
         """Whether something waits for the disk. May be asked from any thread."""
         return bool(self._waiting)
 
-    def compact(self, states: list[CommandState]) -> None:
+    def compact_journal(self, states: list[CommandState]) -> None:
         """Keep the newest state of each id only.
 
         Raises:
@@ -78,7 +78,7 @@ class CommandJournal:
                 self._path.with_name(self._path.name + ".new").unlink(missing_ok=True)
             raise
 
-    def write(self, state: CommandState, *, sure: bool) -> None:
+    def write_state(self, state: CommandState, *, sure: bool) -> None:
         """Add a state; with ``sure`` it is on disk when this returns.
 
         Raises:

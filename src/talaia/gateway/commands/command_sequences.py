@@ -34,10 +34,10 @@ class SequenceSignal:
         self._receivers: list[SequenceStarter] = []
 
     def connect(self, receiver: SequenceStarter) -> None:
-        """Call this in each `emit` from here on."""
+        """Call this in each `emit_sequence` from here on."""
         self._receivers.append(receiver)
 
-    def emit(self, label: str, steps: tuple[Step, ...]) -> None:
+    def emit_sequence(self, label: str, steps: tuple[Step, ...]) -> None:
         """Begin a sequence now."""
         for receiver in self._receivers:
             receiver(label, steps)
@@ -85,16 +85,16 @@ class SequenceRunner:
         """Name the sequences that are under way."""
         return tuple(self._running)
 
-    def begin(self, label: str, steps: tuple[Step, ...]) -> None:
+    def begin_sequence(self, label: str, steps: tuple[Step, ...]) -> None:
         """See `SequenceStarter`."""
         # The same want is told at each look; only the first begins it.
         if not steps or label in self._running:
             return
-        task = asyncio.ensure_future(self._run(label, steps))
+        task = asyncio.ensure_future(self._run_steps(label, steps))
         self._running[label] = task
         task.add_done_callback(lambda _: self._running.pop(label, None))
 
-    async def _run(self, label: str, steps: tuple[Step, ...]) -> None:
+    async def _run_steps(self, label: str, steps: tuple[Step, ...]) -> None:
         for step in steps:
             device, _, command = step.command.partition("/")
             self._count += 1
@@ -108,7 +108,7 @@ class SequenceRunner:
                 ttl_ms=3_600_000,
                 who=label,
             )
-            state = await self._commands.perform(ask, step.within)
+            state = await self._commands.perform_command(ask, step.within)
             if state.phase is CommandPhase.SUCCEEDED or await self._is_so(step, state.phase):
                 continue
             said = f"{step.command} {state.phase}: {state.message}".rstrip(": ")
@@ -140,7 +140,7 @@ class SequenceRunner:
             if self._is_reached(step.command):
                 return True
             # It is not so, and nobody is doing it any more.
-            if waited_s > SETTLE_S and not self._commands.runs(step.command):
+            if waited_s > SETTLE_S and not self._commands.is_running(step.command):
                 return False
             await asyncio.sleep(LOOK_S)
         return False

@@ -77,15 +77,15 @@ class CommandService:
         self._actions = RobotActions(target=target, clock=clock, report=self._on_outcome)
         # Commands that wait until a dome is in place; nobody has asked the robot yet.
         self._waiting: dict[str, asyncio.Task[None]] = {}
-        # Whoever waits in `perform` for the end of a command of the gateway's own.
+        # Whoever waits in `perform_command` for the end of a command of the gateway's own.
         self._ends: dict[str, asyncio.Future[CommandState]] = {}
         # Who acts on which device, against whom nobody else acts unasked.
         self._holders = DeviceHolders()
-        writer.compact(self._book.states())
+        writer.compact_journal(self._book.all_states())
 
-    def state(self, command_id: str) -> CommandState | None:
+    def command_state(self, command_id: str) -> CommandState | None:
         """Give where a command stands."""
-        return self._book.get(command_id)
+        return self._book.find_state(command_id)
 
     @property
     def busy(self) -> bool:
@@ -95,14 +95,14 @@ class CommandService:
     def busy_with(self, devices: Collection[str]) -> str:
         """Name a command of these devices that is under way, if any."""
         for command_id in self._actions.ids:
-            state = self._book.get(command_id)
+            state = self._book.find_state(command_id)
             if state is not None and state.device in devices:
                 return f"{state.device}/{state.command}"
         return ""
 
-    def runs(self, command: str) -> bool:
+    def is_running(self, command: str) -> bool:
         """Tell whether a ``<device>/<command>`` is under way."""
-        states = [self._book.get(command_id) for command_id in self._actions.ids]
+        states = [self._book.find_state(command_id) for command_id in self._actions.ids]
         return any(f"{state.device}/{state.command}" == command for state in states if state)
 
     def redescribe(self, site: Site) -> None:
@@ -110,16 +110,16 @@ class CommandService:
         self._site = site
         self._safe = safe_commands(site)
 
-    def report(self) -> None:
+    def report_states(self) -> None:
         """Tell a new link who acts now; and, once, of what a restart interrupted."""
         for state in self._book.interrupted:
             self._send(state)
         self._book.interrupted.clear()
-        for holder in self._holders.all():
-            if (under_way := self._book.get(holder.id)) is not None:
+        for holder in self._holders.all_holders():
+            if (under_way := self._book.find_state(holder.id)) is not None:
                 self._send_state(under_way)
 
-    async def perform(self, ask: CommandRequest, within: float | None) -> CommandState:
+    async def perform_command(self, ask: CommandRequest, within: float | None) -> CommandState:
         """Act on a command of the gateway's own, which no interlock refuses.
 
         Gives how it ended, or how it stands after ``within`` (s).
@@ -127,20 +127,20 @@ class CommandService:
         ended: asyncio.Future[CommandState] = asyncio.get_running_loop().create_future()
         self._ends[ask.id] = ended
         try:
-            await self.ask(ask, guarded=False)
+            await self.handle_request(ask, guarded=False)
             await asyncio.wait([ended], timeout=within)
             if ended.done():
                 return ended.result()
-            return self._book.get(ask.id) or CommandState(
+            return self._book.find_state(ask.id) or CommandState(
                 id=ask.id, device=ask.device, command=ask.command, phase=CommandPhase.UNKNOWN
             )
         finally:
             self._ends.pop(ask.id, None)
 
-    async def ask(self, ask: CommandRequest, *, guarded: bool = True) -> None:
+    async def handle_request(self, ask: CommandRequest, *, guarded: bool = True) -> None:
         """Act on a command, or say why not. A known id is only answered."""
         began_ns = self._clock.monotonic_ns()
-        known = self._book.get(ask.id)
+        known = self._book.find_state(ask.id)
         if known is not None:
             self._send_state(known)
             return
@@ -152,17 +152,17 @@ class CommandService:
             who=ask.who,
         )
         # Before anything is awaited: a repeated ask finds it and is not acted on twice.
-        self._book.open(state)
+        self._book.enter_command(state)
         device = self._site.devices.get(ask.device)
         command = device.commands.get(ask.command) if device is not None else None
         if command is None:
             problem = f"{ask.device}/{ask.command} is not a command of this site"
-            self._move(ask.id, CommandPhase.REFUSED, message=problem)
+            self._move_command(ask.id, CommandPhase.REFUSED, message=problem)
             return
         fields = fields_of(command, ask.args)
         problem = fields if isinstance(fields, str) else unit_problem(command, ask.units)
         if isinstance(fields, str) or problem:
-            self._move(ask.id, CommandPhase.REFUSED, message=problem)
+            self._move_command(ask.id, CommandPhase.REFUSED, message=problem)
             return
         named = args_of(command, ask.args)
         if self._refused_now(ask, named, guarded=guarded):
@@ -171,12 +171,14 @@ class CommandService:
         if problem := await self._writer.write_accepted(
             state, guarded=guarded, only_safe=only_safe
         ):
-            self._move(ask.id, CommandPhase.REFUSED, message=problem)
+            self._move_command(ask.id, CommandPhase.REFUSED, message=problem)
             return
         ttl_ns = min(ask.ttl_ms * 1e6, command.ttl * 1e9) if guarded else ask.ttl_ms * 1e6
         # Written so that NaN refuses as well.
         if not self._clock.monotonic_ns() - began_ns <= ttl_ns or ttl_ns <= 0:
-            self._move(ask.id, CommandPhase.REFUSED, message="it came too late to be accepted")
+            self._move_command(
+                ask.id, CommandPhase.REFUSED, message="it came too late to be accepted"
+            )
             return
         # Once more: it may have begun to rain while the disk was busy.
         if self._refused_now(ask, named, guarded=guarded):
@@ -187,10 +189,10 @@ class CommandService:
         if guarded:
             self._guard.command_began(ask.device, ask.command, ask.who)
         if guarded and self._guard.hold_for(ask.device, ask.command) is not None:
-            waiting = asyncio.ensure_future(self._wait(ask, command, fields, named))
+            waiting = asyncio.ensure_future(self._wait_outcome(ask, command, fields, named))
             self._waiting[ask.id] = waiting
             return
-        self._begin(ask, command, fields)
+        self._begin_command(ask, command, fields)
 
     def _refused_now(self, ask: CommandRequest, named: dict[str, Scalar], *, guarded: bool) -> bool:
         """Refuse a command that may not be done now; tell whether it was refused."""
@@ -199,9 +201,9 @@ class CommandService:
         if guarded and not barred:
             barred = self._guard.refusal_reason(ask.device, ask.command, named)
         if barred:
-            self._move(ask.id, CommandPhase.REFUSED, message=barred)
+            self._move_command(ask.id, CommandPhase.REFUSED, message=barred)
             return True
-        holder = self._holders.against(ask.device, ask.who) if guarded else None
+        holder = self._holders.holder_against(ask.device, ask.who) if guarded else None
         if holder is None or never_asks(self._site, ask.device, ask.command):
             return False
         if holder.id == ask.over and not holder.safety:
@@ -210,7 +212,7 @@ class CommandService:
             return False
         why = f"{holder.words} (since {holder.acting_s(self._clock.monotonic_ns()):.0f} s)"
         blocked_by = "" if holder.safety else holder.id
-        self._move(ask.id, CommandPhase.REFUSED, message=why, blocked_by=blocked_by)
+        self._move_command(ask.id, CommandPhase.REFUSED, message=why, blocked_by=blocked_by)
         return True
 
     def _take_hold(self, ask: CommandRequest, command: Command, *, guarded: bool) -> str:
@@ -220,33 +222,35 @@ class CommandService:
         """
         device = self._site.devices[ask.device]
         doing = f"{device.name}: {command.name}"
-        over = self._interrupt(ask, doing)
+        over = self._interrupt_holder(ask, doing)
         if device.kind not in HELD_KINDS or (not guarded and ask.who.startswith("follow ")):
             return over
         now_ns = self._clock.monotonic_ns()
-        self._holders.hold(
+        self._holders.add_holder(
             DeviceHolder(ask.id, ask.device, doing, ask.who, now_ns, safety=not guarded)
         )
         return over
 
-    def _interrupt(self, ask: CommandRequest, doing: str) -> str:
+    def _interrupt_holder(self, ask: CommandRequest, doing: str) -> str:
         """Take the device out of the hands that may be interrupted; give whose, in words."""
-        holder = self._holders.interrupt(ask.over)
+        holder = self._holders.interrupt_holder(ask.over)
         if holder is None:
             return ""
         # Who asked for it sees what became of it, and all others that they act no longer.
-        self._move(holder.id, CommandPhase.RUNNING, message=f"interrupted by {ask.who} ({doing})")
+        self._move_command(
+            holder.id, CommandPhase.RUNNING, message=f"interrupted by {ask.who} ({doing})"
+        )
         return f"{holder.doing} of {holder.who} ({holder.id})"
 
     def _send_state(self, state: CommandState, over: str = "") -> None:
         """Tell the hub where a command stands, and who acts by it."""
-        holder = None if state.phase in FINAL else self._holders.get(state.id)
+        holder = None if state.phase in FINAL else self._holders.find_holder(state.id)
         if holder is not None:
             seconds = holder.acting_s(self._clock.monotonic_ns())
             state = replace(state, acting=holder.words[:2000], acting_s=seconds)
         self._send(replace(state, over=over[:2000]) if over else state)
 
-    async def _wait(
+    async def _wait_outcome(
         self,
         ask: CommandRequest,
         command: Command,
@@ -259,45 +263,49 @@ class CommandService:
             clock=self._clock,
             ask=ask,
             named=named,
-            report=lambda why: self._move(ask.id, CommandPhase.RUNNING, message=why),
+            report=lambda why: self._move_command(ask.id, CommandPhase.RUNNING, message=why),
         )
         if outcome is not None:
-            self._move(ask.id, outcome.phase, message=outcome.message)
+            self._move_command(ask.id, outcome.phase, message=outcome.message)
             return
         # Meanwhile somebody may have been let act on the device over this one.
         if self._refused_now(ask, named, guarded=True):
             return
         self._waiting.pop(ask.id, None)
-        self._begin(ask, command, fields)
+        self._begin_command(ask, command, fields)
 
-    def _begin(
+    def _begin_command(
         self, ask: CommandRequest, command: Command, fields: dict[str, float | int | bool | str]
     ) -> None:
-        self._move(ask.id, CommandPhase.RUNNING)
-        self._actions.begin(ask, command, fields)
+        self._move_command(ask.id, CommandPhase.RUNNING)
+        self._actions.begin_action(ask, command, fields)
 
     def _on_outcome(self, command_id: str, outcome: CommandOutcome) -> None:
         # The bar of a command that has ended stays where it was.
         # 0 keeps the old bar, for `CommandBook` never lets progress fall.
         progress = outcome.progress if outcome.phase is CommandPhase.RUNNING else 0.0
-        self._move(command_id, outcome.phase, message=outcome.message, progress=progress)
+        self._move_command(command_id, outcome.phase, message=outcome.message, progress=progress)
 
-    def cancel(self, ask: CommandCancel) -> None:
+    def cancel_command(self, ask: CommandCancel) -> None:
         """Ask the robot to end a command early; what came of it is told as its state."""
-        state = self._book.get(ask.id)
+        state = self._book.find_state(ask.id)
         if state is None or state.device != ask.device:
             return
         waiting = self._waiting.get(ask.id)
-        cancel = self._actions.canceller(ask.id) if waiting is None else waiting.cancel
+        cancel = self._actions.canceller_of(ask.id) if waiting is None else waiting.cancel
         if state.phase in FINAL:
             self._send_state(state)
         elif cancel is None:
-            self._move(ask.id, CommandPhase.RUNNING, message="this command cannot be cancelled")
+            self._move_command(
+                ask.id, CommandPhase.RUNNING, message="this command cannot be cancelled"
+            )
         else:
-            self._move(ask.id, CommandPhase.RUNNING, message=f"{ask.who} asked to cancel it")
+            self._move_command(
+                ask.id, CommandPhase.RUNNING, message=f"{ask.who} asked to cancel it"
+            )
             cancel()
 
-    def _move(
+    def _move_command(
         self,
         command_id: str,
         phase: CommandPhase,
@@ -306,7 +314,7 @@ class CommandService:
         progress: float = 0.0,
         blocked_by: str = "",
     ) -> None:
-        state = self._book.move(
+        state = self._book.move_command(
             command_id=command_id,
             phase=phase,
             message=message,
@@ -318,8 +326,8 @@ class CommandService:
             return
         self._send_state(state)
         if phase in FINAL:
-            self._holders.release(command_id)
-            self._actions.forget(command_id)
+            self._holders.release_holder(command_id)
+            self._actions.forget_timer(command_id)
             self._waiting.pop(command_id, None)
             self._guard.command_ended(state.device)
             ended = self._ends.get(command_id)

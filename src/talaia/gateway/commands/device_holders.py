@@ -1,7 +1,7 @@
 """Who is acting on a device, so that nobody else acts against them unasked. Pure.
 
 A holder is a person whose command is under way, or a safety sequence of the gateway's own. Whoever
-else has a hold that lasts longer than a command (a night's executor) takes one with `hold`.
+else has a hold that lasts longer than a command (a night's executor) takes one with `add_holder`.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ class DeviceHolders:
         # Those that somebody was let act over, until the new one holds the device.
         self._interruptible: set[str] = set()
 
-    def hold(self, holder: DeviceHolder) -> None:
+    def add_holder(self, holder: DeviceHolder) -> None:
         """Take in that somebody acts from now on."""
         self._holders[holder.id] = holder
 
-    def release(self, holder_id: str) -> None:
+    def release_holder(self, holder_id: str) -> None:
         """Take in that it has ended."""
         self._holders.pop(holder_id, None)
         self._interruptible.discard(holder_id)
@@ -70,23 +70,23 @@ class DeviceHolders:
         """
         self._interruptible.add(holder_id)
 
-    def interrupt(self, holder_id: str) -> DeviceHolder | None:
+    def interrupt_holder(self, holder_id: str) -> DeviceHolder | None:
         """Take the device out of the hands of one who may be interrupted; give who it was."""
         if holder_id not in self._interruptible:
             return None
         holder = self._holders.get(holder_id)
-        self.release(holder_id)
+        self.release_holder(holder_id)
         return holder
 
-    def all(self) -> list[DeviceHolder]:
+    def all_holders(self) -> list[DeviceHolder]:
         """Give all who act, in the order in which they began."""
         return list(self._holders.values())
 
-    def get(self, holder_id: str) -> DeviceHolder | None:
+    def find_holder(self, holder_id: str) -> DeviceHolder | None:
         """Give one who acts, by the id."""
         return self._holders.get(holder_id)
 
-    def against(self, device: str, who: str) -> DeviceHolder | None:
+    def holder_against(self, device: str, who: str) -> DeviceHolder | None:
         """Give the one whom a command of ``who`` would act against; the gateway itself first.
 
         What the same person asks for replaces what they asked for before.

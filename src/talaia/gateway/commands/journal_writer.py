@@ -53,18 +53,18 @@ class JournalWriter:
         """Give what an earlier run wrote."""
         return self._journal.remembered
 
-    def compact(self, states: list[CommandState]) -> None:
+    def compact_journal(self, states: list[CommandState]) -> None:
         """Write all anew (blocks), before anything else is written."""
         try:
-            self._journal.compact(states)
+            self._journal.compact_journal(states)
         except OSError as error:
             # It guards all the same; what is not safe is refused until it can be written.
-            self._trouble.failed(_JOURNAL, error)
+            self._trouble.record_failure(_JOURNAL, error)
 
     def begin_write(self, state: CommandState, *, sure: bool) -> asyncio.Task[OSError | None]:
         """Begin to write a state, forced to disk if ``sure``; the task gives why it failed."""
-        work = partial(self._journal.write, state, sure=sure)
-        task = asyncio.ensure_future(self._write(work, sure=sure))
+        work = partial(self._journal.write_state, state, sure=sure)
+        task = asyncio.ensure_future(self._write_on_disk(work, sure=sure))
         self._writes.add(task)
         task.add_done_callback(self._writes.discard)
         return task
@@ -89,21 +89,21 @@ class JournalWriter:
         error = await writing
         return "" if error is None else f"the gateway cannot write its journal: {error}"
 
-    async def _write(self, work: Callable[[], None], *, sure: bool) -> OSError | None:
+    async def _write_on_disk(self, work: Callable[[], None], *, sure: bool) -> OSError | None:
         try:
             await self._on_disk(work)
         except OSError as error:
-            self._trouble.failed(_JOURNAL, error)
+            self._trouble.record_failure(_JOURNAL, error)
             return error
         if sure:
             # What is not forced to disk proves nothing of it.
-            self._trouble.worked(_JOURNAL)
+            self._trouble.record_success(_JOURNAL)
         return None
 
     async def write_waiting(self) -> None:
         """Try again to write what the disk did not take."""
-        if self._journal.behind or self._trouble.failing(_JOURNAL):
-            await self._write(self._journal.write_waiting, sure=True)
+        if self._journal.behind or self._trouble.is_failing(_JOURNAL):
+            await self._write_on_disk(self._journal.write_waiting, sure=True)
 
     async def close(self) -> None:
         """Finish the writes."""

@@ -23,13 +23,13 @@ class RequestTasks:
         # Held until they end: the event loop keeps only weak references to tasks.
         self._tasks: set[asyncio.Task[None]] = set()
 
-    def spawn(self, work: Coroutine[None, None, None]) -> None:
+    def spawn_task(self, work: Coroutine[None, None, None]) -> None:
         """Begin a request."""
         task = asyncio.create_task(work, name="request of the hub")
         self._tasks.add(task)
-        task.add_done_callback(self._ended)
+        task.add_done_callback(self._handle_end)
 
-    def _ended(self, task: asyncio.Task[None]) -> None:
+    def _handle_end(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and task.exception() is not None:
             log.error("a request failed", exc_info=task.exception())

@@ -44,7 +44,7 @@ class RobotActions:
         Args:
             target: who acts.
             clock: monotonic.
-            report: hears every outcome, until `forget`.
+            report: hears every outcome, until `forget_timer`.
 
         """
         self._target = target  # Who acts.
@@ -62,7 +62,7 @@ class RobotActions:
         """Give the commands that are under way."""
         return self._timers.keys()
 
-    def begin(self, ask: CommandRequest, command: Command, fields: dict[str, Field]) -> None:
+    def begin_action(self, ask: CommandRequest, command: Command, fields: dict[str, Field]) -> None:
         """Ask the robot now."""
         loop = asyncio.get_running_loop()
         # Before the robot is asked: an adapter that answers at once finds the timer it ends.
@@ -75,11 +75,11 @@ class RobotActions:
         if cancel is not None:
             self._cancels[ask.id] = cancel
 
-    def canceller(self, command_id: str) -> Callable[[], None] | None:
+    def canceller_of(self, command_id: str) -> Callable[[], None] | None:
         """Give what asks the robot to end a command early; none where that cannot be asked."""
         return self._cancels.get(command_id)
 
-    def forget(self, command_id: str) -> None:
+    def forget_timer(self, command_id: str) -> None:
         """Keep no time any more for a command that has ended."""
         timer = self._timers.pop(command_id, None)
         if timer is not None:

@@ -20,7 +20,7 @@ import numpy as np
 from talaia.gateway.ports import ChannelReading
 from talaia.gateway.samples.rate_limit import Sampler, SamplingRule
 from talaia.model.connection import DetectionSource, source_as
-from talaia.model.derived_signals import counts_of, detecting, detection_setup_of
+from talaia.model.derived_signals import counts_of, detecting_cameras, detection_setup_of
 from talaia.model.detection import DetectAt
 from talaia.objects.camera_objects import CameraObjects, least_of
 from talaia.objects.errors import DetectorError
@@ -96,7 +96,7 @@ class ObjectDetection:
 
         Args:
             site: the description, with the signals that its cameras imply.
-            numbers: of channels, by address; see `ChannelNumbering.numbers`.
+            numbers: of channels, by address; see `ChannelNumbering.numbers_of`.
             pictures: of the cameras.
             worker: makes the detectors, which tell this how they fare.
             outlet: see `DetectionOutputs`.
@@ -106,7 +106,7 @@ class ObjectDetection:
         # Replaced by `redescribe`; numbers are of channels, by address.
         self._site, self._numbers = site, numbers
         self._pictures = pictures  # Pixels of cameras, kept only while somebody holds them.
-        self._worker = worker(self._fares)  # The detectors' processes, one for each model.
+        self._worker = worker(self._report_model)  # The detectors' processes, one for each model.
         self._outlet = outlet  # Where everything goes that comes of a picture.
         self._clock = clock  # Wall time, for sightings that end without a picture.
         # Pictures are read here: decoding would hold the loop.
@@ -119,7 +119,7 @@ class ObjectDetection:
         self._latest: dict[str, ChannelReading] = {}
         self._running = False  # Cameras are looked at only while `run` runs.
 
-    def counts(self, address: str) -> bool:
+    def is_counted(self, address: str) -> bool:
         """Tell whether a signal counts what a camera sees."""
         device, _, name = address.partition("/")
         described = self._site.devices.get(device)
@@ -133,7 +133,7 @@ class ObjectDetection:
     async def run(self) -> None:
         """Look until cancelled, and end all detectors then."""
         self._running = True
-        self._begin(self._site)
+        self._begin_cameras(self._site)
         try:
             await asyncio.Event().wait()
         finally:
@@ -151,7 +151,7 @@ class ObjectDetection:
         before, self._site, self._numbers = self._site, site, numbers
         self._worker.redescribe(site.object_models)
         for name in list(self._cameras):
-            if _eye(before, name) != _eye(site, name):
+            if _setup_of(before, name) != _setup_of(site, name):
                 self._end(name)
         counted = counts_of(site)
         self._latest = {
@@ -159,29 +159,31 @@ class ObjectDetection:
             for address, reading in self._latest.items()
             if address in counted
             and counted[address][0] in self._cameras
-            and _source(before, address) == _source(site, address)
+            and _source_of(before, address) == _source_of(site, address)
         }
         if self._running:
-            self._begin(site)
-        needed = {detect.model for _, detect in detecting(site) if detect.at is DetectAt.GATEWAY}
+            self._begin_cameras(site)
+        needed = {
+            detect.model for _, detect in detecting_cameras(site) if detect.at is DetectAt.GATEWAY
+        }
         # No camera needs this detector any more: its process takes memory for nothing.
         for model in [turn for turn in self._turns if turn not in needed]:
             del self._turns[model]
-            self._worker.rest(model)
+            self._worker.stop_idle(model)
 
-    def _begin(self, site: Site) -> None:
+    def _begin_cameras(self, site: Site) -> None:
         """Begin with cameras that nobody looks at yet; tell the others for what they count."""
         counted: dict[str, dict[str, _Counted]] = {}
         for address, (stream, _) in counts_of(site).items():
             device, _, name = address.partition("/")
             signal = site.devices[device].signals[name]
             counted.setdefault(stream, {})[address] = _Counted(signal, self._numbers[address])
-        for name, detect in detecting(site):
+        for name, detect in detecting_cameras(site):
             if detect.at is not DetectAt.GATEWAY:
                 continue
             known = self._cameras.get(name)
             if known is not None:
-                known[0].recount(counted.get(name, {}))
+                known[0].apply_counts(counted.get(name, {}))
                 continue
             camera = _Camera(name, detect, counted.get(name, {}), self)
             self._cameras[name] = (camera, asyncio.ensure_future(camera.run()))
@@ -190,9 +192,9 @@ class ObjectDetection:
         _, task = self._cameras.pop(name)
         task.cancel()
 
-    def _fares(self, model: str, why: str) -> None:
+    def _report_model(self, model: str, why: str) -> None:
         """Tell, for each camera of a detector, that it cannot see, or does again."""
-        for name, detect in detecting(self._site):
+        for name, detect in detecting_cameras(self._site):
             if detect.model != model or detect.at is not DetectAt.GATEWAY:
                 continue
             device, _, stream = name.partition("/")
@@ -216,7 +218,9 @@ class ObjectDetection:
         """Wait a while for a picture; see `Pictures.arrived`."""
         return await self.on_thread(partial(self._pictures.arrived, name, since_us, WAIT_S))
 
-    async def seen(self, name: str, detect: Detect) -> tuple[CameraFrame, list[Found]] | None:
+    async def detect_objects(
+        self, name: str, detect: Detect
+    ) -> tuple[CameraFrame, list[Found]] | None:
         """See the newest picture of a camera, when its turn has come.
 
         Raises:
@@ -229,7 +233,7 @@ class ObjectDetection:
             look = await self.on_thread(partial(self._pictures.newest, name))
             if look is None:
                 return None
-            return look, await self._worker.seen(detect.model, look.rgb, least_of(detect))
+            return look, await self._worker.detect_objects(detect.model, look.rgb, least_of(detect))
 
     async def on_thread(self, work: Callable[[], _T]) -> _T:
         """Do what blocks elsewhere."""
@@ -246,7 +250,7 @@ class ObjectDetection:
         if len(columns):
             self._outlet.samples.put_samples(columns)
 
-    def boxes(self, look: CameraFrame, things: Sequence[Found]) -> None:
+    def record_boxes(self, look: CameraFrame, things: Sequence[Found]) -> None:
         """Take what is on a picture."""
         told = [DetectedObject(**thing._asdict()) for thing in things]
         self._outlet.boxes(
@@ -268,26 +272,26 @@ class _Camera:
         # Of the description; another makes another camera.
         self._name, self._detect = name, detect
         self._seeing = seeing  # The site's; it has the detectors and the outlets.
-        # By address: signals that count here; changed by `recount`.
+        # By address: signals that count here; changed by `apply_counts`.
         self._counted: Mapping[str, _Counted] = {}
         self._samplers: dict[str, Sampler] = {}  # By address: what of a count is news.
         self._eyes = CameraObjects(detect, {})  # Sightings and plain counts.
         self._steady = SteadyCounts(detect)  # Counts for interlocks, with hysteresis.
         # Until the detector is asked again (s); doubles while it cannot see.
         self._wait_s = FIRST_WAIT_S
-        self.recount(counted)
+        self.apply_counts(counted)
 
-    def recount(self, counted: Mapping[str, _Counted]) -> None:
+    def apply_counts(self, counted: Mapping[str, _Counted]) -> None:
         """Count for these signals from here on."""
         before, self._counted = self._counted, counted
         # A signal that is the same goes on with its sampler, so that nothing is said twice.
         self._samplers = {
             address: self._samplers[address]
             if address in before and before[address].signal == count.signal
-            else _sampler(count.signal)
+            else _make_sampler(count.signal)
             for address, count in counted.items()
         }
-        self._eyes.recount(_sources(counted))
+        self._eyes.apply_counts(_detection_sources(counted))
 
     async def run(self) -> None:
         """Look until cancelled; what is in sight then has ended."""
@@ -308,7 +312,7 @@ class _Camera:
                 await asyncio.sleep(wait_s)
                 self._pass_time()
         finally:
-            self._seeing.report_sightings(self._name, self._eyes.end())
+            self._seeing.report_sightings(self._name, self._eyes.end_sightings())
 
     async def _watch_pictures(self) -> None:
         """Look at one picture after the other.
@@ -328,7 +332,7 @@ class _Camera:
             since_us, now_s = came_us, loop.time()
             # From the due time, so that the rate is kept in spite of waiting for pictures.
             due_s = (due_s if now_s - due_s < period_s else now_s) + period_s
-            seen = await self._seeing.seen(self._name, self._detect)
+            seen = await self._seeing.detect_objects(self._name, self._detect)
             if seen is not None:
                 look, things = seen
                 since_us, self._wait_s = max(since_us, look.mono_us), FIRST_WAIT_S
@@ -337,15 +341,15 @@ class _Camera:
     def _publish_detections(self, look: CameraFrame, things: Sequence[Found]) -> None:
         gathered = []
         readings = {}
-        sources = _sources(self._counted)
-        steady = self._steady.count(things, sources, look.mono_us)
-        for address, count in self._eyes.count(things).items():
+        sources = _detection_sources(self._counted)
+        steady = self._steady.count_things(things, sources, look.mono_us)
+        for address, count in self._eyes.count_things(things).items():
             counted = self._counted[address]
             value = count * counted.signal.scale
             held = steady[address] * counted.signal.scale
             # Interlocks are told the steady count, pages the plain one.
             readings[address] = ChannelReading(held, look.mono_us * 1000)
-            if self._samplers[address].accepts(look.time_us, (value,)):
+            if self._samplers[address].accept_sample(look.time_us, (value,)):
                 gathered.append((counted.channel, value))
         columns = Columns(
             np.array([channel for channel, _ in gathered], np.uint16),
@@ -354,7 +358,7 @@ class _Camera:
             {},
         )
         self._seeing.publish_counts(columns, readings)
-        self._seeing.boxes(look, things)
+        self._seeing.record_boxes(look, things)
         self._seeing.report_sightings(
             self._name, self._eyes.add_picture(things, look.rgb, look.time_us)
         )
@@ -372,19 +376,19 @@ class ReadingsWithDetections:
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`."""
-        if self._seeing.counts(address):
+        if self._seeing.is_counted(address):
             return self._seeing.latest(address)
         return self._robot.latest(address)
 
 
-def _sampler(signal: Signal) -> Sampler:
+def _make_sampler(signal: Signal) -> Sampler:
     """Keep what changes, and what does not once a second, or as seldom as the signal says."""
     interval_us = round(1e6 / signal.max_rate) if signal.max_rate > 0 else 0
     still = max(signal.deadband, STILL * abs(signal.scale))
     return Sampler(SamplingRule(interval_us, still, max(SILENCE_US, interval_us)))
 
 
-def _eye(site: Site, name: str) -> object:
+def _setup_of(site: Site, name: str) -> object:
     """Give all that decides what is seen on a camera; none where nothing is."""
     device_id, _, stream_id = name.partition("/")
     device = site.devices.get(device_id)
@@ -394,14 +398,14 @@ def _eye(site: Site, name: str) -> object:
     return None if eye is None or eye.detect.at is not DetectAt.GATEWAY else eye
 
 
-def _sources(counted: Mapping[str, _Counted]) -> dict[str, DetectionSource]:
+def _detection_sources(counted: Mapping[str, _Counted]) -> dict[str, DetectionSource]:
     return {
         address: source_as(count.signal.source, DetectionSource)
         for address, count in counted.items()
     }
 
 
-def _source(site: Site, address: str) -> object:
+def _source_of(site: Site, address: str) -> object:
     device, _, name = address.partition("/")
     described = site.devices.get(device)
     signal = None if described is None else described.signals.get(name)

@@ -114,7 +114,7 @@ class DetectionReporter:
         self._due: dict[_Key, None] = {}
         self._wake = asyncio.Event()
         self._complained = False
-        self._kept = {_key(sighting): _Kept(sighting) for sighting in _left(folder)}
+        self._kept = {_key_of(sighting): _Kept(sighting) for sighting in _read_left(folder)}
 
     def report_sighting(self, stream: str, told: SightingNews) -> None:
         """Take news of a sighting on a stream (``device/stream``)."""
@@ -133,7 +133,7 @@ class DetectionReporter:
         kept.seen, kept.sent_s = seen, None
         self._write(key, LINK_FROM_GATEWAY.encode(seen))
         while len(self._kept) > MOST_KEPT:
-            self._forget(min(self._kept, key=lambda one: one.began_us))
+            self._forget_report(min(self._kept, key=lambda one: one.began_us))
         # What has just happened comes before what is told again.
         self._due = {key: None, **self._due}
         self._wake.set()
@@ -160,7 +160,7 @@ class DetectionReporter:
                     await self._wake.wait()
             self._wake.clear()
             while self._takes and self._due:
-                self._send(loop.time())
+                self._send_report(loop.time())
                 # One at a time: what has just happened need not wait for many.
                 while self._lanes.seen_waiting:  # noqa: ASYNC110 - told by nobody
                     await asyncio.sleep(LOOK_S)
@@ -168,7 +168,7 @@ class DetectionReporter:
                 touched = loop.time()
                 self._expire_sightings(touched)
 
-    def _send(self, now_s: float) -> None:
+    def _send_report(self, now_s: float) -> None:
         key = next(iter(self._due))
         del self._due[key]
         kept = self._kept.get(key)
@@ -184,26 +184,26 @@ class DetectionReporter:
         """Forget what the hub has, and keep the time of what is in sight."""
         for key, kept in list(self._kept.items()):
             if not kept.seen.ended_us:
-                self._run_on_disk(partial(os.utime, self._path(key)))
+                self._run_on_disk(partial(os.utime, self._report_path(key)))
             elif (
                 self._takes
                 and kept.sent_s is not None
                 and now_s - kept.sent_s >= self._times.carried
                 and not self._lanes.seen_waiting
             ):
-                self._forget(key)
+                self._forget_report(key)
 
-    def _forget(self, key: _Key) -> None:
+    def _forget_report(self, key: _Key) -> None:
         del self._kept[key]
         self._due.pop(key, None)
-        self._run_on_disk(partial(self._path(key).unlink, missing_ok=True))
+        self._run_on_disk(partial(self._report_path(key).unlink, missing_ok=True))
 
-    def _path(self, key: _Key) -> Path:
+    def _report_path(self, key: _Key) -> Path:
         named = hashlib.sha256(f"{key.stream}\n{key.label}".encode()).hexdigest()[:16]
         return self._folder / f"{key.began_us}-{named}{_ENDING}"
 
     def _write(self, key: _Key, data: bytes) -> None:
-        path = self._path(key)
+        path = self._report_path(key)
 
         def write() -> None:
             self._folder.mkdir(parents=True, exist_ok=True)
@@ -228,11 +228,11 @@ class DetectionReporter:
         self._files.submit(done)
 
 
-def _key(seen: SightingReport) -> _Key:
+def _key_of(seen: SightingReport) -> _Key:
     return _Key(seen.stream, seen.label, seen.began_us)
 
 
-def _left(folder: Path) -> list[SightingReport]:
+def _read_left(folder: Path) -> list[SightingReport]:
     """Read what an earlier run left; what was in sight then has ended when it was touched last."""
     found = []
     for path in sorted(folder.glob("*" + _ENDING))[-MOST_KEPT:]:

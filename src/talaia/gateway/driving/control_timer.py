@@ -14,22 +14,22 @@ __all__ = ["ControlTimer"]
 
 
 class ControlTimer:
-    """Calls `DriveService.step` when it is due. One timer; none while all rests."""
+    """Calls `DriveService.run_due` when it is due. One timer; none while all rests."""
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, clock: Clock, control: DriveService
     ) -> None:
-        """Start at rest; `touch` after anything that may have changed what is due."""
+        """Start at rest; `reset_timer` after anything that may have changed what is due."""
         self._loop = loop
         self._clock = clock
         self._control = control
         # What wakes us next; None while nothing is due.
         self._timer: asyncio.TimerHandle | None = None
         self._due_ns = 0  # When `_timer` rings (monotonic ns); valid only beside a timer.
-        # Set once by `close`, so that a late `touch` sets no timer on a loop that ends.
+        # Set once by `close`, so that a late `reset_timer` sets no timer on a loop that ends.
         self._closed = False
 
-    def touch(self) -> None:
+    def reset_timer(self) -> None:
         """Set the timer anew if what is due has changed."""
         if self._closed:
             return
@@ -39,22 +39,22 @@ class ControlTimer:
                 return
             self._timer.cancel()
             self._timer = None
-        # A due time in the past rings on the loop's next turn, never inside this call: `touch` is
-        # called from within what `step` itself does.
+        # A due time in the past rings on the loop's next turn, never inside this call:
+        # `reset_timer` is called from within what `run_due` itself does.
         if due is not None:
             self._due_ns = due
             wait_s = max(0.0, (due - self._clock.monotonic_ns()) / 1e9)
-            self._timer = self._loop.call_later(wait_s, self._ring)
+            self._timer = self._loop.call_later(wait_s, self._handle_timer)
 
-    def _ring(self) -> None:
-        # A rung timer is spent; left here, `touch` would take it for one that still runs.
+    def _handle_timer(self) -> None:
+        # A rung timer is spent; left here, `reset_timer` would take it for one that still runs.
         self._timer = None
         try:
-            self._control.step()
+            self._control.run_due()
         finally:
             # Also after an error: an exception in one step must not end zeros and lease ends for
             # good.
-            self.touch()
+            self.reset_timer()
 
     def close(self) -> None:
         """Ring no more."""

@@ -62,7 +62,7 @@ class DriveController:
             duration_ns=lease_ns,
             next_epoch=next_epoch,
             output=output,
-            changed=self._changed,
+            changed=self._handle_change,
         )
         self.driving = VelocityLimiter(rule)
         # Of a robot that is driven by characters: what was sent, and what comes next.
@@ -109,25 +109,25 @@ class DriveController:
 
     def lease_state(self, now_ns: int, asked: str = "", refused: str = "") -> LeaseState:
         """Say who holds the device."""
-        return self.lease_protocol.state(now_ns, asked, refused)
+        return self.lease_protocol.lease_state(now_ns, asked, refused)
 
-    def _changed(self, now_ns: int, why: str, *, over: bool) -> None:
+    def _handle_change(self, now_ns: int, why: str, *, over: bool) -> None:
         """Pass through zero: no driver, not even the same one anew, goes on from another's hold."""
-        self._end(now_ns, why)
+        self._end_hold(now_ns, why)
         self._why = ""
         self._noted_refusal = False
         # While STOP is on the zeros come from `_step_stopped`, and no pause has to be added.
         if over and self.latch.latched is None:
-            self.driving.halt(now_ns)
+            self.driving.halt_motion(now_ns)
             self.driving.demand_pause(now_ns + BETWEEN_DRIVERS_NS)
-            self._publish(now_ns)
+            self._publish_demand(now_ns)
 
     # ── driving ──
 
     def on_drive(self, frame: DriveFrame, age_ns: int, now_ns: int) -> None:
         """Take one frame; a wish that is accepted is published before this returns."""
         # The order of these tests is the safety rule: STOP, then interlocks, then the lease.
-        held = self.lease.holder(now_ns)
+        held = self.lease.holder_at(now_ns)
         if self.latch.latched is not None:
             self.driving.demand_rest(now_ns)
             why = "STOP is on"
@@ -142,43 +142,43 @@ class DriveController:
             why = f"{held.who} holds the lease"
         else:
             was_moving = self.driving.moving
-            why = self.driving.offer(frame, held.epoch, age_ns, now_ns)
+            why = self.driving.offer_frame(frame, held.epoch, age_ns, now_ns)
             if not why:
                 self._driver = held.who
                 if not was_moving:
                     self._noted_refusal = False
                     self._why = ""
                     self._output.record_event("drive_started", self.device, "", held.who, good=True)
-                if self.driving.prompt(now_ns):
-                    self._publish(now_ns)
-                self._report(now_ns)
+                if self.driving.is_prompt(now_ns):
+                    self._publish_demand(now_ns)
+                self._report_demand(now_ns)
                 return
         # What `offer` refused it has counted itself; these never reached it.
         if why in {"STOP is on", self._barred} or held is None or held.session != frame.session:
             self.driving.refused += 1
-        self._refuse(why, "" if held is None else held.who)
-        self._report(now_ns)
+        self._record_refusal(why, "" if held is None else held.who)
+        self._report_demand(now_ns)
 
-    def bar(self, why: str, now_ns: int) -> None:
+    def bar_driving(self, why: str, now_ns: int) -> None:
         """Let nobody drive it while an interlock gives this reason; none when it is empty."""
         self._barred = why
         if why and self.driving.moving:
-            self._end(now_ns, why)
+            self._end_hold(now_ns, why)
 
-    def slow(self, share: float) -> None:
+    def limit_speed(self, share: float) -> None:
         """Let it be driven at this share of its limits, 0 to 1; from the next demand on."""
         self.driving.share = share
 
-    def _refuse(self, why: str, who: str) -> None:
+    def _record_refusal(self, why: str, who: str) -> None:
         changed, self._why = why != self._why, why
         if changed and not self._noted_refusal:
             # Once for a hold: a page that drives on in vain must not fill the record.
             self._noted_refusal = True
             self._output.record_event("drive_refused", self.device, why, who, good=False)
 
-    def _publish(self, now_ns: int) -> None:
+    def _publish_demand(self, now_ns: int) -> None:
         was_moving = self.driving.moving
-        demand = self.driving.step(now_ns)
+        demand = self.driving.next_demand(now_ns)
         if demand is not None:
             self._send_demand(demand)
         if was_moving and not self.driving.moving:
@@ -199,15 +199,15 @@ class DriveController:
         Also at the gateway's start, for the one before may have been killed while it drove.
         """
         if self._keys is not None and not self.driving.moving:
-            self.driving.halt(now_ns, HALT_UNKNOWN_S)
+            self.driving.halt_motion(now_ns, HALT_UNKNOWN_S)
 
-    def _end(self, now_ns: int, why: str) -> None:
+    def _end_hold(self, now_ns: int, why: str) -> None:
         """End a hold, if one is on, with zeros."""
         if self.driving.moving:
-            self.driving.halt(now_ns)
+            self.driving.halt_motion(now_ns)
             self._note_end(why)
         if not self.driving.silent:
-            self._publish(now_ns)
+            self._publish_demand(now_ns)
 
     def _note_end(self, why: str) -> None:
         count = f"{self.driving.accepted} frames, {self.driving.refused} refused"
@@ -216,7 +216,7 @@ class DriveController:
             "drive_ended", self.device, f"{why}; {count}", self._driver, good=True
         )
 
-    def _report(self, now_ns: int) -> None:
+    def _report_demand(self, now_ns: int) -> None:
         """Tell the hub what the robot is told, when it changed, at most ten times a second."""
         driving = self.driving
         linear, angular = driving.output if self._keys is None else self._keys.velocity
@@ -244,8 +244,8 @@ class DriveController:
     def on_stop(self, latched: LatchedStop, now_ns: int) -> bool:
         """Stop now and answer; tell whether it was open before, so that it is kept on disk."""
         # Zeros first, then disk and record: nothing may stand before stopping.
-        fresh = self.latch.ask(latched, now_ns)
-        self._end(now_ns, "STOP")
+        fresh = self.latch.request_stop(latched, now_ns)
+        self._end_hold(now_ns, "STOP")
         if fresh:
             self._stopped_ns = now_ns
             self.driving.demand_rest(now_ns)
@@ -258,10 +258,10 @@ class DriveController:
         return fresh
 
     def on_reset(self, who: str, now_ns: int) -> None:
-        # Only the latch opens here; the caller has checked token and disk (`DriveService.reset`).
+        # Only the latch opens here; `DriveService.reset_stop` has checked token and disk.
         """Release STOP, after token and disk; nothing moves by this."""
-        self.latch.open()
-        self.driving.halt(now_ns)
+        self.latch.release_latch()
+        self.driving.halt_motion(now_ns)
         self.driving.demand_rest(now_ns)
         self._output.stop(self.device, stopped=False)
         self._output.record_event("stop_reset", self.device, "", who, good=True)
@@ -291,18 +291,18 @@ class DriveController:
 
     # ── time and link ──
 
-    def vacate(self, now_ns: int, why: str, *, stop_robot: bool) -> None:
+    def end_lease(self, now_ns: int, why: str, *, stop_robot: bool) -> None:
         """End lease and hold; where the description says so, zeros even if nobody drove."""
-        self.lease_protocol.vacate()
+        self.lease_protocol.end_lease()
         was_moving = self.driving.moving
-        self._end(now_ns, why)
-        # Somebody who moved has had zeros from `_end`; this is for a robot nobody drove.
+        self._end_hold(now_ns, why)
+        # Somebody who moved has had zeros from `_end_hold`; this is for a robot nobody drove.
         if stop_robot and not was_moving:
-            self.driving.halt(now_ns)
-            self._publish(now_ns)
+            self.driving.halt_motion(now_ns)
+            self._publish_demand(now_ns)
 
     def due_ns(self) -> int | None:
-        """Give when `step` wants to be called next, or none."""
+        """Give when `run_due` wants to be called next, or none."""
         times = []
         if self.latch.latched is not None:
             times += [self._zero_ns + self._period_ns]
@@ -315,16 +315,16 @@ class DriveController:
             times.append(until)
         return min(times, default=None)
 
-    def step(self, now_ns: int, proofs: Callable[[], list[StandstillProof | None]]) -> None:
+    def run_due(self, now_ns: int, proofs: Callable[[], list[StandstillProof | None]]) -> None:
         """Do what is due: lease that ends, zeros, STOP repeated and judged, reports."""
-        self.lease_protocol.settle(now_ns)
+        self.lease_protocol.settle_due(now_ns)
         if self.latch.latched is not None:
             self._step_stopped(now_ns, proofs)
         else:
             turn = self.driving.due_ns()
             if turn is not None and now_ns >= turn:
-                self._publish(now_ns)
-        self._report(now_ns)
+                self._publish_demand(now_ns)
+        self._report_demand(now_ns)
 
     def _step_stopped(
         self, now_ns: int, proofs: Callable[[], list[StandstillProof | None]]
@@ -332,9 +332,9 @@ class DriveController:
         # The zeros keep the control rate: a robot's own watchdog must see them as from a driver.
         if now_ns - self._zero_ns >= self._period_ns:
             self._say_zero(now_ns)
-            self.driving.step(now_ns)
+            self.driving.next_demand(now_ns)
             early = now_ns - self._stopped_ns <= STOP_OFTEN_NS
             if early or now_ns - self._told_robot_ns >= STOP_SELDOM_NS:
                 self._say_stop(now_ns)
-        if self.latch.judge(proofs(), now_ns):
+        if self.latch.judge_standstill(proofs(), now_ns):
             self._output.send(self.stop_state())

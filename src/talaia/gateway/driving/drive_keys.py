@@ -97,7 +97,8 @@ class KeyCounter:
             self._last = strongest_key(self._drive, *wished)
             return self._last
         targets = [
-            self._target(axis, wish, share, measured[axis]) for axis, wish in enumerate(wished)
+            self._target_count(axis, wish, share, measured[axis])
+            for axis, wish in enumerate(wished)
         ]
         key = self._key_towards(targets)
         # "s" sets both axes to zero at the robot, so both counts as well.
@@ -126,7 +127,7 @@ class KeyCounter:
             return LETTERS[axis][0] if target > count else LETTERS[axis][1]
         return ""
 
-    def _target(self, axis: int, wish: float, share: float, measured: float) -> int:
+    def _target_count(self, axis: int, wish: float, share: float, measured: float) -> int:
         """Give how many characters on an axis, with sign."""
         if wish == 0.0:
             return 0
@@ -134,7 +135,7 @@ class KeyCounter:
         step = self._steps[axis]
         if step is None:
             return sign if share > 0.0 else 0
-        limit = self._limit(axis, sign) * share
+        limit = self._axis_limit(axis, sign) * share
         # A press moves it by one step even when less was asked for, if that is allowed at all.
         # ROUNDING: 0.3 / 0.1 is 2.999… in floating point; floor would lose a step.
         count = min(
@@ -148,7 +149,7 @@ class KeyCounter:
                 count = 0
         return sign * count
 
-    def _limit(self, axis: int, sign: int) -> float:
+    def _axis_limit(self, axis: int, sign: int) -> float:
         drive = self._drive
         if axis == 1:
             return drive.max_turn

@@ -1,6 +1,6 @@
 """All driven devices of a site: gives each message to its controller, sends ticks, keeps time.
 
-Messages are acted on inside the call that brings them; what must be repeated waits for `step`,
+Messages are acted on inside the call that brings them; what must be repeated waits for `run_due`,
 which a timer calls at `due_ns`. Only writing STOP to disk leaves the caller's thread, and it
 never stands before stopping.
 
@@ -104,7 +104,7 @@ class DriveService:
 
     # ── from the hub ──
 
-    def lease(self, ask: LeaseRequest | LeaseForceRequest) -> None:
+    def handle_lease(self, ask: LeaseRequest | LeaseForceRequest) -> None:
         """Take, renew, free, ask for, hand over or force a lease."""
         now = self._clock.monotonic_ns()
         controller = self.controllers.get(ask.device)
@@ -113,7 +113,7 @@ class DriveService:
                 "lease_refused", "", f"no such driven device: {ask.device}", ask.who, good=False
             )
             return
-        before = controller.lease.holder(now)
+        before = controller.lease.holder_at(now)
         try:
             controller.on_lease(ask, now)
         except OSError as error:
@@ -121,23 +121,23 @@ class DriveService:
             refused = f"the gateway cannot write its disk: {error}"
             self._output.send(controller.lease_state(now, ask.session, refused))
             return
-        held = controller.lease.holder(now)
+        held = controller.lease.holder_at(now)
         # Not on a renewal: only a new epoch has a driver who has seen no tick yet.
         if held is not None and (before is None or before.epoch != held.epoch):
             # So that the new driver need not wait for a tick to echo.
-            self._tick(now)
+            self._send_tick(now)
 
-    def drive(self, frame: DriveFrame) -> None:
+    def handle_frame(self, frame: DriveFrame) -> None:
         """Take a driving frame; what is accepted is published before this returns."""
         controller = self.controllers.get(frame.device)
         if controller is not None:
             now = self._clock.monotonic_ns()
-            controller.bar(self._barred(frame.device, now), now)
-            controller.slow(self._share(frame.device, now))
+            controller.bar_driving(self._barred_reason(frame.device, now), now)
+            controller.limit_speed(self._speed_share(frame.device, now))
             controller.measured = self._motion.measured_velocity(controller.rule, now)
             controller.on_drive(frame, self.ticks.age_ns(frame.tick, now), now)
 
-    def stop(self, ask: StopRequest) -> LatchedStop | None:
+    def stop_device(self, ask: StopRequest) -> LatchedStop | None:
         """Stop at once; give what `keep_stop` is to write when it was not stopped before."""
         controller = self.controllers.get(ask.device)
         if controller is None:
@@ -155,13 +155,13 @@ class DriveService:
         """Try again to write each STOP that the disk did not take."""
         await self._stops.write_waiting()
 
-    async def reset(self, ask: ResetRequest) -> None:
+    async def reset_stop(self, ask: ResetRequest) -> None:
         """Give a token, or take it and release STOP."""
         controller = self.controllers.get(ask.device)
         if controller is None:
             return
         now = self._clock.monotonic_ns()
-        held = controller.lease.holder(now)
+        held = controller.lease.holder_at(now)
         token, refused = "", ""
         if held is None or held.session != ask.session or held.epoch != ask.epoch:
             refused = "only who holds the lease may reset STOP"
@@ -175,9 +175,9 @@ class DriveService:
         if refused or not ask.token:
             self._answer_reset(ask, "" if refused else token, refused)
             return
-        await self._release(controller, ask)
+        await self._release_stop(controller, ask)
 
-    async def _release(self, controller: DriveController, ask: ResetRequest) -> None:
+    async def _release_stop(self, controller: DriveController, ask: ResetRequest) -> None:
         # Disk before memory: after a crash between the two it must be stopped, never released.
         was = controller.latch.latched
         if refused := await self._stops.write_release(controller.device):
@@ -194,7 +194,7 @@ class DriveService:
 
     # ── another description ──
 
-    def leave(self, devices: Collection[str]) -> None:
+    def leave_devices(self, devices: Collection[str]) -> None:
         """End leases and holds of devices whose description is about to change, with zeros.
 
         Nobody drives them until `redescribe`, or until this is called with none.
@@ -203,24 +203,24 @@ class DriveService:
         now = self._clock.monotonic_ns()
         for device in devices:
             if (controller := self.controllers.get(device)) is not None:
-                held = controller.lease.holder(now) is not None
-                controller.vacate(now, CHANGING, stop_robot=False)
+                held = controller.lease.holder_at(now) is not None
+                controller.end_lease(now, CHANGING, stop_robot=False)
                 if held:
                     self._output.send(controller.lease_state(now))
 
-    def silent(self, devices: Collection[str]) -> bool:
+    def is_silent(self, devices: Collection[str]) -> bool:
         """Tell whether all zeros of these devices have been published."""
         controllers = [self.controllers[device] for device in devices if device in self.controllers]
         return all(controller.driving.silent for controller in controllers)
 
     def redescribe(self, site: Site, devices: Collection[str]) -> None:
-        """Take another description, after `leave` with the ``devices`` that it touches.
+        """Take another description, after `leave_devices` with the ``devices`` that it touches.
 
         Those that are not touched go on as they were, drivers included. STOP stays where it is.
         """
         now = self._clock.monotonic_ns()
         # Whoever took a lease since then has driven nothing, for it was barred.
-        self.leave([device for device in devices if device in self.controllers])
+        self.leave_devices([device for device in devices if device in self.controllers])
         self._motion.redescribe(site)
         before, self._changing = self.controllers, frozenset()
         self.controllers = {}
@@ -262,7 +262,7 @@ class DriveService:
         self._linked = False
         now = self._clock.monotonic_ns()
         for controller in self.controllers.values():
-            controller.vacate(
+            controller.end_lease(
                 now, "link lost", stop_robot=controller.rule.link_loss is LinkLoss.STOP
             )
         if self._interlocks is not None:
@@ -274,7 +274,7 @@ class DriveService:
         self._away.update(devices)
         for device in devices:
             if (controller := self.controllers.get(device)) is not None:
-                controller.vacate(now, "the robot's side was lost", stop_robot=False)
+                controller.end_lease(now, "the robot's side was lost", stop_robot=False)
                 self._output.send(controller.lease_state(now))
 
     def robot_back(self, devices: Collection[str]) -> None:
@@ -284,19 +284,19 @@ class DriveService:
             if (controller := self.controllers.get(device)) is not None:
                 controller.robot_back(self._clock.monotonic_ns())
 
-    def override(self, ask: OverrideRequest) -> None:
+    def override_interlock(self, ask: OverrideRequest) -> None:
         """Override an interlock for a time, or end that."""
         if self._interlocks is not None:
-            self._interlocks.override(ask, self._clock.monotonic_ns())
+            self._interlocks.handle_override(ask, self._clock.monotonic_ns())
 
-    def halt(self) -> None:
+    def halt_all(self) -> None:
         """End every hold with a zero now: the process is about to end."""
         now = self._clock.monotonic_ns()
         for controller in self.controllers.values():
-            controller.vacate(now, "the gateway ends", stop_robot=False)
+            controller.end_lease(now, "the gateway ends", stop_robot=False)
 
     def due_ns(self) -> int | None:
-        """Give when `step` wants to be called next (monotonic), or none while all rests."""
+        """Give when `run_due` wants to be called next (monotonic), or none while all rests."""
         times = [
             due
             for controller in self.controllers.values()
@@ -308,37 +308,37 @@ class DriveService:
             times.append(look)
         return min(times, default=None)
 
-    def step(self) -> None:
+    def run_due(self) -> None:
         """Do what is due now."""
         now = self._clock.monotonic_ns()
         if self._interlocks is not None:
-            self._interlocks.step(now)
+            self._interlocks.evaluate_all(now)
         for controller in self.controllers.values():
             # Whoever drives when it becomes unsafe is stopped by this, and not by the next frame.
             if controller.driving.moving:
-                controller.bar(self._barred(controller.device, now), now)
-                controller.slow(self._share(controller.device, now))
-            controller.step(now, partial(self._motion.standstill_proofs, controller.rule))
+                controller.bar_driving(self._barred_reason(controller.device, now), now)
+                controller.limit_speed(self._speed_share(controller.device, now))
+            controller.run_due(now, partial(self._motion.standstill_proofs, controller.rule))
         if self._anyone_holds() and now - self.ticks.last_ns >= TICK_NS:
-            self._tick(now)
+            self._send_tick(now)
 
-    def _barred(self, device: str, now_ns: int) -> str:
+    def _barred_reason(self, device: str, now_ns: int) -> str:
         if device in self._changing:
             return CHANGING
         if device in self._away:
             return "the robot's side cannot be reached now"
         if self._interlocks is None:
             return ""
-        return self._interlocks.refusal(device, "drive", now_ns)
+        return self._interlocks.refusal_reason(device, "drive", now_ns)
 
-    def _share(self, device: str, now_ns: int) -> float:
-        return 1.0 if self._interlocks is None else self._interlocks.share(device, now_ns)
+    def _speed_share(self, device: str, now_ns: int) -> float:
+        return 1.0 if self._interlocks is None else self._interlocks.speed_share(device, now_ns)
 
     def _anyone_holds(self) -> bool:
         now = self._clock.monotonic_ns()
         return any(
-            controller.lease.holder(now) is not None for controller in self.controllers.values()
+            controller.lease.holder_at(now) is not None for controller in self.controllers.values()
         )
 
-    def _tick(self, now_ns: int) -> None:
-        self._output.send(ControlTick(tick=self.ticks.next(now_ns)))
+    def _send_tick(self, now_ns: int) -> None:
+        self._output.send(ControlTick(tick=self.ticks.next_tick(now_ns)))

@@ -62,8 +62,8 @@ class LeaseProtocol:
 
         """
         # What time has done by itself comes first, and is told as that.
-        self.settle(now_ns)
-        refused = self._act(ask, now_ns)
+        self.settle_due(now_ns)
+        refused = self._apply_request(ask, now_ns)
         if refused:
             # A renewal that came too late is told, not recorded: each page does that once when it
             # wakes.
@@ -71,72 +71,75 @@ class LeaseProtocol:
             if taking:
                 self._record_event("lease_refused", refused, ask.who)
             forceable = self.lease.may_force(ask.session, now_ns)
-            self._output.send(self.state(now_ns, ask.session, refused, forceable=forceable))
+            self._output.send(self.lease_state(now_ns, ask.session, refused, forceable=forceable))
         else:
-            self._output.send(self.state(now_ns, ask.session))
+            self._output.send(self.lease_state(now_ns, ask.session))
 
-    def _act(self, ask: LeaseRequest | LeaseForceRequest, now_ns: int) -> str:
-        lease, held = self.lease, self.lease.holder(now_ns)
+    def _apply_request(self, ask: LeaseRequest | LeaseForceRequest, now_ns: int) -> str:
+        lease, held = self.lease, self.lease.holder_at(now_ns)
         if isinstance(ask, LeaseForceRequest):
-            refused = lease.force(ask.session, ask.who, now_ns)
+            refused = lease.force_lease(ask.session, ask.who, now_ns)
             if not refused and held is not None:
                 self._record_event("lease_forced", f"from {held.who}", ask.who)
-            return refused or self._given(now_ns, "control was taken by force")
+            return refused or self._record_given(now_ns, "control was taken by force")
         match ask.op:
             case LeaseOp.TAKE:
-                return lease.take_lease(ask.session, ask.who, now_ns) or self._given(
+                return lease.take_lease(ask.session, ask.who, now_ns) or self._record_given(
                     now_ns, "taken anew"
                 )
             case LeaseOp.ASK:
-                return lease.ask(ask.session, ask.who, now_ns) or self._asked(now_ns)
+                return lease.request_lease(ask.session, ask.who, now_ns) or self._record_asked(
+                    now_ns
+                )
             case LeaseOp.ACCEPT:
-                refused = lease.accept(ask.session, now_ns)
-                return refused or self._given(now_ns, "control was handed over")
+                refused = lease.accept_rival(ask.session, now_ns)
+                return refused or self._record_given(now_ns, "control was handed over")
             case LeaseOp.DENY:
-                self._denied(now_ns, lease.deny(ask.session, now_ns), ask.who)
+                self._record_denied(now_ns, lease.deny_rival(ask.session, now_ns), ask.who)
             case LeaseOp.RENEW:
-                return lease.renew(ask.session, now_ns)
+                return lease.renew_lease(ask.session, now_ns)
             case LeaseOp.FREE:
-                if lease.free(ask.session, now_ns):
+                if lease.free_lease(ask.session, now_ns):
                     self._record_event("lease_freed", "", ask.who)
                 # Who freed it may have been the one who asked; that ask is withdrawn, not
                 # unanswered.
-                self._asks = lease.rival(now_ns)
-                self.settle(now_ns, "lease given back")
+                self._asks = lease.rival_at(now_ns)
+                self.settle_due(now_ns, "lease given back")
         return ""
 
-    def _given(self, now_ns: int, why: str) -> str:
-        self._asks = self.lease.rival(now_ns)
-        self._compare(now_ns, why)
+    def _record_given(self, now_ns: int, why: str) -> str:
+        self._asks = self.lease.rival_at(now_ns)
+        self._compare_holder(now_ns, why)
         return ""
 
-    def _asked(self, now_ns: int) -> str:
-        rival = self.lease.rival(now_ns)
+    def _record_asked(self, now_ns: int) -> str:
+        rival = self.lease.rival_at(now_ns)
         if rival is None:
-            return self._given(now_ns, "taken anew")
+            return self._record_given(now_ns, "taken anew")
         if rival != self._asks:
-            held = self.lease.holder(now_ns)
+            held = self.lease.holder_at(now_ns)
             self._record_event("lease_asked", f"of {held.who}" if held else "", rival.who)
         self._asks = rival
         return ""
 
-    def _denied(self, now_ns: int, rival: LeaseRival | None, who: str) -> None:
+    def _record_denied(self, now_ns: int, rival: LeaseRival | None, who: str) -> None:
         if rival is not None:
             self._asks = None
-            # Set before the states go out, so that `settle` does not tell it again as unanswered.
+            # Set before the states go out, so that `settle_due` does not tell it again as
+            # unanswered.
             self._record_event("lease_denied", f"to {rival.who}", who)
             self._in_vain(now_ns, rival, f"{who} keeps control")
 
     def _in_vain(self, now_ns: int, rival: LeaseRival, why: str) -> None:
-        self._output.send(self.state(now_ns))
-        self._output.send(self.state(now_ns, rival.session, why, forceable=True))
+        self._output.send(self.lease_state(now_ns))
+        self._output.send(self.lease_state(now_ns, rival.session, why, forceable=True))
 
-    def settle(self, now_ns: int, why: str = "lease ended") -> None:
+    def settle_due(self, now_ns: int, why: str = "lease ended") -> None:
         """Do what time has decided: a lease that ran out, an ask that nobody answered."""
         lease = self.lease
         # Read before `holder`: reading the rival is what turns an overdue ask into one in vain.
-        asked, self._asks = self._asks, lease.rival(now_ns)
-        held = lease.holder(now_ns)
+        asked, self._asks = self._asks, lease.rival_at(now_ns)
+        held = lease.holder_at(now_ns)
         if held is None and why == "lease ended" and self._had is not None:
             self._record_event("lease_ended", "not renewed", self._had.who)
         # The only place where time gives a lease to somebody; without the disk they get none, and
@@ -144,20 +147,20 @@ class LeaseProtocol:
         try:
             passed = lease.pass_on(now_ns)
         except OSError as error:
-            lease.withdraw()
+            lease.withdraw_rival()
             self._record_event("lease_refused", f"the gateway cannot write its disk: {error}", "")
             passed = False
         if passed:
             self._asks = None
-        if self._compare(now_ns, why):
-            self._output.send(self.state(now_ns))
+        if self._compare_holder(now_ns, why):
+            self._output.send(self.lease_state(now_ns))
         elif asked is not None and self._asks is None and held is not None:
             self._record_event("lease_unanswered", f"by {held.who}", asked.who)
             self._in_vain(now_ns, asked, f"{held.who} has not answered")
 
-    def _compare(self, now_ns: int, why: str) -> bool:
+    def _compare_holder(self, now_ns: int, why: str) -> bool:
         """Tell the controller, once, that another has the lease, the same one anew, or nobody."""
-        had, held = self._had, self.lease.holder(now_ns)
+        had, held = self._had, self.lease.holder_at(now_ns)
         self._had = held
         # By epoch: a session that took its lease anew counts as changed, a renewal does not.
         if (had and had.epoch) == (held and held.epoch):
@@ -171,18 +174,18 @@ class LeaseProtocol:
             self._record_event("lease_granted", came, held.who)
         return True
 
-    def vacate(self) -> None:
+    def end_lease(self) -> None:
         """End it whoever has it or asks for it; the controller has seen to the vehicle."""
-        # Forgotten as told, too: otherwise `settle` would record an end that the caller has
+        # Forgotten as told, too: otherwise `settle_due` would record an end that the caller has
         # recorded.
-        self.lease.drop()
+        self.lease.drop_lease()
         self._had = self._asks = None
 
-    def state(
+    def lease_state(
         self, now_ns: int, asked: str = "", refused: str = "", *, forceable: bool = False
     ) -> LeaseState:
         """Say who holds the device and who asks for it."""
-        held, rival = self.lease.holder(now_ns), self.lease.rival(now_ns)
+        held, rival = self.lease.holder_at(now_ns), self.lease.rival_at(now_ns)
         if held is None:
             return LeaseState(device=self._device, asked=asked, refused=refused)
         return LeaseState(

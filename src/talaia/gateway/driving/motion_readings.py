@@ -30,7 +30,7 @@ class MotionReadings:
     def measured_velocity(self, rule: DriveRule, now_ns: int) -> tuple[float, float]:
         """Give what a robot that is driven by characters says of its motion; NaN for nothing."""
         keys = rule.keys
-        speed, turn = (self._fresh(address, now_ns) for address in (keys.speed, keys.turn))
+        speed, turn = (self._fresh_value(address, now_ns) for address in (keys.speed, keys.turn))
         return speed, turn
 
     def standstill_proofs(self, rule: DriveRule) -> list[StandstillProof | None]:
@@ -47,7 +47,7 @@ class MotionReadings:
             )
         return proofs
 
-    def _fresh(self, address: str, now_ns: int) -> float:
+    def _fresh_value(self, address: str, now_ns: int) -> float:
         reading = self._readings.latest(address) if address else None
         if reading is None:
             return math.nan

@@ -45,11 +45,11 @@ class LeaseEpochs:
         # Last given out, and last reserved; no number above the second is ever given.
         self._last = self._reserved = 0
         try:
-            self._reserve()
+            self._reserve_epochs()
         except OSError as error:
             log.warning("nobody can take a lease: %s: %s", path, error)
 
-    def _reserve(self) -> None:
+    def _reserve_epochs(self) -> None:
         if not self._read:
             self._last = self._reserved = read_whole(self._path, int, lambda: 0)
             self._read = True
@@ -58,7 +58,7 @@ class LeaseEpochs:
         write_in_place(self._path, msgspec.json.encode(self._reserved + _BLOCK))
         self._reserved += _BLOCK
 
-    def next(self) -> int:
+    def next_epoch(self) -> int:
         """Give a number higher than every one before.
 
         Raises:
@@ -67,7 +67,7 @@ class LeaseEpochs:
         """
         # Not tried again at each grant while numbers are left: a full disk stops nobody yet.
         if self._last >= self._reserved:
-            self._reserve()
+            self._reserve_epochs()
         self._last += 1
         return self._last
 
@@ -100,7 +100,7 @@ class PersistentStops:
                 # So that there is room for the first STOP even when the disk is full by then.
                 write_in_place(path, msgspec.json.encode(self._stops))
 
-    def get(self, device: str) -> LatchedStop | None:
+    def find_stop(self, device: str) -> LatchedStop | None:
         """Give who stopped a device, or none. Where that cannot be read, the gateway has."""
         # A waiting one is newer than the disk's.
         kept = self._waiting.get(device) or self._stops.get(device)
@@ -118,11 +118,11 @@ class PersistentStops:
             OSError: it still does not.
 
         """
-        # A copy: `write` removes from it.
+        # A copy: `write_stop` removes from it.
         for device, latched in list(self._waiting.items()):
-            self.write(device, latched)
+            self.write_stop(device, latched)
 
-    def write(self, device: str, latched: LatchedStop | None) -> None:
+    def write_stop(self, device: str, latched: LatchedStop | None) -> None:
         """Remember or forget one; may block on the disk.
 
         Raises:

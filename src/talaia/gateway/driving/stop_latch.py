@@ -56,7 +56,7 @@ class StopLatch:
         # The robot itself has shown that it stands; never taken from what was sent.
         self.confirmed = False
 
-    def ask(self, latched: LatchedStop, now_ns: int) -> bool:
+    def request_stop(self, latched: LatchedStop, now_ns: int) -> bool:
         """Latch; tell whether it was open before. The first who asked stays on record."""
         # A STOP while a reset is being prepared undoes the preparation.
         self._token = None
@@ -67,7 +67,7 @@ class StopLatch:
         self.confirmed = False
         return True
 
-    def judge(self, proofs: Iterable[StandstillProof | None], now_ns: int) -> bool:
+    def judge_standstill(self, proofs: Iterable[StandstillProof | None], now_ns: int) -> bool:
         """Confirm or unconfirm by the newest readings; tell whether that changed.
 
         All must have come after STOP, be fresh, and be within ``below`` of zero. With no reading
@@ -109,7 +109,7 @@ class StopLatch:
             return "the reset was prepared too long ago; begin again"
         return ""
 
-    def open(self) -> None:
+    def release_latch(self) -> None:
         """Release it. This starts no motion: the driver must press anew."""
         self.latched = None
         self.confirmed = False

@@ -42,12 +42,12 @@ class StopWriter:
 
     def latched_stop(self, device: str) -> LatchedStop | None:
         """Give the STOP of a device that an earlier run left, if any."""
-        return self._stops.get(device)
+        return self._stops.find_stop(device)
 
     async def write_stop(self, device: str, latched: LatchedStop) -> None:
         """Write a STOP to disk, so that it survives a restart."""
         try:
-            await self._on_disk(lambda: self._stops.write(device, latched))
+            await self._on_disk(lambda: self._stops.write_stop(device, latched))
         except OSError as error:
             # Latched it is; `write_waiting` tries again.
             problem = f"STOP is on, but cannot be kept over a restart: {error}"
@@ -69,7 +69,7 @@ class StopWriter:
     async def write_release(self, device: str) -> str:
         """Write that STOP is released; say why that cannot be written, if so."""
         try:
-            await self._on_disk(lambda: self._stops.write(device, None))
+            await self._on_disk(lambda: self._stops.write_stop(device, None))
         # The caller leaves it stopped: a release that a restart would undo is none.
         except OSError as error:
             return f"the gateway cannot write its disk: {error}"

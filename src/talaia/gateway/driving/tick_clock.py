@@ -30,7 +30,7 @@ class TickClock:
         self.last = -1  # -1: none yet, so that no echo of one is believed.
         self.last_ns = -TICK_NS  # So that the first mark is due at once.
 
-    def next(self, now_ns: int) -> int:
+    def next_tick(self, now_ns: int) -> int:
         """Make the next mark."""
         self.last += 1
         self.last_ns = now_ns

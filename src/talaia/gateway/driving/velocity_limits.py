@@ -83,7 +83,7 @@ def cap_of_picture(picture_ms: float, *, has_picture: bool) -> float:
 
 
 class VelocityLimiter:
-    """One driven device. `offer` takes frames, `step` says what to publish and when next."""
+    """One driven device: `offer_frame` takes frames, `next_demand` says what to publish."""
 
     def __init__(self, rule: DriveRule) -> None:
         """Start silent: after any restart nothing moves and nothing is said."""
@@ -119,7 +119,7 @@ class VelocityLimiter:
         self._offered_ns = 0
         # What the round trip and the age of the picture allow (0 to 1).
         self._line_cap = 1.0  # min of both, set by each accepted frame.
-        # What interlocks and enclosures allow, 0 to 1; set by `DriveController.slow`.
+        # What interlocks and enclosures allow, 0 to 1; set by `DriveController.limit_speed`.
         self.share = 1.0
         # Round trip of the last accepted frame without the page's own waiting, ms.
         self.loop_ms = 0.0
@@ -148,7 +148,7 @@ class VelocityLimiter:
         """Tell whether there is nothing to publish, zeros included."""
         return self._phase is OutputPhase.SILENT
 
-    def offer(self, frame: DriveFrame, epoch: int, age_ns: int, now_ns: int) -> str:
+    def offer_frame(self, frame: DriveFrame, epoch: int, age_ns: int, now_ns: int) -> str:
         """Take a frame whose session holds the lease, or give the reason for refusing it.
 
         Args:
@@ -159,7 +159,7 @@ class VelocityLimiter:
             now_ns: monotonic.
 
         """
-        why = self._why_not(frame, epoch, age_ns) or self._restless(frame, now_ns)
+        why = self._why_not(frame, epoch, age_ns) or self._restless_reason(frame, now_ns)
         # Refused frames count as well: somebody who holds the key through an interlock is not
         # silent.
         self._offered_ns = now_ns
@@ -209,7 +209,7 @@ class VelocityLimiter:
             return f"the frame is too old ({age_ns // MS} ms)"
         return ""
 
-    def _restless(self, frame: DriveFrame, now_ns: int) -> str:
+    def _restless_reason(self, frame: DriveFrame, now_ns: int) -> str:
         let_go = frame.linear == 0.0 and frame.angular == 0.0
         if now_ns < self._pause_until_ns and not let_go:
             return "the vehicle comes to rest between two drivers"
@@ -229,7 +229,7 @@ class VelocityLimiter:
         """Let nothing move before this time, whoever drives: another takes over."""
         self._pause_until_ns = until_ns
 
-    def halt(self, now_ns: int, seconds: float = 0.0) -> None:
+    def halt_motion(self, now_ns: int, seconds: float = 0.0) -> None:
         """End the hold now: zeros for the stated time, or longer, then silence. No ramp."""
         self._wish = STILL
         self._phase = OutputPhase.ZEROS
@@ -237,7 +237,7 @@ class VelocityLimiter:
         # None makes `due_ns` say at once; the first zero does not wait for its turn.
         self._said_ns = None
 
-    def prompt(self, now_ns: int) -> bool:
+    def is_prompt(self, now_ns: int) -> bool:
         """Tell whether a fresh wish may be published at once instead of at the next turn.
 
         A demand for zero always may, and its repetitions need not. Others have a small credit
@@ -258,7 +258,7 @@ class VelocityLimiter:
         return True
 
     def due_ns(self) -> int | None:
-        """Give when `step` wants to be called next, or none while silent.
+        """Give when `next_demand` wants to be called next, or none while silent.
 
         In a hold the frames themselves set the pace; the turn comes half a period later than
         theirs, so that it only fills in for a frame that is missing.
@@ -277,10 +277,10 @@ class VelocityLimiter:
                 return self._until_ns
         return min(self._said_ns + wait, self._until_ns)
 
-    def step(self, now_ns: int) -> VelocityDemand | None:
+    def next_demand(self, now_ns: int) -> VelocityDemand | None:
         """Give what to publish now, or none for silence."""
         if self._phase is OutputPhase.DRIVING and now_ns >= self._until_ns:
-            self.halt(now_ns)
+            self.halt_motion(now_ns)
         driven = self._phase is OutputPhase.DRIVING and self._wish != STILL
         if driven and now_ns > self._fresh_until_ns:
             # Silence until the zeros, or until a fresh frame: an old wish moves nothing.
@@ -293,24 +293,28 @@ class VelocityLimiter:
             self._output, self._said_ns = STILL, None
             return None
         # Zeros are told without a ramp: stopping is the robot's own brake.
-        self._output = self._next(now_ns) if self._phase is OutputPhase.DRIVING else STILL
+        self._output = self._ramped_demand(now_ns) if self._phase is OutputPhase.DRIVING else STILL
         self._said_ns, self._unsaid = now_ns, False
         return self._output
 
-    def _next(self, now_ns: int) -> VelocityDemand:
+    def _ramped_demand(self, now_ns: int) -> VelocityDemand:
         since = self._period_ns if self._said_ns is None else now_ns - self._said_ns
         # A late turn does not buy a larger jump than two turns' worth.
         seconds = min(max(since, 0), 2 * self._period_ns) / SECOND
         rule = self._rule
-        linear = _ramp(self._output.linear, self._wish.linear, rule.max_acceleration * seconds)
+        linear = _ramp_toward(
+            self._output.linear, self._wish.linear, rule.max_acceleration * seconds
+        )
         turn = rule.max_turn_acceleration * seconds
-        angular = _ramp(self._output.angular, self._wish.angular, turn)
+        angular = _ramp_toward(self._output.angular, self._wish.angular, turn)
         limit = self.cap * (rule.max_speed if linear >= 0 else self._reverse)
         # The cap cuts after the ramp: when the line gets worse, speed falls at once.
-        return VelocityDemand(_within(linear, limit), _within(angular, self.cap * rule.max_turn))
+        return VelocityDemand(
+            _clamp_value(linear, limit), _clamp_value(angular, self.cap * rule.max_turn)
+        )
 
 
-def _ramp(now: float, wish: float, step: float) -> float:
+def _ramp_toward(now: float, wish: float, step: float) -> float:
     """Move from ``now`` toward ``wish`` by at most ``step``; zero is reached at once."""
     if wish == 0.0:
         return 0.0
@@ -318,5 +322,5 @@ def _ramp(now: float, wish: float, step: float) -> float:
     return min(max(wish, now - step), now + step)
 
 
-def _within(value: float, limit: float) -> float:
+def _clamp_value(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)

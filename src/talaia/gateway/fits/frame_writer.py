@@ -74,21 +74,21 @@ class FitsFrameWriter:
             self._problem = f"its format is {form or 'not said'}, and only FITS is kept"
             return
         self._inflate = zlib.decompressobj() if word.endswith(".z") else None
-        await self._on_disk(self._open)
+        await self._on_disk(self._open_file)
 
     async def write(self, data: bytes) -> None:
         """See `FrameSink.write`."""
         if not self._problem:
-            await self._on_disk(lambda: self._write(data))
+            await self._on_disk(lambda: self._write_bytes(data))
 
     async def end(self, problem: str) -> str:
         """See `FrameSink.end`."""
         self._problem = self._problem or problem
         if not self._problem:
-            header = await self._on_disk(self._header)
+            header = await self._on_disk(self._read_header)
             if header is not None:
                 whole = self._complete(header)
-                await self._on_disk(lambda: self._keep(header, whole))
+                await self._on_disk(lambda: self._keep_frame(header, whole))
         if self._problem:
             log.warning("%s: a picture is not kept: %s", self._device, self._problem)
             self._events.report_event("picture_lost", self._problem, device=self._device)
@@ -98,7 +98,7 @@ class FitsFrameWriter:
     async def drop(self) -> None:
         """See `FrameSink.drop`."""
         if self._file is not None:
-            await self._on_disk(self._close)
+            await self._on_disk(self._close_file)
 
     async def _on_disk(self, work: Callable[[], T]) -> T | None:
         """Do disk work; what fails there is the picture's problem, not the connection's."""
@@ -114,14 +114,14 @@ class FitsFrameWriter:
     def _path(self) -> Path:
         return self._folder / "taking.part"
 
-    def _open(self) -> None:
+    def _open_file(self) -> None:
         self._folder.mkdir(parents=True, exist_ok=True)
         # Twice: it is written once as it comes and once with its whole header.
         if shutil.disk_usage(self._folder).free < 2 * self._most + _SPARE_BYTES:
             raise OSError("the gateway's disk is full")
         self._file = self._path.open("w+b")
 
-    def _write(self, data: bytes) -> None:
+    def _write_bytes(self, data: bytes) -> None:
         if self._file is None:
             return
         if self._inflate is not None:
@@ -133,7 +133,7 @@ class FitsFrameWriter:
         self._size += len(data)
         self._file.write(data)
 
-    def _header(self) -> bytes | None:
+    def _read_header(self) -> bytes | None:
         if self._file is None:
             return None
         if self._inflate is not None:
@@ -147,7 +147,7 @@ class FitsFrameWriter:
             data += more
         return data[:length]
 
-    def _keep(self, header: bytes, whole: bytes) -> None:
+    def _keep_frame(self, header: bytes, whole: bytes) -> None:
         """Write it anew with the whole header, and into the outbox."""
         if self._file is None:
             return
@@ -160,7 +160,7 @@ class FitsFrameWriter:
             file.write(bytes(-file.tell() % BLOCK))
         self._outbox.add_file(made, "fits", self._device, self._began_us)
 
-    def _close(self) -> None:
+    def _close_file(self) -> None:
         if self._file is not None:
             self._file.close()
             self._file = None

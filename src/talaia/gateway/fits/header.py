@@ -22,7 +22,7 @@ __all__ = [
     "Value",
     "cards_of",
     "length_of",
-    "rewritten",
+    "rewrite_header",
     "values_of",
 ]
 
@@ -83,11 +83,11 @@ def values_of(header: bytes) -> dict[str, Value]:
     for card in cards_of(header):
         text = card.decode("ascii", "replace")
         if text[8:10] == "= ":
-            found.setdefault(text[:8].strip(), _value(text[10:]))
+            found.setdefault(text[:8].strip(), _read_value(text[10:]))
     return found
 
 
-def _value(text: str) -> Value:
+def _read_value(text: str) -> Value:
     match = _TEXT.match(text.strip())
     if match:
         return match[1].replace("''", "'").rstrip()
@@ -105,12 +105,12 @@ def _value(text: str) -> Value:
     return value if math.isfinite(value) else None
 
 
-def rewritten(header: bytes, cards: Iterable[HeaderCard]) -> bytes:
+def rewrite_header(header: bytes, cards: Iterable[HeaderCard]) -> bytes:
     """Give the header with these cards: in the place of their keyword, or at its end."""
     lines = cards_of(header)
     places = {line[:8].decode("ascii", "replace").strip(): at for at, line in enumerate(lines)}
     for card in cards:
-        line = written(card)
+        line = write_card(card)
         at = places.get(card.key)
         if at is None:
             places[card.key] = len(lines)
@@ -121,7 +121,7 @@ def rewritten(header: bytes, cards: Iterable[HeaderCard]) -> bytes:
     return whole + b" " * (-len(whole) % BLOCK)
 
 
-def written(card: HeaderCard) -> bytes:
+def write_card(card: HeaderCard) -> bytes:
     """Write one card.
 
     Raises:
@@ -130,23 +130,23 @@ def written(card: HeaderCard) -> bytes:
     """
     if not _KEY.match(card.key):
         raise ValueError(f"{card.key!r} is not a FITS keyword")
-    text = f"{card.key:<8}= {_shown(card.value):>20}"
+    text = f"{card.key:<8}= {_format_value(card.value):>20}"
     if isinstance(card.value, str):
-        text = f"{card.key:<8}= {_shown(card.value):<20}"
-    comment = _plain(card.comment)
+        text = f"{card.key:<8}= {_format_value(card.value):<20}"
+    comment = _plain_ascii(card.comment)
     if comment:
         text = f"{text} / {comment}"
     return text[:_CARD].ljust(_CARD).encode("ascii")
 
 
-def _shown(value: Value) -> str:
+def _format_value(value: Value) -> str:
     match value:
         case None:
             return ""
         case bool():
             return "T" if value else "F"
         case str():
-            plain = _plain(value)
+            plain = _plain_ascii(value)
             # A quote counts twice; what would not fit is cut, never split.
             while len(plain.replace("'", "''")) > _LONGEST_TEXT:
                 plain = plain[:-1]
@@ -160,7 +160,7 @@ def _shown(value: Value) -> str:
             return shown if "." in shown or "E" in shown else f"{shown}."
 
 
-def _plain(text: str) -> str:
+def _plain_ascii(text: str) -> str:
     """Only the characters that FITS allows: printable ASCII."""
     spelled = text.replace("°", "deg").replace("²", "2").replace("µ", "u")
     return "".join(letter if " " <= letter <= "~" else "?" for letter in spelled)

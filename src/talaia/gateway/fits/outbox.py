@@ -52,7 +52,7 @@ class ArchiveOutbox:
 
         """
         self._folder.mkdir(parents=True, exist_ok=True)
-        digest, size = _digest(made)
+        digest, size = _digest_file(made)
         # Names sort by time, so that the oldest goes first.
         name = f"{time_us:016x}{secrets.token_hex(8)}"
         offer = ArchiveOffer(
@@ -73,25 +73,25 @@ class ArchiveOutbox:
                 if (offer := _read_offer(path))
             ]
 
-    def path(self, file: str) -> Path:
+    def file_path(self, file: str) -> Path:
         """Say where a file is."""
         return self._folder / f"{file}.bin"
 
-    def read(self, file: str, offset: int, size: int) -> bytes:
+    def read_part(self, file: str, offset: int, size: int) -> bytes:
         """Read a part.
 
         Raises:
             OSError: it cannot be read.
 
         """
-        with self.path(file).open("rb") as data:
+        with self.file_path(file).open("rb") as data:
             data.seek(offset)
             return data.read(size)
 
     def remove(self, file: str) -> None:
         """Forget a file: the hub has it."""
         with self._turn:
-            self._drop(file)
+            self._delete_file(file)
 
     def refuse(self, file: str) -> None:
         """Keep a file that the hub does not take, but offer it no more."""
@@ -100,9 +100,9 @@ class ArchiveOutbox:
             if note.exists():
                 note.rename(note.with_suffix(".refused"))
 
-    def _drop(self, file: str) -> None:
+    def _delete_file(self, file: str) -> None:
         (self._folder / f"{file}.json").unlink(missing_ok=True)
-        self.path(file).unlink(missing_ok=True)
+        self.file_path(file).unlink(missing_ok=True)
 
     def _make_room(self, wanted: int) -> None:
         waiting = sorted(self._folder.glob("*.bin"))
@@ -112,7 +112,7 @@ class ArchiveOutbox:
                 return
             taken -= path.stat().st_size
             log.warning("the outbox is full: %s is dropped before the hub had it", path.stem)
-            self._drop(path.stem)
+            self._delete_file(path.stem)
             path.with_suffix(".refused").unlink(missing_ok=True)
 
 
@@ -127,7 +127,7 @@ def _read_offer(path: Path) -> ArchiveOffer | None:
     return offer if whole else None
 
 
-def _digest(path: Path) -> tuple[str, int]:
+def _digest_file(path: Path) -> tuple[str, int]:
     digest = hashlib.sha256()
     with path.open("rb") as file:
         while data := file.read(1024 * 1024):

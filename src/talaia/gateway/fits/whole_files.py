@@ -16,7 +16,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.gateway.errors import FieldError
-from talaia.gateway.fits.header import BLOCK, HeaderCard, NotFits, length_of, rewritten, values_of
+from talaia.gateway.fits.header import (
+    BLOCK,
+    HeaderCard,
+    NotFits,
+    length_of,
+    rewrite_header,
+    values_of,
+)
 from talaia.gateway.persistence import write_whole
 
 if TYPE_CHECKING:
@@ -29,7 +36,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import EventSink
     from talaia.model.interlocks.enclosure import Place
 
-__all__ = ["MOST_WAITING", "WholeFiles", "completed"]
+__all__ = ["MOST_WAITING", "WholeFiles", "complete_header"]
 
 log = logging.getLogger(__name__)
 # So many files may wait in memory for a slow disk.
@@ -40,7 +47,7 @@ _REMEMBERED = 16
 _SPARE_BYTES = 256 * 1024 * 1024
 
 
-def completed(header: bytes, site: str, device: str, place: Place | None) -> bytes:
+def complete_header(header: bytes, site: str, device: str, place: Place | None) -> bytes:
     """Give a picture's header with site and camera; what the camera wrote of the site stays.
 
     The same header gives the same bytes, whenever it is asked for.
@@ -61,7 +68,7 @@ def completed(header: bytes, site: str, device: str, place: Place | None) -> byt
         HeaderCard("ORIGIN", "Talaia", "control room that kept this file"),
         HeaderCard("TALAIADV", device, "site and device of the camera"),
     ]
-    return rewritten(header, [*ours, *(card for card in cards if card.key not in known)])
+    return rewrite_header(header, [*ours, *(card for card in cards if card.key not in known)])
 
 
 class _File(NamedTuple):
@@ -129,13 +136,13 @@ class WholeFiles:
     def _keep(self, file: _File) -> None:
         data = file.read()
         digest = hashlib.sha256(data).hexdigest()
-        known = self._known().setdefault(file.device, [])
+        known = self._known_digests().setdefault(file.device, [])
         if digest in known:
             return
         length = length_of(data[: 1024 * BLOCK])
         if length is None or length > len(data):
             raise NotFits("the picture is not FITS: it ends in its header")
-        header = completed(data[:length], self._site, file.device, self._place)
+        header = complete_header(data[:length], self._site, file.device, self._place)
         self._folder.mkdir(parents=True, exist_ok=True)
         if shutil.disk_usage(self._folder).free < len(data) + _SPARE_BYTES:
             raise OSError("the gateway's disk is full")
@@ -157,7 +164,7 @@ class WholeFiles:
     def _path(self) -> Path:
         return self._folder / "seen.json"
 
-    def _known(self) -> dict[str, list[str]]:
+    def _known_digests(self) -> dict[str, list[str]]:
         if self._seen is None:
             try:
                 self._seen = msgspec.json.decode(self._path.read_bytes(), type=dict[str, list[str]])

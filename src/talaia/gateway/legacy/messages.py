@@ -86,7 +86,7 @@ class NewestValues:
             self._values[channel] = _Value(value, columns.texts.get(index, ""), now)
         self._onward.put_samples(columns)
 
-    def of(self, address: str, signal: Signal, now_ns: int) -> str:
+    def value_word(self, address: str, signal: Signal, now_ns: int) -> str:
         """Give a signal's newest value as a word; see `UNKNOWN`."""
         found = self._values.get(self._first[address])
         # By the monotonic clock, as everywhere: a value that is too old is not shown as one.
@@ -123,7 +123,7 @@ def status_of(
                 word = text.strip()
                 said[signal_id] = word if word in source.messages else text
             else:
-                said[signal_id] = newest.of(address, signal, now_ns)
+                said[signal_id] = newest.value_word(address, signal, now_ns)
         status[device_id] = said
     return status
 
@@ -154,7 +154,7 @@ def read_message(text: str | bytes, site: Site) -> list[LegacyAction]:
         if device is None:
             # Cut: what a client says comes back in the answer and stands in the log.
             raise LegacyRequestError(
-                f"there is no device {device_id[:60]!r}: {_list(site.devices)}"
+                f"there is no device {device_id[:60]!r}: {_expected_list(site.devices)}"
             )
         asks = found.get("action") if isinstance(found, dict) else None
         if not isinstance(asks, dict) or not asks:
@@ -162,20 +162,22 @@ def read_message(text: str | bytes, site: Site) -> list[LegacyAction]:
         for name, parameters in asks.items():
             command = device.commands.get(name)
             if command is None:
-                known = _list(device.commands)
+                known = _expected_list(device.commands)
                 raise LegacyRequestError(f"{device_id} has no action {name[:60]!r}: {known}")
             said = f"{device_id}/{name}"
-            actions.append(LegacyAction(device_id, name, _args(said, command, parameters)))
+            actions.append(
+                LegacyAction(device_id, name, _split_arguments(said, command, parameters))
+            )
     if len(actions) > MAX_ACTIONS:
         raise LegacyRequestError(f"{len(actions)} actions in one message; at most {MAX_ACTIONS}")
     return actions
 
 
-def _list(known: Mapping[str, object]) -> str:
+def _expected_list(known: Mapping[str, object]) -> str:
     return f"expected one of {', '.join(known)}" if known else "there is none"
 
 
-def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
+def _split_arguments(where: str, command: Command, parameters: object) -> dict[str, Field]:
     """Cut the one text into the command's arguments, in the order of the description."""
     # A truth first, for it is an int to Python.
     if isinstance(parameters, bool) or not isinstance(parameters, str | int | float):
@@ -193,13 +195,13 @@ def _args(where: str, command: Command, parameters: object) -> dict[str, Field]:
         names = " ".join(argument.upper() for argument in arguments) or "nothing"
         raise LegacyRequestError(f"{where}: {len(words)} parameters; expected {names}")
     return {
-        name: _typed(where, name, argument.type, word)
+        name: _read_typed(where, name, argument.type, word)
         # Fewer words than arguments: the others have their defaults.
         for (name, argument), word in zip(arguments.items(), words, strict=False)
     }
 
 
-def _typed(where: str, name: str, kind: ArgumentType, word: str) -> Field:
+def _read_typed(where: str, name: str, kind: ArgumentType, word: str) -> Field:
     match kind:
         case ArgumentType.TEXT:
             return word

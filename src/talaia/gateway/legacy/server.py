@@ -88,7 +88,7 @@ def keys_of(settings: LegacySettings, data: Path) -> LegacyCredentials:
                 _make_certificate(certificate, key)
         token_file = settings.token_file or data / "classic.token"
         if settings.token_file is None and not token_file.exists():
-            _write(token_file, secrets.token_urlsafe(24).encode() + b"\n")
+            _write_private(token_file, secrets.token_urlsafe(24).encode() + b"\n")
         token = token_file.read_text().strip()
         # No certificate is asked of clients: they say the token.
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
@@ -104,7 +104,7 @@ def keys_of(settings: LegacySettings, data: Path) -> LegacyCredentials:
     return LegacyCredentials(context, token, hashlib.sha256(der).hexdigest())
 
 
-def _write(path: Path, data: bytes) -> None:
+def _write_private(path: Path, data: bytes) -> None:
     # `O_EXCL` and the mode at once: nobody reads it in between, and no link put there is followed.
     file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     with os.fdopen(file, "wb") as opened:
@@ -122,8 +122,8 @@ def _make_certificate(certificate: Path, key: Path) -> None:
     made, secret = self_signed()
     # The key first: only the certificate is looked for, so a crash between makes both anew.
     key.unlink(missing_ok=True)
-    _write(key, secret)
-    _write(certificate, made)
+    _write_private(key, secret)
+    _write_private(certificate, made)
 
 
 class LegacyServer:
@@ -164,11 +164,11 @@ class LegacyServer:
         host, port = self._settings.host, self._settings.port
         try:
             server = await serve(
-                self._serve,
+                self._serve_client,
                 host,
                 port,
                 ssl=self._keys.context,
-                process_request=self._admit,
+                process_request=self._admit_client,
                 # Longer messages end the connection before they are in memory whole.
                 max_size=MAX_MESSAGE,
                 # So many wait unread; then TCP holds the client back.
@@ -192,22 +192,22 @@ class LegacyServer:
 
     # ── who comes in ──
 
-    async def _admit(self, socket: ServerConnection, request: Request) -> Response | None:
+    async def _admit_client(self, socket: ServerConnection, request: Request) -> Response | None:
         # Before the token is looked at, so that a crowd costs next to nothing.
         if len(self._clients) >= MAX_CLIENTS:
             return socket.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
-        if self._known(request):
+        if self._has_token(request):
             return None
         async with self._wrong:
             # Slept within the lock, and only by those who are wrong: others come in meanwhile.
             await asyncio.sleep(WRONG_S)
-        self._events.report_event("classic_refused", f"a wrong token from {_from(socket)}")
+        self._events.report_event("classic_refused", f"a wrong token from {_address_of(socket)}")
         response = socket.respond(HTTPStatus.UNAUTHORIZED, "give the token\n")
         # So that an old browser asks for a password, which is the token.
         response.headers["WWW-Authenticate"] = 'Basic realm="observatory"'
         return response
 
-    def _known(self, request: Request) -> bool:
+    def _has_token(self, request: Request) -> bool:
         """Look for the token: Bearer, the password of Basic, or ``?token=`` for old browsers."""
         given = ""
         kind, _, value = request.headers.get("Authorization", "").partition(" ")
@@ -227,17 +227,17 @@ class LegacyServer:
 
     # ── what is said ──
 
-    async def _serve(self, socket: ServerConnection) -> None:
+    async def _serve_client(self, socket: ServerConnection) -> None:
         self._clients.add(socket)
         try:
-            await self._talk(socket)
+            await self._answer_messages(socket)
         # A client that goes away is no error; what it asked for goes on.
         except ConnectionClosed:
             pass
         finally:
             self._clients.discard(socket)
 
-    async def _talk(self, socket: ServerConnection) -> None:
+    async def _answer_messages(self, socket: ServerConnection) -> None:
         loop = asyncio.get_running_loop()
         # The loop's clock is monotonic.
         second, count, mistakes = loop.time(), 0, 0
@@ -253,7 +253,7 @@ class LegacyServer:
             try:
                 actions = read_message(message, self._site)
                 for action in actions:
-                    said = await self._act(action, socket)
+                    said = await self._begin_action(action, socket)
                     told = answer.setdefault("action", {})
                     if isinstance(told, dict):
                         told.setdefault(action.device, {})[action.command] = said
@@ -267,7 +267,7 @@ class LegacyServer:
                 await socket.close(1008, "too many messages that mean nothing")
                 return
 
-    async def _act(self, action: LegacyAction, socket: ServerConnection) -> str:
+    async def _begin_action(self, action: LegacyAction, socket: ServerConnection) -> str:
         """Begin a command; tell whether it began, in the words for people."""
         ask = CommandRequest(
             # Random: no id comes twice, also over restarts.
@@ -276,15 +276,15 @@ class LegacyServer:
             command=action.command,
             args=action.args,
             ttl_ms=5000,
-            who=f"founding client at {_from(socket)}",
+            who=f"founding client at {_address_of(socket)}",
         )
-        await self._commands.ask(ask)
-        state = self._commands.state(ask.id)
+        await self._commands.handle_request(ask)
+        state = self._commands.command_state(ask.id)
         if state is None or state.phase is CommandPhase.REFUSED:
             return f"refused: {'' if state is None else state.message}"
         return str(state.phase)
 
 
-def _from(socket: ServerConnection) -> str:
+def _address_of(socket: ServerConnection) -> str:
     address = socket.remote_address
     return str(address[0]) if address else "nowhere"

@@ -53,25 +53,25 @@ class OwnNotices:
         self._events = events
         # What stands, and when it is told next.
         self._standing = StandingNotices(settings, teller)
-        # Held here, for asyncio alone would let them go; `finish` waits for them.
+        # Held here, for asyncio alone would let them go; `send_due` waits for them.
         self._sending: set[asyncio.Task[None]] = set()
 
     def hear_enclosure(self, state: EnclosureState) -> None:
         """Take how an enclosure stands."""
         if state.why:
-            self.stand(state.enclosure, state.why)
+            self.raise_notice(state.enclosure, state.why)
         else:
-            self.clear(state.enclosure)
+            self.clear_notice(state.enclosure)
 
-    def stand(self, what: str, message: str) -> None:
+    def raise_notice(self, what: str, message: str) -> None:
         """Take that something critical stands, or stands in other words."""
         # Monotonic for what is due; wall time for people.
         now = self._clock.monotonic_ns()
-        self._standing.stand(what, message, self._clock.wall_ns() // 1000, now)
+        self._standing.raise_notice(what, message, self._clock.wall_ns() // 1000, now)
 
-    def clear(self, what: str, message: str = "") -> None:
+    def clear_notice(self, what: str, message: str = "") -> None:
         """Take that it stands no longer; ``message`` says what has become of it."""
-        self._standing.clear(what, self._clock.wall_ns() // 1000, message)
+        self._standing.clear_notice(what, self._clock.wall_ns() // 1000, message)
 
     async def run(self) -> None:
         """Go on until cancelled."""
@@ -79,18 +79,18 @@ class OwnNotices:
             self._send_due()
             await asyncio.sleep(LOOK_S)
 
-    async def finish(self) -> None:
+    async def send_due(self) -> None:
         """Send what is due, and wait until each way has taken it or failed."""
         self._send_due()
         await asyncio.gather(*self._sending)
 
     def _send_due(self) -> None:
-        for notice in self._standing.due(self._clock.monotonic_ns(), linked=self._linked()):
-            task = asyncio.ensure_future(self._send(notice))
+        for notice in self._standing.due_notices(self._clock.monotonic_ns(), linked=self._linked()):
+            task = asyncio.ensure_future(self._send_everywhere(notice))
             self._sending.add(task)
             task.add_done_callback(self._sending.discard)
 
-    async def _send(self, notice: GatewayNotice) -> None:
+    async def _send_everywhere(self, notice: GatewayNotice) -> None:
         outcomes = await send_notice(self._settings, self._site, notice)
         for way, problem in outcomes.items():
             good = not problem

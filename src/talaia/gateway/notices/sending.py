@@ -37,7 +37,7 @@ async def send_notice(settings: NoticeSettings, site: str, notice: GatewayNotice
         # Threads of their own, for these libraries block.
         ways[name] = asyncio.to_thread(_send_mail, mail, site, notice)
     for index, hook in enumerate(settings.webhook):
-        ways[f"webhook {index + 1}"] = asyncio.to_thread(_post, hook, site, notice)
+        ways[f"webhook {index + 1}"] = asyncio.to_thread(_post_notice, hook, site, notice)
     for index, command in enumerate(settings.command):
         name = f"command {index + 1} ({command.words[0]})"
         ways[name] = _run_command(command, site, notice)
@@ -51,22 +51,22 @@ async def send_notice(settings: NoticeSettings, site: str, notice: GatewayNotice
     return said
 
 
-def _title(site: str, notice: GatewayNotice) -> str:
+def _notice_title(site: str, notice: GatewayNotice) -> str:
     # In one line: a break would not be allowed in a mail's subject.
     return f"{site}: {notice.message}".replace("\n", " ")[:200]
 
 
-def _body(site: str, notice: GatewayNotice) -> str:
+def _notice_body(site: str, notice: GatewayNotice) -> str:
     moment = dt.datetime.fromtimestamp(notice.time_us / 1e6, dt.UTC)
-    return f"{moment:%Y-%m-%d %H:%M:%S} UTC  {_title(site, notice)}\n\n{notice.teller}"
+    return f"{moment:%Y-%m-%d %H:%M:%S} UTC  {_notice_title(site, notice)}\n\n{notice.teller}"
 
 
-def _json(site: str, notice: GatewayNotice) -> bytes:
+def _notice_json(site: str, notice: GatewayNotice) -> bytes:
     return json.dumps(
         {
             "key": notice.key,
-            "title": _title(site, notice),
-            "body": _body(site, notice),
+            "title": _notice_title(site, notice),
+            "body": _notice_body(site, notice),
             "severity": "critical",
             "sites": [site],
             "time_us": notice.time_us,
@@ -78,10 +78,10 @@ def _json(site: str, notice: GatewayNotice) -> bytes:
 def _send_mail(way: MailWay, site: str, notice: GatewayNotice) -> None:
     message = EmailMessage()
     message["From"], message["To"] = way.sender, ", ".join(way.to)
-    message["Subject"] = _title(site, notice)
+    message["Subject"] = _notice_title(site, notice)
     # A domain of its own: the default asks the network for this machine's name, which may hang.
     message["Date"], message["Message-ID"] = formatdate(), make_msgid(domain="talaia.invalid")
-    message.set_content(_body(site, notice))
+    message.set_content(_notice_body(site, notice))
     # Read for each mail, so that it can be changed while the gateway runs.
     password = secret_of(way.password_file, way.password_env)
     # Checks name and authority; without it a password could go to anybody.
@@ -109,13 +109,13 @@ class _NoRedirect(urllib.request.HTTPRedirectHandler):
         return None
 
 
-def _post(way: WebhookWay, site: str, notice: GatewayNotice) -> None:
+def _post_notice(way: WebhookWay, site: str, notice: GatewayNotice) -> None:
     # The same key for the same notice, so that a receiver can drop what comes twice.
     headers = {"Content-Type": "application/json", "Idempotency-Key": notice.key}
     if token := secret_of(way.token_file, way.token_env):
         headers["Authorization"] = f"Bearer {token}"
     # The settings take http and https only.
-    request = urllib.request.Request(way.url, _json(site, notice), headers, method="POST")  # noqa: S310
+    request = urllib.request.Request(way.url, _notice_json(site, notice), headers, method="POST")  # noqa: S310
     with urllib.request.build_opener(_NoRedirect).open(request, timeout=WITHIN_S):
         pass
 
@@ -127,7 +127,7 @@ async def _run_command(way: CommandWay, site: str, notice: GatewayNotice) -> Non
     try:
         async with asyncio.timeout(WITHIN_S):
             # On its input, not in its arguments, which everybody on the machine can see.
-            await process.communicate(_json(site, notice))
+            await process.communicate(_notice_json(site, notice))
     finally:
         # Also when it is cancelled: no program is left behind.
         if process.returncode is None:

@@ -55,11 +55,11 @@ class StandingNotices:
         self._settings = settings
         self._teller = teller
         self._standing: dict[str, _Standing] = {}  # By what it is about.
-        # What is over, and was told while it stood; until the next `due`.
+        # What is over, and was told while it stood; until the next `due_notices`.
         self._over: list[GatewayNotice] = []
-        self._linked = False  # How it was at the last `due`.
+        self._linked = False  # How it was at the last `due_notices`.
 
-    def stand(self, what: str, message: str, time_us: int, now_ns: int) -> None:
+    def raise_notice(self, what: str, message: str, time_us: int, now_ns: int) -> None:
         """Take that something stands (again with other words: it goes on)."""
         known = self._standing.get(what)
         if known is None:
@@ -67,7 +67,7 @@ class StandingNotices:
         else:
             known.message = message
 
-    def clear(self, what: str, time_us: int, message: str = "") -> None:
+    def clear_notice(self, what: str, time_us: int, message: str = "") -> None:
         """Take that it stands no longer: whoever was told of it is told that, too.
 
         ``message`` says what has become of it, where *over* is not all.
@@ -81,7 +81,7 @@ class StandingNotices:
                 GatewayNotice(key, what, said, time_us, over=True, teller=self._teller)
             )
 
-    def due(self, now_ns: int, *, linked: bool) -> list[GatewayNotice]:
+    def due_notices(self, now_ns: int, *, linked: bool) -> list[GatewayNotice]:
         """Give what is to be told now; nothing while the hub has a link."""
         if linked:
             self._linked = True

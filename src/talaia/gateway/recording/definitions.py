@@ -75,11 +75,11 @@ def definition_of(type_name: str, fields_of: Callable[[str], Mapping[str, str]])
             continue
         if len(texts) > _CHAIN:
             raise NoDefinition(f"{type_name} is made of more than {_CHAIN} types")
-        text = _file(name)
+        text = _definition_file(name)
         if text is None:
             text = _definition_text(fields_of(name))
         texts[name] = text
-        wanted += _parts(text, name.split("/", 1)[0])
+        wanted += _part_types(text, name.split("/", 1)[0])
     own, *others = texts.items()
     parts = [own[1].rstrip("\n")]
     for name, text in others:
@@ -88,7 +88,7 @@ def definition_of(type_name: str, fields_of: Callable[[str], Mapping[str, str]])
     return "\n".join(parts) + "\n"
 
 
-def _file(name: str) -> str | None:
+def _definition_file(name: str) -> str | None:
     package, _, short = name.split("/")
     prefixes = [*os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep), sys.prefix]
     for prefix in prefixes:
@@ -98,7 +98,7 @@ def _file(name: str) -> str | None:
     return None
 
 
-def _parts(text: str, package: str) -> list[str]:
+def _part_types(text: str, package: str) -> list[str]:
     """Name the types that a text is made of, in its order."""
     found = []
     for line in text.splitlines():
@@ -116,18 +116,18 @@ def _parts(text: str, package: str) -> list[str]:
 
 
 def _definition_text(fields: Mapping[str, str]) -> str:
-    lines = [f"{_word(kind)} {name}" for name, kind in fields.items()]
+    lines = [f"{_element_type(kind)} {name}" for name, kind in fields.items()]
     return "\n".join(lines) + "\n"
 
 
-def _word(kind: str) -> str:
+def _element_type(kind: str) -> str:
     sequence = _SEQUENCE.match(kind)
     if sequence is not None:
         most = f"<={sequence['most']}" if sequence["most"] else ""
-        return f"{_word(sequence['of'])}[{most}]"
+        return f"{_element_type(sequence['of'])}[{most}]"
     array = _ARRAY.match(kind)
     if array is not None:
-        return f"{_word(array['of'])}[{array['size']}]"
+        return f"{_element_type(array['of'])}[{array['size']}]"
     string = _STRING.match(kind)
     if string is not None:
         return f"{string['of']}<={string['most']}"

@@ -71,18 +71,18 @@ class FilmFile:
             )
             self._stream.time_base = _MICROS
         try:
-            self.add(first)
+            self.add_picture(first)
         except BaseException:
-            self.drop()
+            self.drop_file()
             raise
 
-    def fits(self, picture: PictureFrame) -> bool:
+    def may_follow(self, picture: PictureFrame) -> bool:
         """Tell whether a picture may follow: it is later, and of the same size."""
         same = (picture.width, picture.height) == (self.width, self.height)
         return same and picture.time_us > self.end_us
 
-    def add(self, picture: PictureFrame) -> None:
-        """Write a picture that `fits`.
+    def add_picture(self, picture: PictureFrame) -> None:
+        """Write a picture that `may_follow`.
 
         Raises:
             OSError: the disk is full, or worse.
@@ -100,7 +100,7 @@ class FilmFile:
         self.pictures += 1
         self.size += len(picture.data)
 
-    def finish(self, part: Path, whole: Path) -> None:
+    def finish_file(self, part: Path, whole: Path) -> None:
         """Close ``part``, and write the same to ``whole`` as it is to stay.
 
         Raises:
@@ -111,7 +111,7 @@ class FilmFile:
             self._container.close()
         recover_film(part, whole)
 
-    def drop(self) -> None:
+    def drop_file(self) -> None:
         """Close as it is."""
         with contextlib.suppress(OSError), _translated_errors():
             self._container.close()
@@ -133,7 +133,7 @@ def recover_film(broken: Path, whole: Path) -> RecoveredFile:
             target.metadata.update(source.metadata)
             copy = target.add_stream_from_template(stream)
             copy.time_base = stream.time_base
-            for packet in _packets(source, stream):
+            for packet in _read_packets(source, stream):
                 # FFmpeg ends a stream with an empty packet; a torn one has no time.
                 if packet.pts is None or packet.is_corrupt or not packet.size:
                     continue
@@ -148,7 +148,7 @@ def recover_film(broken: Path, whole: Path) -> RecoveredFile:
     return RecoveredFile(count, begin_us + last)
 
 
-def _packets(
+def _read_packets(
     source: av.container.InputContainer, stream: av.VideoStream
 ) -> Iterator[av.Packet[av.VideoStream]]:
     # 0 becomes a picture in 1970 nowhere: without pictures it is never kept.

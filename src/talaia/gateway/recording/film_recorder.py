@@ -61,7 +61,8 @@ class FilmRecorder:
         self._plan = plan  # Of the description; another one makes another recorder.
         self._shelf = shelf  # Folder of films.
         self._clock = clock  # Monotonic for ends, wall only in the pictures.
-        self._changed = changed  # Called without the lock, for it may ask `rolling` or `wanted`.
+        # Called without the lock, for it may ask `rolling_cameras` or `wanted_cameras`.
+        self._changed = changed
         # Guards all that follows, and wakes the writing thread.
         self._wake = threading.Condition()
         self._writer = FilmWriter(
@@ -84,7 +85,7 @@ class FilmRecorder:
         self._looked_ns = 0
         # Filmed with each recording.
         self._cameras = frozenset(cameras)
-        self._thread = threading.Thread(target=self._run, name="talaia-films", daemon=True)
+        self._thread = threading.Thread(target=self._write_loop, name="talaia-films", daemon=True)
 
     @property
     def problem(self) -> str:
@@ -111,18 +112,18 @@ class FilmRecorder:
 
     # ── what is asked for ──
 
-    def wanted(self) -> frozenset[str]:
+    def wanted_cameras(self) -> frozenset[str]:
         """Name the cameras that must be read for films."""
         with self._wake:
             held = self._cameras if self._plan.before > 0 else frozenset()
             return held | {name for name, reel in self._reels.items() if reel.rolling}
 
-    def rolling(self) -> list[str]:
+    def rolling_cameras(self) -> list[str]:
         """Name the cameras that are being filmed."""
         with self._wake:
             return sorted(name for name, reel in self._reels.items() if reel.rolling)
 
-    def begin(self, who: str, why: str, for_s: float, stream: str = "") -> None:
+    def begin_film(self, who: str, why: str, for_s: float, stream: str = "") -> None:
         """Film one camera, or all that are filmed with each recording."""
         until_ns = self._clock.monotonic_ns() + round(for_s * SECOND)
         with self._wake:
@@ -130,11 +131,11 @@ class FilmRecorder:
             if self._ending or not names:
                 return
             for name in names:
-                self._roll(self._reel(name), who, why, until_ns)
+                self._start_reel(self._reel_of(name), who, why, until_ns)
             self._wake.notify()
         self._changed()
 
-    def end(self, who: str, stream: str = "") -> None:
+    def end_film(self, who: str, stream: str = "") -> None:
         """End what is filmed of one camera, or of all that are filmed with each recording."""
         with self._wake:
             for name in [stream] if stream else sorted(self._cameras):
@@ -144,7 +145,7 @@ class FilmRecorder:
                     reel.until_ns = 0
             self._wake.notify()
 
-    def _reel(self, stream: str) -> CameraReel:
+    def _reel_of(self, stream: str) -> CameraReel:
         reel = self._reels.get(stream)
         if reel is None:
             # All cameras together take no more than is allowed.
@@ -153,7 +154,7 @@ class FilmRecorder:
             reel = self._reels[stream] = CameraReel(stream, ring)
         return reel
 
-    def _roll(self, reel: CameraReel, who: str, why: str, until_ns: int) -> None:
+    def _start_reel(self, reel: CameraReel, who: str, why: str, until_ns: int) -> None:
         if reel.rolling:
             if why not in reel.why:
                 reel.why = f"{reel.why}; {why}"[:1000]
@@ -163,7 +164,7 @@ class FilmRecorder:
         reel.rolling, reel.until_ns, reel.failed = True, until_ns, False
         reel.why, reel.who, reel.note, reel.lost = why[:1000], who[:200], "", 0
         # First what is old enough goes, so that a film never begins earlier than described.
-        reel.ring.trim(self._clock.monotonic_ns() // 1000)
+        reel.ring.trim_runs(self._clock.monotonic_ns() // 1000)
         held = reel.ring.drain_pictures()
         reel.wants_key = not held
         for picture in held:
@@ -185,7 +186,7 @@ class FilmRecorder:
             held = stream in self._cameras and self._plan.before > 0
             if not held and (reel is None or not reel.rolling):
                 return Filming.NO
-            reel = reel or self._reel(stream)
+            reel = reel or self._reel_of(stream)
             now_ns = self._clock.monotonic_ns()
             # Another film begins after a silence and with a clock that was put back: with the
             # very first picture, for without its beginning all until the next one were lost.
@@ -197,9 +198,9 @@ class FilmRecorder:
     def add_picture(self, picture: PictureFrame) -> None:
         """Take the next picture of a camera's film."""
         with self._wake:
-            reel = self._reel(picture.stream)
+            reel = self._reel_of(picture.stream)
             if not reel.rolling:
-                if not reel.ring.add(picture):
+                if not reel.ring.add_picture(picture):
                     reel.wants_key = True
                 return
             if self._queued + len(picture.data) > self._plan.ring_mb * _MB:
@@ -214,16 +215,16 @@ class FilmRecorder:
 
     # ── on the writing thread ──
 
-    def _run(self) -> None:
+    def _write_loop(self) -> None:
         while True:
             with self._wake:
-                while not (self._queue or self._ending or self._active()):
+                while not (self._queue or self._ending or self._is_active()):
                     self._wake.wait()
                 # Woken by pictures as well as by time; the waiting releases the lock.
                 if not self._queue and not self._ending:
                     self._wake.wait(_LOOK_S)
                 queue, self._queue, self._queued = self._queue, deque(), 0
-                over = self._over()
+                over = self._end_expired()
                 ending = self._ending
                 # A copy: writing takes long and must not hold the lock.
                 reels = list(self._reels.values())
@@ -231,20 +232,20 @@ class FilmRecorder:
                 self._writer.write_picture(reel, picture)
             for reel in reels:
                 if reel in over or ending:
-                    self._writer.finish(reel)
+                    self._writer.finish_film(reel)
                 elif self._writer.is_silent(reel):
                     reel.note = reel.note or "the camera was silent"
-                    self._writer.finish(reel)
+                    self._writer.finish_film(reel)
             self._look_at_disk()
             if over:
                 self._changed()
             if ending:
                 return
 
-    def _active(self) -> bool:
+    def _is_active(self) -> bool:
         return any(reel.rolling or reel.file is not None for reel in self._reels.values())
 
-    def _over(self) -> list[CameraReel]:
+    def _end_expired(self) -> list[CameraReel]:
         """End what has lasted long enough. Under the lock."""
         now_ns = self._clock.monotonic_ns()
         over = [

@@ -32,7 +32,7 @@ class FilmRing:
         """Count the pictures."""
         return sum(map(len, self._runs))
 
-    def add(self, picture: PictureFrame) -> bool:
+    def add_picture(self, picture: PictureFrame) -> bool:
         """Take the newest picture; False when there is no beginning that it could follow."""
         if picture.key:
             self._runs.append([])
@@ -40,20 +40,20 @@ class FilmRing:
             return False
         self._runs[-1].append(picture)
         self.bytes += len(picture.data) + _OVERHEAD
-        self.trim(picture.mono_us)
+        self.trim_runs(picture.mono_us)
         return bool(self._runs)
 
-    def trim(self, now_us: int) -> None:
+    def trim_runs(self, now_us: int) -> None:
         """Let go of the runs that are not needed to reach back far enough, or are too much."""
         runs = self._runs
         # Compared with the second run: the first goes only when the next still reaches back far
         # enough.
         while len(runs) > 1 and now_us - runs[1][0].mono_us >= self._keep_us:
-            self._drop()
+            self._drop_oldest()
         while runs and (
             self.bytes > self._max_bytes or now_us - runs[-1][-1].mono_us > self._keep_us
         ):
-            self._drop()
+            self._drop_oldest()
 
     def drain_pictures(self) -> list[PictureFrame]:
         """Give all that is held, in order, and hold nothing."""
@@ -62,5 +62,5 @@ class FilmRing:
         self.bytes = 0
         return taken
 
-    def _drop(self) -> None:
+    def _drop_oldest(self) -> None:
         self.bytes -= sum(len(packet.data) + _OVERHEAD for packet in self._runs.popleft())

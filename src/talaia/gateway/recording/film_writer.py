@@ -114,14 +114,14 @@ class FilmWriter:
         try:
             self._write_picture(reel, picture)
         except Exception as error:  # noqa: BLE001 - told once, and the next film may go well
-            self._fail(reel, error)
+            self._fail_film(reel, error)
 
-    def finish(self, reel: CameraReel) -> None:
+    def finish_film(self, reel: CameraReel) -> None:
         """End the file that is being written of a camera, if there is one."""
         try:
-            self._finish(reel)
+            self._finish_kept(reel)
         except Exception as error:  # noqa: BLE001 - told once, and the next film may go well
-            self._fail(reel, error)
+            self._fail_film(reel, error)
 
     def is_silent(self, reel: CameraReel) -> bool:
         """Tell whether a camera that is being written has sent nothing for too long."""
@@ -137,20 +137,22 @@ class FilmWriter:
         reel.silent_us = min(max(_SILENT_US, _INTERVALS * interval_us), _LONGEST_US)
         file = reel.file
         full = file is not None and file.size > self._plan.file_mb * _MB
-        cut = silent or (file is not None and not file.fits(picture)) or (full and picture.key)
+        cut = (
+            silent or (file is not None and not file.may_follow(picture)) or (full and picture.key)
+        )
         if not picture.key and (full or cut or file is None):
             # Before anything that takes a while: pictures come meanwhile.
             with self._lock:
                 reel.wants_key = True
         if cut:
-            self._finish(reel)
+            self._finish_kept(reel)
         if reel.file is not None:
-            reel.file.add(picture)
+            reel.file.add_picture(picture)
         elif picture.key:
-            self._open(reel, picture)
+            self._open_film(reel, picture)
         reel.wrote_ns = self._clock.monotonic_ns()
 
-    def _open(self, reel: CameraReel, first: PictureFrame) -> None:
+    def _open_film(self, reel: CameraReel, first: PictureFrame) -> None:
         with self._lock:
             why, who = reel.why, reel.who
         kept = StoredRecording(
@@ -161,12 +163,12 @@ class FilmWriter:
             begin_us=first.time_us,
             stream=reel.stream,
         )
-        for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
+        for gone in self._shelf.begin_recording(kept, round(self._plan.file_mb * _MB)):
             self._events.report_event(
                 "recording_dropped", f"{gone.id}: it waited for the hub, and the disk is full"
             )
         reel.kept = kept
-        reel.file = FilmFile(self._shelf.part(kept.id), first)
+        reel.file = FilmFile(self._shelf.part_path(kept.id), first)
         self.problem = ""
         device = reel.stream.split("/", 1)[0]
         self._events.report_event(
@@ -174,7 +176,7 @@ class FilmWriter:
         )
         self._changed()
 
-    def _finish(self, reel: CameraReel) -> None:
+    def _finish_kept(self, reel: CameraReel) -> None:
         file, kept = reel.file, reel.kept
         if file is None or kept is None:
             return
@@ -187,11 +189,11 @@ class FilmWriter:
         kept.note = "; ".join(note)
         kept.messages, kept.end_us = file.pictures, file.end_us
         # `part` stays until the whole file is there: a kill in between loses nothing.
-        part = self._shelf.part(kept.id)
-        file.finish(part, self._shelf.whole(kept.id))
+        part = self._shelf.part_path(kept.id)
+        file.finish_file(part, self._shelf.whole_path(kept.id))
         reel.file = reel.kept = None
         part.unlink(missing_ok=True)
-        self._shelf.finish(kept)
+        self._shelf.finish_recording(kept)
         said = f"film of {reel.stream}: {kept.messages} pictures, {kept.size / _MB:.1f} MB"
         self._events.report_event(
             "recording_ended",
@@ -202,7 +204,7 @@ class FilmWriter:
         )
         self._finished()
 
-    def _fail(self, reel: CameraReel, error: Exception) -> None:
+    def _fail_film(self, reel: CameraReel, error: Exception) -> None:
         """End a film that cannot be written. The next start makes whole what the disk has of it."""
         log.warning("the film of %s failed: %s", reel.stream, error)
         file, kept = reel.file, reel.kept
@@ -212,11 +214,11 @@ class FilmWriter:
             reel.rolling, reel.wants_key = False, True
             self.problem = f"{reel.stream}: {error}"[:2000]
         if file is not None:
-            file.drop()
+            file.drop_file()
         if kept is not None:
             # The part stays: the next start makes whole what is readable of it.
             with contextlib.suppress(OSError):
-                self._shelf.whole(kept.id).unlink(missing_ok=True)
+                self._shelf.whole_path(kept.id).unlink(missing_ok=True)
         self._events.report_event(
             "recording_failed",
             f"film of {reel.stream}: {error}",

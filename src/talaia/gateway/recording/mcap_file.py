@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.recording.message_ring import RawMessage
 
-__all__ = ["McapFileWriter", "recover"]
+__all__ = ["McapFileWriter", "recover_file"]
 
 # What a killed gateway loses of a recording is at most one chunk.
 _CHUNK = 128 * 1024
@@ -58,7 +58,7 @@ class McapFileWriter:
         """The topics that have messages in it."""
         return sorted({topic for topic, _, _ in self._channels})
 
-    def add(self, raw: RawMessage) -> None:
+    def add_message(self, raw: RawMessage) -> None:
         """Write a message.
 
         Raises:
@@ -69,15 +69,15 @@ class McapFileWriter:
         key = (raw.topic, raw.type_name, raw.definition)
         channel = self._channels.get(key)
         if channel is None:
-            channel = self._channels[key] = self._channel(raw)
-        self._writer().add_message(channel, raw.time_ns, raw.data, raw.time_ns, self.messages)
+            channel = self._channels[key] = self._channel_of(raw)
+        self._writer_for().add_message(channel, raw.time_ns, raw.data, raw.time_ns, self.messages)
         self.messages += 1
 
     def write_metadata(self, about: dict[str, str]) -> None:
         """Write what is known of the recording into it."""
-        self._writer().add_metadata("talaia", about)
+        self._writer_for().add_metadata("talaia", about)
 
-    def finish(self) -> None:
+    def finish_file(self) -> None:
         """Write the index and close.
 
         Raises:
@@ -85,17 +85,17 @@ class McapFileWriter:
 
         """
         try:
-            self._writer().finish()  # type: ignore[no-untyped-call]
+            self._writer_for().finish()  # type: ignore[no-untyped-call]
             self._stream.flush()
         finally:
             self._stream.close()
 
-    def drop(self) -> None:
+    def drop_file(self) -> None:
         """Close without an index."""
         self._stream.close()
 
-    def _channel(self, raw: RawMessage) -> int:
-        writer = self._writer("ros1" if raw.encoding == "ros1" else "ros2")
+    def _channel_of(self, raw: RawMessage) -> int:
+        writer = self._writer_for("ros1" if raw.encoding == "ros1" else "ros2")
         if raw.encoding == "ros1":
             package, _, name = raw.type_name.split("/")
             schema = writer.register_schema(f"{package}/{name}", "ros1msg", raw.definition.encode())
@@ -107,13 +107,13 @@ class McapFileWriter:
             self._schemas[raw.type_name, raw.definition] = known
         return writer.register_channel(raw.topic, "cdr", known, {"offered_qos_profiles": ""})
 
-    def _writer(self, profile: str = "ros2") -> Writer:
+    def _writer_for(self, profile: str = "ros2") -> Writer:
         if self._begun is None:
-            self._begun = _writer(self._stream, profile)
+            self._begun = _start_writer(self._stream, profile)
         return self._begun
 
 
-def recover(broken: Path, whole: Path) -> RecoveredFile:
+def recover_file(broken: Path, whole: Path) -> RecoveredFile:
     """Copy all that can be read of a file into one with an index.
 
     Raises:
@@ -127,7 +127,7 @@ def recover(broken: Path, whole: Path) -> RecoveredFile:
     with broken.open("rb") as source, whole.open("wb") as target:
         records = StreamReader(source, validate_crcs=True).records
         header = next(records, None)
-        writer = _writer(target, header.profile if isinstance(header, Header) else "ros2")
+        writer = _start_writer(target, header.profile if isinstance(header, Header) else "ros2")
         while True:
             try:
                 record = next(records, None)
@@ -166,7 +166,7 @@ def recover(broken: Path, whole: Path) -> RecoveredFile:
     return RecoveredFile(count, end_ns // 1000)
 
 
-def _writer(stream: object, profile: str) -> Writer:
+def _start_writer(stream: object, profile: str) -> Writer:
     writer = Writer(stream, chunk_size=_CHUNK, compression=CompressionType.ZSTD)  # type: ignore[arg-type]
     writer.start(profile, library=f"talaia {__version__}")
     return writer

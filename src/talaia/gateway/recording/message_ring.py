@@ -45,13 +45,13 @@ class MessageRing:
         """Count the messages."""
         return len(self._held)
 
-    def add(self, raw: RawMessage) -> None:
+    def add_message(self, raw: RawMessage) -> None:
         """Take the newest message; what is over a bound goes, the oldest first."""
         self._held.append(raw)
         self.bytes += len(raw.data) + OVERHEAD
-        self.trim(raw.mono_ns)
+        self.trim_old(raw.mono_ns)
 
-    def trim(self, now_ns: int) -> None:
+    def trim_old(self, now_ns: int) -> None:
         """Let go of what is too old, or too much."""
         held = self._held
         while held and (self.bytes > self._max_bytes or now_ns - held[0].mono_ns > self._keep_ns):

@@ -89,7 +89,9 @@ class Recorder:
         self._until_ns = 0  # When it ends (monotonic ns); 0 ends it now.
         self._ending = False  # Nothing is begun any more.
         self._problem = ""  # Why the last one failed; cleared by the next beginning.
-        self._thread = threading.Thread(target=self._run, name="talaia-recorder", daemon=True)
+        self._thread = threading.Thread(
+            target=self._write_loop, name="talaia-recorder", daemon=True
+        )
 
     def start(self) -> None:
         """Begin to hold messages."""
@@ -119,7 +121,7 @@ class Recorder:
         raw = RawMessage(topic, type_name, time_ns, mono_ns, bytes(data), definition, encoding)
         with self._changed:
             if not self._open:
-                self._ring.add(raw)
+                self._ring.add_message(raw)
                 return
             if self._queued + len(data) > self._plan.ring_mb * _MB:
                 # The disk does not keep up; memory is not to pay for that.
@@ -128,35 +130,35 @@ class Recorder:
             self._queue.append(raw)
             self._queued += len(data) + OVERHEAD
 
-    def begin(self, who: str, why: str = "") -> None:
-        """Record from the ring on, until `end` or the longest time."""
-        self._begin(why or "asked for", who, self._plan.longest)
+    def begin_recording(self, who: str, why: str = "") -> None:
+        """Record from the ring on, until `end_recording` or the longest time."""
+        self._begin_kept(why or "asked for", who, self._plan.longest)
 
-    def end(self, who: str) -> None:
+    def end_recording(self, who: str) -> None:
         """End what is being recorded."""
         with self._changed:
             if self._kept is not None and self._open:
-                self._kept.note = _joined(self._kept.note, f"ended by {who}")
+                self._kept.note = _join_reasons(self._kept.note, f"ended by {who}")
                 self._until_ns = 0
                 self._changed.notify()
 
-    def trigger(self, trigger: Trigger, why: str, who: str = "") -> None:
+    def trigger_recording(self, trigger: Trigger, why: str, who: str = "") -> None:
         """Record around what has just happened, if the description wants that."""
         if trigger in self._plan.triggers:
-            self._begin(why, who, self._plan.after)
+            self._begin_kept(why, who, self._plan.after)
 
-    def state(self) -> RecorderState:
+    def recorder_state(self) -> RecorderState:
         """Tell how it stands."""
         with self._changed:
-            return self._state()
+            return self._state_locked()
 
-    def _begin(self, why: str, who: str, for_s: float) -> None:
+    def _begin_kept(self, why: str, who: str, for_s: float) -> None:
         until_ns = self._clock.monotonic_ns() + round(for_s * SECOND)
         with self._changed:
             if self._ending:
                 return
             if self._kept is not None and self._open:
-                self._kept.why = _joined(self._kept.why, why)
+                self._kept.why = _join_reasons(self._kept.why, why)
                 self._until_ns = max(self._until_ns, until_ns)
                 return
             if self._kept is not None:
@@ -165,7 +167,7 @@ class Recorder:
                 self._next = self._next or (why, who, for_s)
                 return
             wall_ns = self._clock.wall_ns()
-            self._ring.trim(self._clock.monotonic_ns())
+            self._ring.trim_old(self._clock.monotonic_ns())
             # STOP waits for this: no step of it may take longer when more is held.
             self._queued = self._ring.bytes
             self._queue = self._ring.drain_messages()
@@ -179,7 +181,7 @@ class Recorder:
             self._problem = ""
             self._changed.notify()
 
-    def _state(self) -> RecorderState:
+    def _state_locked(self) -> RecorderState:
         kept = self._kept
         if kept is None:
             return RecorderState(on=False, problem=self._problem[:2000])
@@ -195,7 +197,7 @@ class Recorder:
 
     # ── on the recorder's thread ──
 
-    def _run(self) -> None:
+    def _write_loop(self) -> None:
         while True:
             with self._changed:
                 while self._kept is None and not self._ending:
@@ -204,40 +206,40 @@ class Recorder:
                 if kept is None:
                     return
             try:
-                self._record(kept)
+                self._record_file(kept)
             except Exception as error:  # noqa: BLE001 - told, and the next one may go well
-                self._failed(kept, error)
+                self._handle_failure(kept, error)
 
-    def _record(self, kept: StoredRecording) -> None:
+    def _record_file(self, kept: StoredRecording) -> None:
         # Told before the disk is asked: a page should show that a press has counted.
         self._report_state()
         self._events.report_event("recording_started", f"{kept.id}: {kept.why}", who=kept.who)
-        for gone in self._shelf.begin(kept, round(self._plan.file_mb * _MB)):
+        for gone in self._shelf.begin_recording(kept, round(self._plan.file_mb * _MB)):
             self._events.report_event(
                 "recording_dropped", f"{gone.id}: it waited for the hub, and the disk is full"
             )
-        file = McapFileWriter(self._shelf.part(kept.id), self._definition)
+        file = McapFileWriter(self._shelf.part_path(kept.id), self._definition)
         try:
-            note = self._fill(file)
+            note = self._fill_file(file)
             with self._changed:
-                self._shut()
+                self._stop_filling()
                 kept.messages, kept.topics = file.messages, file.topics
                 kept.end_us = self._clock.wall_ns() // 1000
                 if note:
-                    kept.note = _joined(kept.note, note)
+                    kept.note = _join_reasons(kept.note, note)
                 if self._lost:
                     lost = f"{self._lost} messages are missing: the disk did not keep up"
-                    kept.note = _joined(kept.note, lost)
+                    kept.note = _join_reasons(kept.note, lost)
             file.write_metadata(
                 {"id": kept.id, "why": kept.why, "who": kept.who, "note": kept.note}
             )
-            file.finish()
+            file.finish_file()
         except BaseException:
-            file.drop()
+            file.drop_file()
             raise
-        self._shelf.part(kept.id).rename(self._shelf.whole(kept.id))
-        self._shelf.finish(kept)
-        self._done()
+        self._shelf.part_path(kept.id).rename(self._shelf.whole_path(kept.id))
+        self._shelf.finish_recording(kept)
+        self._finish_recording()
         size = f"{kept.messages} messages, {kept.size / _MB:.1f} MB"
         note = f"; {kept.note}" if kept.note else ""
         self._events.report_event(
@@ -246,7 +248,7 @@ class Recorder:
         self._report_state()
         self._finished()
 
-    def _fill(self, file: McapFileWriter) -> str:
+    def _fill_file(self, file: McapFileWriter) -> str:
         """Write until it is to end; give why it ended early, if it did."""
         most = self._plan.file_mb * _MB
         looked_ns = 0
@@ -262,7 +264,7 @@ class Recorder:
                 if raw.type_name in bad:
                     continue
                 try:
-                    file.add(raw)
+                    file.add_message(raw)
                 # The disk's trouble ends this recording; a type's spoils only that type.
                 except OSError:
                     raise
@@ -283,38 +285,38 @@ class Recorder:
             if file.size > most:
                 return "it had the greatest size that the description allows"
 
-    def _failed(self, kept: StoredRecording, error: Exception) -> None:
+    def _handle_failure(self, kept: StoredRecording, error: Exception) -> None:
         log.warning("the recording %s failed: %s", kept.id, error)
         with self._changed:
-            self._shut()
+            self._stop_filling()
             self._problem = f"{kept.id}: {error}"
-        self._done()
+        self._finish_recording()
         with contextlib.suppress(OSError):
             self._shelf.remove(kept.id)
         self._events.report_event("recording_failed", f"{kept.id}: {error}", who=kept.who)
         self._report_state()
 
-    def _shut(self) -> None:
+    def _stop_filling(self) -> None:
         """Take no more into the file; what is over goes back into the ring. Under the lock."""
         self._open = False
         # They came after the end, and may be the beginning of the next one.
         for raw in self._queue:
-            self._ring.add(raw)
+            self._ring.add_message(raw)
         self._queue, self._queued = deque(), 0
 
-    def _done(self) -> None:
+    def _finish_recording(self) -> None:
         """Let the next one begin, at once if something came up meanwhile."""
         with self._changed:
             self._kept = None
             again, self._next = self._next, None
         if again is not None:
-            self._begin(*again)
+            self._begin_kept(*again)
 
     def _report_state(self) -> None:
-        self._send_state(self.state())
+        self._send_state(self.recorder_state())
 
 
-def _joined(before: str, more: str) -> str:
+def _join_reasons(before: str, more: str) -> str:
     """Put words together once, and not without end."""
     if not before:
         return more[:1000]

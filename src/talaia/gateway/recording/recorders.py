@@ -30,14 +30,14 @@ class TriggeredRecorder:
     """
 
     def __init__(self, plan: Recording, send_state: Callable[[RecorderState], None]) -> None:
-        """Record nothing until `attach`; ``send_state`` takes each change, from any thread."""
+        """Record nothing until `attach_recorders`; any thread calls ``send_state``."""
         self.plan = plan
         self._send_state = send_state  # Takes the state of both together.
-        # None until `attach`, and where there is nothing of its kind to record.
+        # None until `attach_recorders`, and where there is nothing of its kind to record.
         self.recorder: Recorder | None = None
         self.films: FilmRecorder | None = None
 
-    def attach(self, *, recorder: Recorder | None, films: FilmRecorder | None) -> None:
+    def attach_recorders(self, *, recorder: Recorder | None, films: FilmRecorder | None) -> None:
         """Take what records, before `start`."""
         self.recorder, self.films = recorder, films
 
@@ -58,43 +58,43 @@ class TriggeredRecorder:
     def redescribe(self, site: Site) -> None:
         """Record what another description names; its `Recording` is the same."""
         if self.recorder is not None:
-            self.recorder.topics = frozenset(site.recorded())
+            self.recorder.topics = frozenset(site.recorded_topics())
         if self.films is not None:
-            self.films.redescribe(site.filmed())
+            self.films.redescribe(site.filmed_cameras())
 
-    def begin(self, who: str, why: str = "", stream: str = "") -> None:
-        """Record until `end` or the longest time; with ``stream`` only that camera's film."""
+    def begin_recording(self, who: str, why: str = "", stream: str = "") -> None:
+        """Record until `end_recording` or the longest time; with ``stream`` only its film."""
         if self.recorder is not None and self.recorder.topics and not stream:
-            self.recorder.begin(who, why)
+            self.recorder.begin_recording(who, why)
         if self.films is not None:
-            self.films.begin(who, why or "asked for", self.plan.longest, stream)
+            self.films.begin_film(who, why or "asked for", self.plan.longest, stream)
 
-    def end(self, who: str, stream: str = "") -> None:
+    def end_recording(self, who: str, stream: str = "") -> None:
         """End what is being recorded; with ``stream`` only that camera's film."""
         if self.recorder is not None and not stream:
-            self.recorder.end(who)
+            self.recorder.end_recording(who)
         if self.films is not None:
-            self.films.end(who, stream)
+            self.films.end_film(who, stream)
 
-    def trigger(self, trigger: Trigger, why: str, who: str = "") -> None:
+    def trigger_recording(self, trigger: Trigger, why: str, who: str = "") -> None:
         """Record around what has just happened, if the description wants that."""
         if self.recorder is not None and self.recorder.topics:
-            self.recorder.trigger(trigger, why, who)
+            self.recorder.trigger_recording(trigger, why, who)
         if self.films is not None and trigger in self.plan.triggers:
-            self.films.begin(who, why, self.plan.after)
+            self.films.begin_film(who, why, self.plan.after)
 
-    def state(self) -> RecorderState:
+    def recorder_state(self) -> RecorderState:
         """Tell how it stands."""
-        state = RecorderState(on=False) if self.recorder is None else self.recorder.state()
+        state = RecorderState(on=False) if self.recorder is None else self.recorder.recorder_state()
         if self.films is None:
             return state
         return msgspec.structs.replace(
             state,
-            films=self.films.rolling(),
+            films=self.films.rolling_cameras(),
             can_film=True,
             problem=state.problem or self.films.problem[:2000],
         )
 
     def report_state(self) -> None:
         """Tell how it stands, after a change."""
-        self._send_state(self.state())
+        self._send_state(self.recorder_state())

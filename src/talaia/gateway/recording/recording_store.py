@@ -148,12 +148,12 @@ class RecordingStore:
         for part in self._folder.glob(f"*{self._part}"):
             name = part.name.removesuffix(self._part)
             # Its description may not have been written before the kill.
-            kept = self._read(name) or StoredRecording(id=name, why="cut off")
+            kept = self._read_about(name) or StoredRecording(id=name, why="cut off")
             try:
-                saved = recover(part, self.whole(name))
+                saved = recover(part, self.whole_path(name))
                 kept.messages, kept.end_us = saved.number, max(kept.begin_us, saved.end_us)
                 kept.note = "the gateway was ended in the middle of it"
-                self.finish(kept)
+                self.finish_recording(kept)
                 log.info("the recording %s was cut off, and is whole again", name)
             except Exception as error:  # noqa: BLE001 - a broken file must not keep us from starting
                 if _is_disk_trouble(error):
@@ -164,11 +164,11 @@ class RecordingStore:
                 self.remove(name)
             part.unlink(missing_ok=True)
 
-    def part(self, name: str) -> Path:
+    def part_path(self, name: str) -> Path:
         """Give the file that is being written."""
         return self._folder / (name + self._part)
 
-    def whole(self, name: str) -> Path:
+    def whole_path(self, name: str) -> Path:
         """Give the file of a finished recording."""
         return self._folder / (name + self._whole)
 
@@ -184,7 +184,7 @@ class RecordingStore:
         if found.free < min(self._spare, found.total // 20):
             raise NoRoom(f"the disk of {self._folder} has only {found.free // 2**20} MiB left")
 
-    def begin(self, kept: StoredRecording, size: int) -> list[StoredRecording]:
+    def begin_recording(self, kept: StoredRecording, size: int) -> list[StoredRecording]:
         """Note a recording that begins and may become ``size`` bytes; give those that had to go.
 
         Raises:
@@ -194,7 +194,7 @@ class RecordingStore:
         """
         self.check_room()
         gone = []
-        waiting = self.waiting(refused=True)
+        waiting = self.list_waiting(refused=True)
         # Oldest first: what is recorded now is worth more than what nobody has fetched.
         while waiting and sum(waiter.size for waiter in waiting) + size > self._max_bytes:
             gone.append(waiting.pop(0))
@@ -202,32 +202,32 @@ class RecordingStore:
         self._write(kept)
         return gone
 
-    def finish(self, kept: StoredRecording) -> None:
+    def finish_recording(self, kept: StoredRecording) -> None:
         """Note that ``whole(kept.id)`` is complete.
 
         Raises:
             OSError: it cannot be written.
 
         """
-        path = self.whole(kept.id)
+        path = self.whole_path(kept.id)
         # Read once more from the disk: the digest is of what is there, not of what was meant.
         with path.open("rb") as file:
             kept.digest = hashlib.file_digest(file, "sha256").hexdigest()
         kept.size = path.stat().st_size
         self._write(kept)
 
-    def waiting(self, *, refused: bool = False) -> list[StoredRecording]:
+    def list_waiting(self, *, refused: bool = False) -> list[StoredRecording]:
         """List the finished recordings, oldest first; those that the hub refused only if asked."""
         found = []
         for path in sorted(self._folder.glob(f"*{self._whole}")):
-            kept = self._read(path.name.removesuffix(self._whole))
+            kept = self._read_about(path.name.removesuffix(self._whole))
             if kept is not None and kept.digest and (refused or kept.id not in self._refused):
                 found.append(kept)
         return found
 
     def offers(self) -> list[FileOffer | FilmOffer]:
         """Say of each that waits what it is, oldest first."""
-        return [offer_of(waiter) for waiter in self.waiting()]
+        return [offer_of(waiter) for waiter in self.list_waiting()]
 
     def refuse(self, name: str) -> None:
         """Do not offer it again in this run."""
@@ -235,31 +235,31 @@ class RecordingStore:
 
     def remove(self, name: str) -> None:
         """Forget a recording."""
-        for path in (self.part(name), self.whole(name), self._about(name)):
+        for path in (self.part_path(name), self.whole_path(name), self._about_path(name)):
             path.unlink(missing_ok=True)
 
-    def read(self, name: str, at: int, size: int) -> bytes:
+    def read_part(self, name: str, at: int, size: int) -> bytes:
         """Read a part of a finished recording; shorter at its end.
 
         Raises:
             OSError: it cannot be read.
 
         """
-        with self.whole(name).open("rb") as file:
+        with self.whole_path(name).open("rb") as file:
             return os.pread(file.fileno(), size, at)
 
-    def _about(self, name: str) -> Path:
+    def _about_path(self, name: str) -> Path:
         return self._folder / f"{name}.json"
 
     def _write(self, kept: StoredRecording) -> None:
         # Beside it and renamed: a kill leaves the old one or the new one, never half.
         partial = self._folder / f"{kept.id}.json.tmp"
         partial.write_bytes(msgspec.json.encode(kept))
-        partial.replace(self._about(kept.id))
+        partial.replace(self._about_path(kept.id))
 
-    def _read(self, name: str) -> StoredRecording | None:
+    def _read_about(self, name: str) -> StoredRecording | None:
         try:
-            return msgspec.json.decode(self._about(name).read_bytes(), type=StoredRecording)
+            return msgspec.json.decode(self._about_path(name).read_bytes(), type=StoredRecording)
         except (OSError, msgspec.MsgspecError):
             return None
 

@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from talaia.gateway.errors import ChannelNumbersFull
-from talaia.model.renames import renames, touched
+from talaia.model.renames import changed_devices, list_renames
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -75,39 +75,39 @@ class DescriptionReload:
     def report_since(self, turn: int) -> None:
         """Tell a hub that was greeted with an earlier description which one counts now."""
         if turn != self.turn:
-            self._say(self.now.described(self._current.renamed))
+            self._say(self.now.make_update(self._current.renamed))
 
-    def hindrance(self, after: Site) -> str:
+    def reload_hindrance(self, after: Site) -> str:
         """Name what is under way that a change must not disturb; empty when nothing is."""
         # Any sequence: each may command any device.
         for sequence in self._actuation.sequences.running:
             return f"{sequence} is under way"
-        command = self._actuation.commands.busy_with(touched(self.now.site, after))
+        command = self._actuation.commands.busy_with(changed_devices(self.now.site, after))
         return f"the command {command} is under way" if command else ""
 
-    def leave(self, after: Site | None) -> None:
+    def leave_touched(self, after: Site | None) -> None:
         """End the driving of what a change touches; nobody drives it until the reload.
 
         With none, the change does not take place.
         """
-        devices = frozenset() if after is None else touched(self.now.site, after)
-        self._actuation.driving.leave(devices)
+        devices = frozenset() if after is None else changed_devices(self.now.site, after)
+        self._actuation.driving.leave_devices(devices)
         # Looked at now: what is due has changed with the devices that are let go.
-        self._actuation.timer.touch()
+        self._actuation.timer.reset_timer()
 
-    def left(self, after: Site) -> bool:
+    def has_left(self, after: Site) -> bool:
         """Tell whether all that was moving has been told to stand, for as long as it is to be."""
-        return self._actuation.driving.silent(touched(self.now.site, after))
+        return self._actuation.driving.is_silent(changed_devices(self.now.site, after))
 
     def apply_description(self, next_: PreparedDescription, change_id: str, who: str) -> None:
-        """Exchange the description for another, at one blow; see `leave`.
+        """Exchange the description for another, at one blow; see `leave_touched`.
 
         Raises:
             SettingsError: a connection of it cannot be used here; all is as it was.
 
         """
         before, after = self.now.site, next_.site
-        renamed = renames(before, after)
+        renamed = list_renames(before, after)
         # What records is made once: another plan needs another gateway.
         if after.recording != before.recording:
             self._begin_again(after)
@@ -121,10 +121,10 @@ class DescriptionReload:
             self._begin_again(after)
             return
         # From here on nothing may fail: what is half exchanged cannot be taken back.
-        self._current.replace(next_, renamed)
+        self._current.replace_description(next_, renamed)
         self._samples.redescribe(next_)
         # After the samples: the hub takes the new list before the first batch that is named by it.
-        self._say(next_.described(renamed, change_id, who))
+        self._say(next_.make_update(renamed, change_id, who))
         for follower in self._followers:
             follower.redescribe(after)
-        self._actuation.timer.touch()
+        self._actuation.timer.reset_timer()

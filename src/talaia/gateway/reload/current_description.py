@@ -9,12 +9,12 @@ from talaia import __version__
 from talaia.gateway.change_policy import AcceptedChanges
 from talaia.model.yaml_text.load import dump_site
 from talaia.wire.frames import DescriptionUpdate, Hello
-from talaia.wire.sealing import deflated
+from talaia.wire.sealing import compress_text
 
 if TYPE_CHECKING:
     from talaia.model.site import Site
 
-__all__ = ["CurrentDescription", "PreparedDescription", "catalogue_of", "prepared"]
+__all__ = ["CurrentDescription", "PreparedDescription", "catalogue_of", "prepare_description"]
 
 
 def catalogue_of(site: Site) -> str:
@@ -42,7 +42,7 @@ class PreparedDescription(NamedTuple):
     catalogue: str
     addresses: list[str]
 
-    def hello(self, boot: str, time_us: int, accepts: AcceptedChanges) -> Hello:
+    def make_hello(self, boot: str, time_us: int, accepts: AcceptedChanges) -> Hello:
         """Give what a hub is greeted with."""
         return Hello(
             version=__version__,
@@ -51,27 +51,27 @@ class PreparedDescription(NamedTuple):
             description=self.said,
             catalogue=self.catalogue,
             time_us=time_us,
-            source=deflated(self.source) if self.source else b"",
+            source=compress_text(self.source) if self.source else b"",
             # Without a text there is nothing that a change could begin with.
             accepts=accepts if self.source else AcceptedChanges.NO,
         )
 
-    def described(
+    def make_update(
         self, renamed: dict[str, str], change_id: str = "", who: str = ""
     ) -> DescriptionUpdate:
         """Give what the hub is told."""
         return DescriptionUpdate(
-            description=deflated(self.said),
+            description=compress_text(self.said),
             catalogue=self.catalogue,
             addresses=self.addresses,
             renamed=renamed,
-            source=deflated(self.source) if self.source else b"",
+            source=compress_text(self.source) if self.source else b"",
             id=change_id,
             who=who,
         )
 
 
-def prepared(site: Site, source: str) -> PreparedDescription:
+def prepare_description(site: Site, source: str) -> PreparedDescription:
     """Make ready what takes long; any thread."""
     addresses = [channel.address for channel in site.channels()]
     return PreparedDescription(site, source, dump_site(site), catalogue_of(site), addresses)
@@ -93,7 +93,7 @@ class CurrentDescription:
         self.turn = 0
         self.renamed: dict[str, str] = {}
 
-    def replace(self, after: PreparedDescription, renamed: dict[str, str]) -> None:
+    def replace_description(self, after: PreparedDescription, renamed: dict[str, str]) -> None:
         """Go by another one from here on, with channels renamed."""
         # What was renamed twice is found by its first name, too.
         earlier = {old: renamed.get(new, new) for old, new in self.renamed.items()}

@@ -37,9 +37,9 @@ class DescriptionFile:
 
         """
         self.path = path
-        self._beside: list[Path] = []  # Other files that it takes in; known from `counts` on.
+        self._beside: list[Path] = []  # Other files that it takes in; known from `accept_text` on.
         # Before the text is read: a change in between is seen at the next look.
-        self._seen = self._marks()
+        self._seen = self._file_marks()
         # Marks of what was given out or counts; a change is one from these.
         self._settled = self._seen
         self.text = text_of(path)
@@ -54,12 +54,12 @@ class DescriptionFile:
         """Tell whether its text is a description that can be written anew."""
         return self.path.suffix != ".json"
 
-    def counts(self, site: Site, text: str) -> None:
+    def accept_text(self, site: Site, text: str) -> None:
         """Take a text, and what it describes, as what counts from here on."""
         self.text = text
         # Files that the new text takes in are watched from here on.
         self._beside = beside_of(site, self.path.parent)
-        self._seen = self._settled = self._marks()
+        self._seen = self._settled = self._file_marks()
 
     def read_change(self) -> str | None:
         """Give the file's text if it was changed and is being written no more, else none.
@@ -72,7 +72,7 @@ class DescriptionFile:
 
         """
         # Before the text, as at the start.
-        marks = self._marks()
+        marks = self._file_marks()
         still, self._seen = marks == self._seen, marks
         if not still or marks == self._settled:
             return None
@@ -82,7 +82,7 @@ class DescriptionFile:
             raise NotReadable(str(self.path), "is not there any more", "put it back")
         return text_of(self.path)
 
-    def write(self, text: str) -> None:
+    def write_text(self, text: str) -> None:
         """Put another text in the file's place; a crash leaves the old or the new.
 
         Raises:
@@ -96,13 +96,13 @@ class DescriptionFile:
         write_whole(path, text.encode())
         path.chmod(mode)
         # What we wrote ourselves is no change to follow.
-        self._seen = self._settled = self._marks()
+        self._seen = self._settled = self._file_marks()
 
-    def _marks(self) -> list[_Mark]:
-        return [_mark(path) for path in (self.path, *self._beside)]
+    def _file_marks(self) -> list[_Mark]:
+        return [_file_mark(path) for path in (self.path, *self._beside)]
 
 
-def _mark(path: Path) -> _Mark:
+def _file_mark(path: Path) -> _Mark:
     try:
         found = path.stat()
     except OSError:

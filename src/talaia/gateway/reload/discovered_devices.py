@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.gateway.persistence import write_whole
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.yaml_text.source_tags import devices_of_plain, plain_of
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Device, Site
 
-__all__ = ["joined", "keep_found", "kept_of", "with_kept"]
+__all__ = ["add_discovered", "keep_found", "kept_of", "with_kept"]
 
 log = logging.getLogger(__name__)
 # The device's name in the place of a finding.
@@ -32,7 +32,7 @@ _AT = re.compile(r"\$\.devices\.([^.\[]+)")
 _FOLDER = "found"
 
 
-def joined(
+def add_discovered(
     site: Site,
     connection: str,
     devices: Mapping[str, Device],
@@ -54,7 +54,7 @@ def joined(
     # Checked together: a device may not fit only beside the others.
     both = msgspec.structs.replace(site, devices={**site.devices, **new})
     wrong = set()
-    for finding in check(both):
+    for finding in check_site(both):
         at = _AT.match(finding.where)
         if at is not None and at[1] in new:
             wrong.add(at[1])
@@ -98,5 +98,5 @@ def kept_of(data: Path, connection: str) -> dict[str, Device]:
 def with_kept(data: Path, site: Site) -> Site:
     """Take in what the connections of a site found in earlier runs."""
     for connection in site.links():
-        site = joined(site, connection, kept_of(data, connection))
+        site = add_discovered(site, connection, kept_of(data, connection))
     return site

@@ -12,17 +12,17 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.errors import TalaiaError
-from talaia.gateway.change_policy import AcceptedChanges, forbidden
-from talaia.gateway.reload.current_description import prepared
+from talaia.gateway.change_policy import AcceptedChanges, forbidden_changes
+from talaia.gateway.reload.current_description import prepare_description
 from talaia.gateway.reload.discovered_devices import with_kept
 from talaia.model.checks.identifiers import Finding
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.derived_signals import with_counts
 from talaia.model.errors import DescriptionError
 from talaia.model.yaml_text.load import site_in
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import ChangePhase, ChangeState, DescriptionProblem
-from talaia.wire.sealing import inflated, seal_of
+from talaia.wire.sealing import decompress_text, seal_of
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -55,7 +55,7 @@ class ChangeRefused(NamedTuple):
     message: str
     problems: tuple[Finding, ...] = ()
 
-    def state(self, change_id: str) -> ChangeState:
+    def change_state(self, change_id: str) -> ChangeState:
         """Give what the hub is told."""
         return ChangeState(
             id=change_id,
@@ -121,7 +121,7 @@ class ChangeRequests:
 
     # ── the file ──
 
-    async def watch(self) -> None:
+    async def watch_file(self) -> None:
         """Follow the file until cancelled."""
         if self._file is None:
             await asyncio.Event().wait()
@@ -131,55 +131,55 @@ class ChangeRequests:
             try:
                 text = await asyncio.to_thread(self._file.read_change)
             except DescriptionError as error:
-                self._complain(_of(error))
+                self._report_refused(_refusal_of(error))
                 continue
             if text is not None:
-                await self._follow(text)
+                await self._follow_text(text)
 
-    async def _follow(self, text: str) -> None:
+    async def _follow_text(self, text: str) -> None:
         file = self._file
         assert file is not None  # noqa: S101 - it has just been read
         async with self._turn:
-            site = await asyncio.to_thread(self._read, text)
+            site = await asyncio.to_thread(self._read_text, text)
             if isinstance(site, ChangeRefused):
-                self._complain(site)
+                self._report_refused(site)
                 return
             if site == self._reload.now.site and text == self._reload.now.source:
-                self._settled()
+                self._clear_problem()
                 return
             if site.site != self._reload.now.site.site:
                 where = Finding("$.site", "a site keeps its short name while it runs")
-                self._complain(ChangeRefused("the description is of another site", (where,)))
+                self._report_refused(ChangeRefused("the description is of another site", (where,)))
                 return
-            while hindrance := self._reload.hindrance(site):
+            while hindrance := self._reload.reload_hindrance(site):
                 log.info("the description waits: %s", hindrance)
-                while self._reload.hindrance(site):  # noqa: ASYNC110 - rare, told by nobody
+                while self._reload.reload_hindrance(site):  # noqa: ASYNC110 - rare, told by nobody
                     await asyncio.sleep(AGAIN_S)
             refused = await self._apply_change(site, text, "", "")
         if refused is not None:
-            self._complain(refused)
+            self._report_refused(refused)
         else:
-            self._settled()
+            self._clear_problem()
 
-    def _complain(self, refused: ChangeRefused) -> None:
+    def _report_refused(self, refused: ChangeRefused) -> None:
         """Say once what is wrong with the file; what counted before goes on."""
         said = "; ".join(str(problem) for problem in refused.problems[:1]) or refused.message
         # Told again to each new link; the file may stand wrong for days.
         more = len(refused.problems) - 1
         said += f" (and {more} more: run talaia check)" if more > 0 else ""
         log.warning("the changed description is not used: %s", said)
-        self._standing = refused.state("")
+        self._standing = refused.change_state("")
         self._send(self._standing)
         self._events.report_event("description_refused", said)
 
-    def _settled(self) -> None:
+    def _clear_problem(self) -> None:
         if self._standing is not None:
             self._standing = None
             self._send(ChangeState(phase=ChangePhase.APPLIED))
 
     # ── the hub ──
 
-    async def ask(self, asked: ChangeRequest) -> None:
+    async def handle_request(self, asked: ChangeRequest) -> None:
         """Judge a change that the hub hands on, and tell how it ends. A known id is answered."""
         known = self._known.get(asked.id)
         if known is not None:
@@ -195,7 +195,7 @@ class ChangeRequests:
         if refused is None:
             self._report_state(ChangeState(id=asked.id, phase=ChangePhase.APPLIED))
             return
-        self._report_state(refused.state(asked.id))
+        self._report_state(refused.change_state(asked.id))
         said = "; ".join(str(problem) for problem in refused.problems[:1]) or refused.message
         self._events.report_event("change_refused", said, who=asked.who)
 
@@ -208,7 +208,7 @@ class ChangeRequests:
     async def _judge_request(self, asked: ChangeRequest) -> ChangeRefused | None:
         file, now = self._file, self._reload.now
         try:
-            text = inflated(asked.source)
+            text = decompress_text(asked.source)
         except PeerError as error:
             return ChangeRefused(str(error))
         # Compared in constant time: the seal must not be found byte by byte.
@@ -218,34 +218,34 @@ class ChangeRequests:
         if not hmac.compare_digest(seal, asked.seal):
             return ChangeRefused("the change is not sealed with this gateway's key")
         if self._accepts is AcceptedChanges.NO or file is None or not file.editable:
-            findings = forbidden(now.site, now.site, AcceptedChanges.NO)
+            findings = forbidden_changes(now.site, now.site, AcceptedChanges.NO)
             return ChangeRefused("this gateway takes no changes from the hub", tuple(findings))
         # Two people at two pages: the second begins with what the first has made.
         if asked.base != file.digest:
             return ChangeRefused(
                 "the description has been changed meanwhile; begin with the newest one"
             )
-        site = await asyncio.to_thread(self._read, text)
+        site = await asyncio.to_thread(self._read_text, text)
         if isinstance(site, ChangeRefused):
             return site
-        if findings := forbidden(now.site, site, self._accepts):
+        if findings := forbidden_changes(now.site, site, self._accepts):
             return ChangeRefused(
                 "this gateway does not take such a change from the hub", tuple(findings)
             )
-        if hindrance := self._reload.hindrance(site):
+        if hindrance := self._reload.reload_hindrance(site):
             return ChangeRefused(f"{hindrance}; wait for its end, or cancel it, and ask again")
         return await self._apply_change(site, text, asked.id, asked.who)
 
     # ── both ──
 
-    def _read(self, text: str) -> Site | ChangeRefused:
+    def _read_text(self, text: str) -> Site | ChangeRefused:
         """Read and check a text as if it stood in the file; any thread."""
         assert self._file is not None  # noqa: S101 - there is a text because there is a file
         try:
             site = site_in(text, self._file.path)
         except DescriptionError as error:
-            return _of(error)
-        findings = check(site)
+            return _refusal_of(error)
+        findings = check_site(site)
         if findings:
             return ChangeRefused("the description cannot be used as written", tuple(findings))
         return with_counts(with_kept(self._data, site))
@@ -254,43 +254,43 @@ class ChangeRequests:
         self, site: Site, text: str, change_id: str, who: str
     ) -> ChangeRefused | None:
         file, reload = self._file, self._reload
-        assert file is not None  # noqa: S101 - see `_read`
+        assert file is not None  # noqa: S101 - see `_read_text`
         source = text if file.editable else ""
-        next_ = await asyncio.to_thread(prepared, site, source)
-        reload.leave(site)
+        next_ = await asyncio.to_thread(prepare_description, site, source)
+        reload.leave_touched(site)
         try:
             async with asyncio.timeout(LEFT_S):
-                while not reload.left(site):  # noqa: ASYNC110 - told by nobody
+                while not reload.has_left(site):  # noqa: ASYNC110 - told by nobody
                     await asyncio.sleep(AGAIN_S)
             before = file.text
             if change_id:
                 # File before gateway: after a crash between the two the next run has what was asked
                 # for.
-                await self._on_disk(partial(file.write, text))
+                await self._on_disk(partial(file.write_text, text))
             try:
                 reload.apply_description(next_, change_id, who)
             except TalaiaError:
                 if change_id:
                     # The parts refused it: the file must not begin the next run with it.
-                    await self._on_disk(partial(file.write, before))
+                    await self._on_disk(partial(file.write_text, before))
                 raise
         except TimeoutError:
             # Whatever was about to change may be driven again.
-            reload.leave(None)
+            reload.leave_touched(None)
             return ChangeRefused("a device that it touches does not come to rest")
         except OSError as error:
-            reload.leave(None)
+            reload.leave_touched(None)
             return ChangeRefused(
                 f"the gateway cannot write {file.path.name}: {error.strerror or error}"
             )
         except TalaiaError as error:
-            reload.leave(None)
+            reload.leave_touched(None)
             return ChangeRefused(str(error))
-        file.counts(site, text)
+        file.accept_text(site, text)
         log.info("the description was changed%s", f" by {who}" if who else "")
         return None
 
 
-def _of(error: DescriptionError) -> ChangeRefused:
+def _refusal_of(error: DescriptionError) -> ChangeRefused:
     finding = Finding(error.where, error.problem, error.remedy)
     return ChangeRefused("the description cannot be used as written", (finding,))

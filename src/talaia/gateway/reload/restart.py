@@ -6,7 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from talaia.gateway.reload.discovered_devices import joined, keep_found, kept_of
+from talaia.gateway.reload.discovered_devices import add_discovered, keep_found, kept_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -35,7 +35,7 @@ class GatewayRestart:
         self._current = current  # What counts now.
         self._asked = asyncio.Event()  # Set once; a restart is not called off.
 
-    def begin(self, site: Site) -> None:
+    def request_restart(self, site: Site) -> None:
         """Begin again with this description, once nothing moves."""
         self.site = site
         self._asked.set()
@@ -43,7 +43,9 @@ class GatewayRestart:
     def found(self, connection: str, devices: Mapping[str, Device]) -> None:
         """Keep what was found; if any of it is new, begin again with it."""
         now = self._current.now.site
-        site = joined(self.site or now, connection, devices, kept_of(self._data, connection))
+        site = add_discovered(
+            self.site or now, connection, devices, kept_of(self._data, connection)
+        )
         new = [name for name, device in site.devices.items() if device != now.devices.get(name)]
         if not new:
             return
@@ -53,9 +55,9 @@ class GatewayRestart:
         except OSError as error:
             # It is found again after the restart.
             log.warning("%s: what was found cannot be kept: %s", connection, error)
-        self.begin(site)
+        self.request_restart(site)
 
-    async def due(self, busy: Callable[[], bool]) -> None:
+    async def wait_due(self, busy: Callable[[], bool]) -> None:
         """Wait until there is such a description, and nothing moves for it to disturb."""
         await self._asked.wait()
         while busy():  # noqa: ASYNC110 - rare, and told by nobody

@@ -77,29 +77,32 @@ class ConditionHolds:
         """Give those that could not be judged at the last look."""
         return list(self._unknown)
 
-    def holding(self, now_ns: int) -> list[str]:
+    def holding_conditions(self, now_ns: int) -> list[str]:
         """Give those that are not safe for long enough."""
         return [name for name, held in self._held.items() if now_ns < held.until_ns]
 
-    def measured(self, name: str) -> bool:
+    def was_measured(self, name: str) -> bool:
         """Tell whether what was last unsafe of a condition was measured, and not merely unknown."""
         return name in self._held and self._held[name].measured
 
-    def locking(self, now_ns: int) -> str:
+    def locking_condition(self, now_ns: int) -> str:
         """Give the condition that locks now, the first of several; while locked there is one."""
-        holding = self.holding(now_ns)
+        holding = self.holding_conditions(now_ns)
         if holding:
             return holding[0]
         return max(self._held, key=lambda name: self._held[name].until_ns, default="")
 
-    def problem(self, name: str, now_ns: int) -> str:
+    def override_problem(self, name: str, now_ns: int) -> str:
         """Say why a condition may not be overridden while the interlock is locked, if so."""
         if not longest_override(self._rule):
             return f"{self._rule.name} may be overridden never"
         if name not in self._held:
             known = ", ".join(self._held)
             return f"{self._rule.name} has no condition {name!r}; it has {known}"
-        label, locking = self._labels[name], self.holding(now_ns) or [self.locking(now_ns)]
+        label, locking = (
+            self._labels[name],
+            self.holding_conditions(now_ns) or [self.locking_condition(now_ns)],
+        )
         if name not in locking:
             return f"{label} locks nothing now; {self._labels[locking[0]]} does"
         if self._never[name]:
@@ -114,9 +117,9 @@ class ConditionHolds:
             return f"{label} is or was unknown, and what is unknown is never overridden"
         return ""
 
-    def ends(self, name: str, now_ns: int) -> str:
+    def override_end(self, name: str, now_ns: int) -> str:
         """Say why the override of a condition has to end, if so."""
-        if not self.measured(name):
+        if not self.was_measured(name):
             return f"{self._labels[name]} is unknown"
-        others = [other for other in self.holding(now_ns) if other != name]
+        others = [other for other in self.holding_conditions(now_ns) if other != name]
         return f"{self._labels[others[0]]} locks as well" if others else ""

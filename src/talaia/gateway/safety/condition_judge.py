@@ -120,7 +120,7 @@ class ConditionJudge:
 
         Args:
             site: the description.
-            readings: the newest values, see `Site.guarded`.
+            readings: the newest values, see `Site.safety_signals`.
             losses: since when there is no hub.
             now_ns: monotonic.
             wall_ns: UTC, for where the Sun stands and for stamps of robots.
@@ -133,7 +133,7 @@ class ConditionJudge:
         # What makes a value unknown although it arrives.
         self._validity = ValueValidity(readings, wall_ns)
         # From when on a signal that has never said anything has been listened to (monotonic).
-        self._began_ns = dict.fromkeys(site.guarded(), now_ns)
+        self._began_ns = dict.fromkeys(site.safety_signals(), now_ns)
         # What this process slept through is no silence of a station.
         self._credit = FreezeCredit(now_ns)
 
@@ -141,25 +141,25 @@ class ConditionJudge:
         """Judge by another description; a signal that means something else is heard anew."""
         before, self._site = self._site, site
         # Listened to for the first time now: its max_age counts from here.
-        had = before.guarded()
+        had = before.safety_signals()
         fresh = {
             command
-            for command in site.guarded()
+            for command in site.safety_signals()
             if command not in had
             or _signal_origin(before, command) != _signal_origin(site, command)
         }
         self._began_ns = {
             command: now_ns if command in fresh else self._began_ns.get(command, now_ns)
-            for command in site.guarded()
+            for command in site.safety_signals()
         }
 
     def observe_values(self, now_ns: int) -> None:
         """See which values have changed since the last look; wants to be called often."""
-        self._validity.observe(self._site, now_ns)
+        self._validity.observe_site(self._site, now_ns)
 
     def mark_running(self, now_ns: int) -> None:
         """Take in that this process runs now, see `FreezeCredit`."""
-        self._credit.at(now_ns)
+        self._credit.mark_running(now_ns)
 
     def age_ns(self, since_ns: int, now_ns: int) -> int:
         """Say how old something is; a standstill of our own is no silence of a station."""
@@ -167,7 +167,7 @@ class ConditionJudge:
 
     def unheard_problem(self, rule: Interlock, now_ns: int) -> str:
         """Say what has not been heard since a standstill of our own: nothing opens by its leave."""
-        if not self._credit.settling(now_ns):
+        if not self._credit.is_settling(now_ns):
             return ""
         for condition in [part for outer in rule.when for part in (outer, *outer.all_of)]:
             # None is no reason here: a signal without a value locks by itself, see `judge_reading`.
@@ -190,7 +190,7 @@ class ConditionJudge:
             described.max_age * SECOND
         ):
             return None
-        if self._validity.problem(
+        if self._validity.value_problem(
             address, described, reading, max_age=described.max_age, now_ns=now_ns
         ):
             return None
@@ -261,7 +261,7 @@ class ConditionJudge:
         problem = ""
         if reading is not None:
             max_age = described.max_age if condition.max_age is None else condition.max_age
-            problem = self._validity.problem(
+            problem = self._validity.value_problem(
                 address, described, reading, max_age=max_age, now_ns=now_ns
             )
         return judge_reading(

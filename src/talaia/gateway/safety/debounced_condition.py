@@ -45,18 +45,18 @@ class BadTimeWindow:
         self._seen_ns: int | None = None
         self._bad = False  # How it was at `_seen_ns`, and so until now.
 
-    def add(self, now_ns: int, *, bad: bool) -> int:
+    def add_reading(self, now_ns: int, *, bad: bool) -> int:
         """Take in how it is from now on; give for how long it was bad within the window (ns)."""
         if self._seen_ns is not None and self._bad:
             # After a long standstill only what lies within the window counts.
-            self._count(max(self._seen_ns, now_ns - self._window_ns), now_ns)
+            self._count_span(max(self._seen_ns, now_ns - self._window_ns), now_ns)
         self._seen_ns, self._bad = now_ns, bad
         oldest = (now_ns - self._window_ns) // self._part_ns
         while self._parts and self._parts[0][0] < oldest:
             self._total_ns -= self._parts.popleft()[1]
         return self._total_ns
 
-    def _count(self, from_ns: int, to_ns: int) -> None:
+    def _count_span(self, from_ns: int, to_ns: int) -> None:
         while from_ns < to_ns:
             number = from_ns // self._part_ns
             end_ns = min(to_ns, (number + 1) * self._part_ns)
@@ -101,7 +101,9 @@ class DebouncedCondition:
         """
         verdict = judge(self._tripped if self._on else self.condition)
         # Unknown counts as bad time: what turns out bad afterwards has been bad since nobody knew.
-        bad_ns = self._bad_time.add(now_ns, bad=bool(verdict.why)) if self._lasting_ns else 0
+        bad_ns = (
+            self._bad_time.add_reading(now_ns, bad=bool(verdict.why)) if self._lasting_ns else 0
+        )
         if not verdict.why:
             self._on = False
             return verdict

@@ -41,7 +41,7 @@ def judge_sun(condition: Condition, place: Place, wall_ns: int) -> InterlockVerd
     jd = astronomy.julian_day(wall_ns / SECOND)
     here = astronomy.Observer(place.latitude, place.longitude, place.elevation)
     # Refraction is left out: near the horizon half a degree, far below what limits mean.
-    altitude = astronomy.altaz(*astronomy.sun(jd), here, jd).alt
+    altitude = astronomy.equatorial_to_horizontal(*astronomy.sun_position(jd), here, jd).alt
     return _judge_limits(condition, "The Sun's altitude", altitude, "°")
 
 

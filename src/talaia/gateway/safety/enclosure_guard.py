@@ -91,9 +91,9 @@ class EnclosureGuard:
         self._asked = 0
         # What the last alarm said.
         self._problem = ""
-        self._forget()
+        self._reset_state()
 
-    def _forget(self) -> None:
+    def _reset_state(self) -> None:
         # Since when it has to be closed (monotonic, as all times here); none while it may be open.
         self._began_ns: int | None = None
         # Its sensors have said so since then. Only they decide, never the answer to a command.
@@ -123,7 +123,7 @@ class EnclosureGuard:
         """Tell whether it should be closed and cannot be shown to be."""
         return self._alarm_ns is not None
 
-    def commanded(self, address: str, who: str) -> list[EnclosureAction | EnclosureEvent]:
+    def handle_command(self, address: str, who: str) -> list[EnclosureAction | EnclosureEvent]:
         """Take in a person's command: STOP holds a closing, the closing command resumes it."""
         if self._began_ns is None or self._closed:
             return []
@@ -134,7 +134,7 @@ class EnclosureGuard:
         elif address == self._rule.close.command and self._stopped_by:
             # Resumed as if it had just begun: at once, and with short waits again.
             self._stopped_by, self._tries, self._close_ns = "", 0, None
-            return [self._event("enclosure_resumed", f"closing resumed by {who}", good=True)]
+            return [self._make_event("enclosure_resumed", f"closing resumed by {who}", good=True)]
         return []
 
     def update_enclosure(
@@ -152,33 +152,35 @@ class EnclosureGuard:
             if self._began_ns is None:
                 return []
             over = self.alarmed
-            self._forget()
-            return [self._event("alarm_over", "safe again", good=True)] if over else []
+            self._reset_state()
+            return [self._make_event("alarm_over", "safe again", good=True)] if over else []
         acts: list[EnclosureAction | EnclosureEvent] = []
         if self._began_ns is None:
             self._began_ns = now_ns
-            acts.append(self._event("enclosure_closes", why, good=False))
+            acts.append(self._make_event("enclosure_closes", why, good=False))
         # Once for a closing: an exposure that a person begins afterwards is refused by interlocks.
         if seen.closed is not True and not self._aborted:
             # With the roof closed there is nothing to protect: darks may go on.
             self._aborted = True
-            acts += [self._act("abort", step) for step in self._rule.abort]
+            acts += [self._make_action("abort", step) for step in self._rule.abort]
         if seen.closed is True:
             acts += self._on_closed(now_ns)
         elif self._closed:
             # Somebody opened it, or a switch let go: begin anew, with the first short waits.
             self._closed, self._tries, self._close_ns = False, 0, None
             self._began_ns = now_ns
-            acts.append(self._event("enclosure_reopened", f"open while {why}", good=False))
+            acts.append(self._make_event("enclosure_reopened", f"open while {why}", good=False))
         # Who stopped the closing by hand may open it as well.
         if not self._closed and not self._stopped_by:
-            acts += self._turn(seen, now_ns)
-        acts += self._park(seen, now_ns)
+            acts += self._turn_back(seen, now_ns)
+        acts += self._park_roof(seen, now_ns)
         if not self._closed:
-            acts += self._close(why, seen, now_ns)
+            acts += self._close_roof(why, seen, now_ns)
         return acts
 
-    def _turn(self, seen: EnclosureReadings, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
+    def _turn_back(
+        self, seen: EnclosureReadings, now_ns: int
+    ) -> list[EnclosureAction | EnclosureEvent]:
         """Stop or turn a roof that opens, at once, whatever the order of closing is.
 
         With a telescope that may stand in the way it is stopped first, and closes in its order.
@@ -195,14 +197,14 @@ class EnclosureGuard:
         acts: list[EnclosureAction | EnclosureEvent] = []
         if self._turns == 0:
             did = "stopped" if stops else "turned"
-            acts.append(self._event("enclosure_turned", f"it was opening: {did}", good=False))
+            acts.append(self._make_event("enclosure_turned", f"it was opening: {did}", good=False))
         self._turns += 1
         self._turn_ns = now_ns
         if stops:
-            return [*acts, self._act("stop", Step(command=rule.stop))]
+            return [*acts, self._make_action("stop", Step(command=rule.stop))]
         self._tries += 1
         self._close_ns = now_ns
-        return [*acts, self._act("close", rule.close)]
+        return [*acts, self._make_action("close", rule.close)]
 
     def _must_wait(self, seen: EnclosureReadings) -> bool:
         """Tell whether the telescope has to be parked before the roof closes."""
@@ -213,14 +215,16 @@ class EnclosureGuard:
         if self._closed:
             return []
         took = (now_ns - (self._began_ns or now_ns)) / SECOND
-        said = [self._event("enclosure_closed", f"closed after {took:.0f} s", good=True)]
+        said = [self._make_event("enclosure_closed", f"closed after {took:.0f} s", good=True)]
         if self.alarmed:
-            said.append(self._event("alarm_over", "closed", good=True))
+            said.append(self._make_event("alarm_over", "closed", good=True))
         self._closed, self._tries, self._stopped_by = True, 0, ""
         self._close_ns = self._alarm_ns = None
         return [*said]
 
-    def _park(self, seen: EnclosureReadings, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
+    def _park_roof(
+        self, seen: EnclosureReadings, now_ns: int
+    ) -> list[EnclosureAction | EnclosureEvent]:
         rule = self._rule
         if rule.park is None or seen.parked or self._stopped_by:
             return []
@@ -234,42 +238,52 @@ class EnclosureGuard:
         if self._park_ns is not None and now_ns - self._park_ns < again:
             return []
         self._park_ns = now_ns
-        return [self._act("park", rule.park)]
+        return [self._make_action("park", rule.park)]
 
     def _in_time(self, now_ns: int) -> bool:
         """Tell whether the roof may still wait for the telescope."""
         began = self._began_ns or now_ns
         return now_ns - began < round(self._rule.mount_within * SECOND)
 
-    def _close(
+    def _close_roof(
         self, why: str, seen: EnclosureReadings, now_ns: int
     ) -> list[EnclosureAction | EnclosureEvent]:
         rule = self._rule
         if self._stopped_by:
             said = f"closing was stopped by {self._stopped_by}; close it by hand to resume ({why})"
-            return self._alarm(said, now_ns)
+            return self._raise_alarm(said, now_ns)
         if self._must_wait(seen) and self._close_ns is None:
             if self._in_time(now_ns):
                 return []
             if rule.past_deadline is PastDeadline.ALARM:
-                return self._alarm(f"the telescope is not parked, so it stays open ({why})", now_ns)
+                return self._raise_alarm(
+                    f"the telescope is not parked, so it stays open ({why})", now_ns
+                )
         acts: list[EnclosureAction | EnclosureEvent] = []
-        # A roof that opens is seen to by `_turn`, more often.
-        if not seen.opening and self._due(seen, now_ns):
+        # A roof that opens is seen to by `_turn_back`, more often.
+        if not seen.opening and self._is_due(seen, now_ns):
             self._tries += 1
             self._close_ns = now_ns
             if self._tries > 1:
                 times = f"asked for the {self._tries}. time"
-                acts.append(self._event("enclosure_retry", f"{times}: {_words(seen)}", good=False))
+                acts.append(
+                    self._make_event(
+                        "enclosure_retry", f"{times}: {_describe_readings(seen)}", good=False
+                    )
+                )
             parts = [part for name, part in rule.parts().items() if name in seen.open_parts]
-            acts += [self._act("close", part.close) for part in parts if part.close is not None]
-            acts.append(self._act("close", rule.close))
+            acts += [
+                self._make_action("close", part.close) for part in parts if part.close is not None
+            ]
+            acts.append(self._make_action("close", rule.close))
         if self._tries > rule.retries:
             tries = "1 try" if rule.retries == 1 else f"{rule.retries} tries"
-            acts += self._alarm(f"NOT CLOSED after {tries}: {_words(seen)} ({why})", now_ns)
+            acts += self._raise_alarm(
+                f"NOT CLOSED after {tries}: {_describe_readings(seen)} ({why})", now_ns
+            )
         return acts
 
-    def _due(self, seen: EnclosureReadings, now_ns: int) -> bool:
+    def _is_due(self, seen: EnclosureReadings, now_ns: int) -> bool:
         """Tell whether it is time to ask it to close."""
         if self._close_ns is None:
             return True
@@ -279,26 +293,26 @@ class EnclosureGuard:
         again = min(LONGEST_AGAIN_NS, FIRST_AGAIN_NS << min(self._tries - 1, 10))
         return waited >= again
 
-    def _alarm(self, message: str, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
+    def _raise_alarm(self, message: str, now_ns: int) -> list[EnclosureAction | EnclosureEvent]:
         self._problem = message
         every = round(self._rule.alarm_every * SECOND)
         if self._alarm_ns is not None and now_ns - self._alarm_ns < every:
             return []
         self._alarm_ns = now_ns
-        return [self._event("enclosure_not_closed", message, good=False)]
+        return [self._make_event("enclosure_not_closed", message, good=False)]
 
-    def _act(self, what: str, step: Step) -> EnclosureAction:
+    def _make_action(self, what: str, step: Step) -> EnclosureAction:
         self._asked += 1
         return EnclosureAction(
             f"enclosure {self._name} {what} {self._asked}",
             msgspec.structs.replace(step, required=False),
         )
 
-    def _event(self, kind: str, message: str, *, good: bool) -> EnclosureEvent:
+    def _make_event(self, kind: str, message: str, *, good: bool) -> EnclosureEvent:
         return EnclosureEvent(kind, f"{self._rule.name}: {message}", good)
 
 
-def _words(seen: EnclosureReadings) -> str:
+def _describe_readings(seen: EnclosureReadings) -> str:
     if seen.disagree:
         return f"its sensors disagree ({seen.disagree})"
     if seen.closed is None:

@@ -103,7 +103,7 @@ class EnclosureSupervisor:
         """Tell of a person's command that was accepted: it may stop or resume a closing."""
         # Each guard is asked, for one motor's STOP may belong to several enclosures.
         for guard in self._guards.values():
-            self._carry_out(guard.commanded(f"{device}/{command}", who))
+            self._carry_out(guard.handle_command(f"{device}/{command}", who))
 
     def hold_for(self, device: str, command: str, now_ns: int) -> Hold | None:
         """Say what a command has to wait for, because a dome follows; none when for nothing."""

@@ -97,10 +97,10 @@ class InterlockMonitor:
             return ""
         return f"{self.rule.name}: {self.why}" if self.why else self.rule.name
 
-    def redescribed(self, site: Site, now_ns: int) -> InterlockMonitor:
+    def for_description(self, site: Site, now_ns: int) -> InterlockMonitor:
         """Give the one of another description of it, and end an override.
 
-        What was unsafe stays so, see `InterlockStateMachine.redescribed`.
+        What was unsafe stays so, see `InterlockStateMachine.for_rule`.
         """
         if (over := self._state.override) is not None:
             self._record_event("override_ended", self._name, who=over.who, good=True)
@@ -113,15 +113,15 @@ class InterlockMonitor:
             now_ns=now_ns,
         )
         # Only the state is carried over; hysteresis and dwell times of its conditions begin anew.
-        monitor._state = self._state.redescribed(monitor.rule, now_ns)
+        monitor._state = self._state.for_rule(monitor.rule, now_ns)
         return monitor
 
-    def evaluate(self, now_ns: int) -> None:
+    def evaluate_conditions(self, now_ns: int) -> None:
         """Judge it now; tell what has changed, and begin its sequence when it fires."""
         # Read before `update_state`, which forgets who it was.
         before, ended = self._state.override, ""
-        verdict = self._verdict(now_ns)
-        if before is not None and (ended := self._holds.ends(before.condition, now_ns)):
+        verdict = self._judge_conditions(now_ns)
+        if before is not None and (ended := self._holds.override_end(before.condition, now_ns)):
             # Ends within this very look, for the override's time is now.
             self._state.end_override(now_ns)
         for change in self._state.update_state(verdict, now_ns):
@@ -143,19 +143,19 @@ class InterlockMonitor:
                     continue
                 case InterlockChange.TOLD:
                     pass
-            self._output.send(self.state(now_ns))
+            self._output.send(self.interlock_state(now_ns))
 
-    def override(self, ask: OverrideRequest, now_ns: int) -> None:
+    def handle_override(self, ask: OverrideRequest, now_ns: int) -> None:
         """Override a condition for a time, or end that; who asked is told by the state."""
         # Judged first: what a person sees may be 100 ms old, and an override must fit what is true
         # now.
-        self.evaluate(now_ns)
-        condition = ask.condition or self._holds.locking(now_ns)
+        self.evaluate_conditions(now_ns)
+        condition = ask.condition or self._holds.locking_condition(now_ns)
         refused = ""
         if ask.seconds and self._state.is_locked:
-            refused = self._holds.problem(condition, now_ns)
+            refused = self._holds.override_problem(condition, now_ns)
         if not refused:
-            refused = self._state.overrule(
+            refused = self._state.override_condition(
                 who=ask.who,
                 reason=ask.reason,
                 seconds=ask.seconds,
@@ -168,19 +168,19 @@ class InterlockMonitor:
         if ask.seconds:
             said = f"{ask.interlock} ({condition}) for {ask.seconds:g} s: {ask.reason.strip()}"
             self._record_event("interlock_overridden", said, who=ask.who, good=False)
-            self._output.send(self.state(now_ns))
+            self._output.send(self.interlock_state(now_ns))
         # Once more, so that an end with 0 s takes effect and is recorded now.
-        self.evaluate(now_ns)
+        self.evaluate_conditions(now_ns)
 
-    def state(self, now_ns: int) -> InterlockState:
+    def interlock_state(self, now_ns: int) -> InterlockState:
         """Say how it stands, and which condition could be overridden."""
-        state = self._state.state(now_ns)
+        state = self._state.current_state(now_ns)
         condition = no_override = ""
         if self._state.override is not None:
             condition = self._state.override.condition
         elif state.locked:
-            condition = self._holds.locking(now_ns)
-            no_override = self._holds.problem(condition, now_ns)
+            condition = self._holds.locking_condition(now_ns)
+            no_override = self._holds.override_problem(condition, now_ns)
         unknown = self._holds.unknown
         self._told = condition, no_override, unknown
         return msgspec.structs.replace(
@@ -190,11 +190,11 @@ class InterlockMonitor:
     def send_if_conditions_changed(self, now_ns: int) -> None:
         """Tell when another condition locks or is unknown, or may now be overridden, or not."""
         before = self._told
-        state = self.state(now_ns)
+        state = self.interlock_state(now_ns)
         if before is not None and self._told != before:
             self._output.send(state)
 
-    def _verdict(self, now_ns: int) -> InterlockVerdict:
+    def _judge_conditions(self, now_ns: int) -> InterlockVerdict:
         """Give the first thing that is certainly unsafe, or else the first that is unknown.
 
         It asks for the longest dwell time of all that are unsafe.

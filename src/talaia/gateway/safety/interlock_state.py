@@ -58,7 +58,7 @@ class InterlockStateMachine:
     def __init__(self, name: str, rule: Interlock, now_ns: int) -> None:
         """Start as after a restart: nothing is known, so nothing may be done."""
         self._name = name  # Its key, as on the wire.
-        # Of the description; another rule makes another machine, see `redescribed`.
+        # Of the description; another rule makes another machine, see `for_rule`.
         self._rule = rule
         # All must be safe for so long; a condition may ask for more than the interlock's own.
         self._dwell_ns = self._own_dwell_ns = round(rule.dwell * SECOND)
@@ -99,7 +99,7 @@ class InterlockStateMachine:
         """Who has overridden it, if anybody."""
         return self._override
 
-    def redescribed(self, rule: Interlock, now_ns: int) -> InterlockStateMachine:
+    def for_rule(self, rule: Interlock, now_ns: int) -> InterlockStateMachine:
         """Give the latch of another rule of this name: locked, and no override is left.
 
         What was unsafe and has not been safe for long enough goes on to demand what it did; while
@@ -171,7 +171,7 @@ class InterlockStateMachine:
             times.append(self._override.until_ns)
         return min(times, default=None)
 
-    def overrule(
+    def override_condition(
         self, *, who: str, reason: str, seconds: float, now_ns: int, condition: str = ""
     ) -> str:
         """Override a condition for a time, or end that with 0 s; give the reason why not."""
@@ -193,7 +193,7 @@ class InterlockStateMachine:
         self._override = InterlockOverride(who, reason.strip(), until_ns, condition)
         return ""
 
-    def state(self, now_ns: int) -> InterlockState:
+    def current_state(self, now_ns: int) -> InterlockState:
         """Say how it stands."""
         over = self._override
         clears_ns = 0

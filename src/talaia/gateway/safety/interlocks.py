@@ -15,7 +15,7 @@ from talaia.gateway.safety.enclosure_supervisor import EnclosureSupervisor
 from talaia.gateway.safety.interlock_monitor import InterlockMonitor
 from talaia.gateway.safety.link_losses import LinkLosses
 from talaia.gateway.safety.outlet_guard import refuse_power_cut
-from talaia.gateway.safety.pointing_limits import misdirected
+from talaia.gateway.safety.pointing_limits import pointing_problem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -55,7 +55,7 @@ class Interlocks:
 
         Args:
             site: the description.
-            readings: the newest values, see `Site.guarded`.
+            readings: the newest values, see `Site.safety_signals`.
             output: tells the hub, and writes down.
             run: begins sequences.
             now_ns: monotonic.
@@ -81,7 +81,7 @@ class Interlocks:
             )
             for name in site.interlocks
         }
-        # When `step` looked last: so long ago that the first one looks at once (monotonic).
+        # When `evaluate_all` looked last: so long ago that the first one looks at once (monotonic).
         self._looked_ns = now_ns - LOOK_NS
         # When the last look came to its end: who supervises us goes by this, for a look that
         # fails half-way has judged nothing.
@@ -102,7 +102,7 @@ class Interlocks:
                 self._monitors[name] = former[name]
                 continue
             if name in former:
-                monitor = former[name].redescribed(site, now_ns)
+                monitor = former[name].for_description(site, now_ns)
             else:
                 monitor = InterlockMonitor(
                     name=name,
@@ -115,11 +115,11 @@ class Interlocks:
                 )
             self._monitors[name] = monitor
             # Pages hold the former description's state until they are told.
-            self._output.send(monitor.state(now_ns))
+            self._output.send(monitor.interlock_state(now_ns))
         self.enclosures.redescribe(site)
         self._losses.redescribe(site)
 
-    def refusal(
+    def refusal_reason(
         self, device: str, what: str, now_ns: int, args: Mapping[str, Field] | None = None
     ) -> str:
         """Say why a command of a device (or ``drive``) may not be done now; empty when it may.
@@ -131,14 +131,14 @@ class Interlocks:
             rule = monitor.rule
             if f"{device}/{what}" in rule.refuse or f"{device}/*" in rule.refuse:
                 # Not the last look's result: 100 ms are long when a roof begins to open.
-                monitor.evaluate(now_ns)
+                monitor.evaluate_conditions(now_ns)
                 if monitor.locked:
                     return f"{rule.name}: {monitor.why}"
                 # Nothing locks, but nothing was heard either: after a standstill of ours fresh
                 # values come first.
                 if unheard := self.conditions.unheard_problem(rule, now_ns):
                     return f"{rule.name}: {unheard}"
-        return self._misdirected(device, what, args or {})
+        return self._pointing_problem(device, what, args or {})
 
     def refuse_power_cut(
         self, device: str, command: str, now_ns: int, args: Mapping[str, Field]
@@ -152,18 +152,18 @@ class Interlocks:
             sighted=lambda sighting: self.conditions.sighting_holds(sighting, now_ns),
         )
 
-    def share(self, device: str, now_ns: int) -> float:
+    def speed_share(self, device: str, now_ns: int) -> float:
         """Say at which share of its limits a device may be driven now, 0 to 1."""
         target, share = f"{device}/drive", 1.0
         for monitor in self._monitors.values():
             # Several may slow it: the least counts, and they are not multiplied.
             if target in monitor.rule.slow:
-                monitor.evaluate(now_ns)
+                monitor.evaluate_conditions(now_ns)
                 if monitor.locked:
                     share = min(share, monitor.rule.slow[target])
         return share
 
-    def _misdirected(self, device: str, what: str, args: Mapping[str, Field]) -> str:
+    def _pointing_problem(self, device: str, what: str, args: Mapping[str, Field]) -> str:
         described = self._site.devices.get(device)
         if described is None or described.pointing is None or self._site.place is None:
             return ""
@@ -171,7 +171,7 @@ class Interlocks:
         pointed = described.pointing.commands.get(what)
         if pointed is None:
             return ""
-        return misdirected(
+        return pointing_problem(
             rule=described.pointing,
             names=pointed,
             args=args,
@@ -179,20 +179,20 @@ class Interlocks:
             wall_ns=self._wall_ns(),
         )
 
-    def override(self, ask: OverrideRequest, now_ns: int) -> None:
+    def handle_override(self, ask: OverrideRequest, now_ns: int) -> None:
         """Override a condition for a time, or end that; who asked is told by the state."""
         monitor = self._monitors.get(ask.interlock)
         if monitor is None:
             refused = f"there is no interlock {ask.interlock!r}"
             self._output.record_event("override_refused", "", refused, ask.who, good=False)
             return
-        monitor.override(ask, now_ns)
+        monitor.handle_override(ask, now_ns)
 
     def link_up(self, now_ns: int) -> None:
         """Tell a new link how all stand; what was to follow its loss is called off."""
         self._losses.link_up()
         for monitor in self._monitors.values():
-            self._output.send(monitor.state(now_ns))
+            self._output.send(monitor.interlock_state(now_ns))
         for name in self._site.enclosures:
             self.enclosures.send_state(name)
 
@@ -208,21 +208,21 @@ class Interlocks:
         return self._judged_ns if self._monitors or self._site.enclosures else None
 
     def due_ns(self) -> int | None:
-        """Give when `step` wants to be called next, or none where there is nothing to watch."""
+        """Give when `evaluate_all` wants to be called next; none where nothing is watched."""
         if not self._monitors and not self._site.enclosures and self._losses.idle:
             return None
         return self._looked_ns + LOOK_NS
 
-    def step(self, now_ns: int) -> None:
+    def evaluate_all(self, now_ns: int) -> None:
         """Look at everything."""
-        # `step` is called whenever anything of driving is due; that may be 25 times a second.
+        # `evaluate_all` is called whenever anything of driving is due, up to 25 times a second.
         if now_ns - self._looked_ns < LOOK_NS:
             return
         # Before the work: a look that fails half-way is not tried again at every turn of the loop.
         self._looked_ns = now_ns
         self.conditions.observe_values(now_ns)
         for monitor in self._monitors.values():
-            monitor.evaluate(now_ns)
+            monitor.evaluate_conditions(now_ns)
             monitor.send_if_conditions_changed(now_ns)
         # Before the roofs, for a lost link may want them closed.
         self._act_on_link_loss(now_ns)
@@ -232,7 +232,9 @@ class Interlocks:
 
     def _act_on_link_loss(self, now_ns: int) -> None:
         """Begin what is due without a hub."""
-        for device, policy in self._losses.due(lambda since: self.conditions.age_ns(since, now_ns)):
+        for device, policy in self._losses.due_policies(
+            lambda since: self.conditions.age_ns(since, now_ns)
+        ):
             away = f"no hub for {policy.after:g} s"
             self._output.record_event("link_loss_acted", device, away, "", good=False)
             if policy.run:
@@ -249,7 +251,7 @@ class Interlocks:
             return
         device, _, command = step.command.partition("/")
         # A dome follows only as far as a person might turn it; interlocks count for it as well.
-        if not self.refusal(device, command, now_ns):
+        if not self.refusal_reason(device, command, now_ns):
             self._run(f"follow {device}", (step,))
 
     def _closing_reason(self, name: str) -> str:
@@ -259,7 +261,7 @@ class Interlocks:
             # The interlock may be missing while descriptions are exchanged.
             if monitor is not None and (why := monitor.closing_reason):
                 return why
-        return self._losses.closing(name)
+        return self._losses.closing_reason(name)
 
 
 def _means_other(before: Site, after: Site, rule: Interlock) -> bool:

@@ -35,7 +35,7 @@ class LinkLosses:
         # From the start: a gateway that never finds its hub is as alone as one that lost it.
         self.lost_ns: int | None = now_ns
         self._site = site  # Its enclosures, to know which commands are theirs.
-        self._policies = _policies(site)  # By device; those without a policy are not in it.
+        self._policies = _link_policies(site)  # By device; those without a policy are not in it.
         # Devices whose policy has been carried out in this loss: each is, once.
         self._acted: set[str] = set()
         # Why a roof is wanted closed, by enclosure, until the link is back.
@@ -50,7 +50,7 @@ class LinkLosses:
     def redescribe(self, site: Site) -> None:
         """Go by another description; what has acted does not act again before the next loss."""
         self._site = site
-        self._policies = _policies(site)
+        self._policies = _link_policies(site)
         self._closing = {
             name: why for name, why in self._closing.items() if name in site.enclosures
         }
@@ -65,7 +65,7 @@ class LinkLosses:
         """Count from now."""
         self.lost_ns = now_ns
 
-    def due(self, age_ns: Callable[[int], int]) -> list[tuple[str, LinkLossPolicy]]:
+    def due_policies(self, age_ns: Callable[[int], int]) -> list[tuple[str, LinkLossPolicy]]:
         """Give what is due now, each once: the device, and what of its policy is left to run.
 
         Args:
@@ -83,7 +83,7 @@ class LinkLosses:
                 found.append((device, self._without_closing(policy)))
         return found
 
-    def closing(self, enclosure: str) -> str:
+    def closing_reason(self, enclosure: str) -> str:
         """Say why a roof has to be closed, if a policy wants it; empty otherwise."""
         return self._closing.get(enclosure, "")
 
@@ -103,7 +103,7 @@ class LinkLosses:
         return msgspec.structs.replace(policy, run=steps)
 
 
-def _policies(site: Site) -> dict[str, LinkLossPolicy]:
+def _link_policies(site: Site) -> dict[str, LinkLossPolicy]:
     return {
         name: device.link_loss
         for name, device in site.devices.items()

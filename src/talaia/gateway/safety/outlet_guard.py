@@ -48,7 +48,7 @@ def refuse_power_cut(
 def _fed_is_needed(site: Site, fed: str, sighted: Sighted) -> str:
     needs = [*needs_of(site, fed)]
     for need in needs:
-        if why := _needed(site.enclosures[need.enclosure], need, sighted):
+        if why := _need_reason(site.enclosures[need.enclosure], need, sighted):
             return why
     # No enclosure names it, so no sensor could say that it is safe: refused until somebody
     # describes that.
@@ -58,20 +58,20 @@ def _fed_is_needed(site: Site, fed: str, sighted: Sighted) -> str:
     return ""
 
 
-def _needed(rule: Enclosure, need: Need, sighted: Sighted) -> str:
+def _need_reason(rule: Enclosure, need: Need, sighted: Sighted) -> str:
     """Say why it is needed; empty when it is certainly not."""
     if not need.roof:
         # None and False count alike: what is not certainly safe still needs its power.
         parked = None if rule.parked is None else sighted(rule.parked)
         # `closed` has to be said by all sensors; one that is silent keeps the power on.
-        return "" if parked else f"it is {_sure(parked)} parked"
+        return "" if parked else f"it is {_certainty_words(parked)} parked"
     if any(sighted(sensor) for sensor in rule.moving):
         return f"{rule.name} moves"
     closed = [sighted(sensor) for sensor in rule.closed]
     if closed and all(closed):
         return ""
-    return f"{rule.name} is {_sure(None if None in closed else False)} closed"
+    return f"{rule.name} is {_certainty_words(None if None in closed else False)} closed"
 
 
-def _sure(said: bool | None) -> str:  # noqa: FBT001 - what a sensor says
+def _certainty_words(said: bool | None) -> str:  # noqa: FBT001 - what a sensor says
     return "not known to be" if said is None else "not"

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import Field
     from talaia.model.interlocks.enclosure import Place, Pointing, PointingArguments
 
-__all__ = ["misdirected"]
+__all__ = ["pointing_problem"]
 
 # Civil twilight: a Sun that is below this is no danger.
 SUN_DOWN = -6.0
 
 
-def misdirected(
+def pointing_problem(
     *,
     rule: Pointing,
     names: PointingArguments,
@@ -57,7 +57,7 @@ def misdirected(
             return f"RA {ra:g} h: expected 0 to 24 h"
         if not -90.0 <= dec <= 90.0:
             return f"Dec {dec:g} °: expected -90 to 90 °"
-        to = astronomy.altaz(ra, dec, here, jd)
+        to = astronomy.equatorial_to_horizontal(ra, dec, here, jd)
     else:
         to = astronomy.Horizontal(*numbers)
         if not -90.0 <= to.alt <= 90.0 or not 0.0 <= to.az <= 360.0:
@@ -65,8 +65,8 @@ def misdirected(
     if to.alt < rule.horizon:
         return f"the target stands at {to.alt:.1f} °; the horizon limit is {rule.horizon:g} °"
     # As seen from here, at this moment; a slew of minutes moves the Sun by a degree at most.
-    sun = astronomy.altaz(*astronomy.sun(jd), here, jd)
-    away = astronomy.separation(to, sun)
+    sun = astronomy.equatorial_to_horizontal(*astronomy.sun_position(jd), here, jd)
+    away = astronomy.angular_separation(to, sun)
     if sun.alt > SUN_DOWN and away < rule.sun:
         return f"the target is {away:.0f} ° from the Sun; the limit is {rule.sun:g} °"
     return ""

@@ -87,21 +87,21 @@ def closed_by(
     parts = {**segments, **others}
     apart = [part for part in (whole, *parts.values()) if {True, False} <= _sensor_words(part)]
     disputes = [(part, part) for part in apart]
-    together, shells = _together(whole), _flat(segments)
-    verdicts = [_together(one) for one in segments.values()]
+    together, shells = _common_reading(whole), _flatten_sensors(segments)
+    verdicts = [_common_reading(one) for one in segments.values()]
     # Each agrees in itself, but not the whole with its segments: the whole is closed exactly when
     # all are.
     if segments and together is not None and None not in verdicts and together != all(verdicts):
         apart.append([*whole, *shells])
         disputes.append((whole, shells))
-    settling = [_settles(one, other, now_ns) for one, other in disputes]
+    settling = [_is_settled(one, other, now_ns) for one, other in disputes]
     disagree = "; ".join(
         ", ".join(sensor.word for sensor in some)
         for some, settles in zip(apart, settling, strict=True)
         if not settles
     )
-    open_parts = tuple(name for name, one in parts.items() if _together(one) is not True)
-    said = _sensor_words([*whole, *_flat(parts)])
+    open_parts = tuple(name for name, one in parts.items() if _common_reading(one) is not True)
+    said = _sensor_words([*whole, *_flatten_sensors(parts)])
     # A part without any sensor cannot be shown to be closed; neither can the roof.
     if disagree or None in said or not all((whole, *parts.values())):
         return ClosedVerdict(None, disagree, open_parts)
@@ -109,7 +109,7 @@ def closed_by(
     return ClosedVerdict(said == {True}, "", open_parts, settling=bool(settling))
 
 
-def _flat(parts: Mapping[str, Sequence[RoofSensor]]) -> list[RoofSensor]:
+def _flatten_sensors(parts: Mapping[str, Sequence[RoofSensor]]) -> list[RoofSensor]:
     return [sensor for one in parts.values() for sensor in one]
 
 
@@ -117,13 +117,13 @@ def _sensor_words(sensors: Sequence[RoofSensor]) -> set[bool | None]:
     return {sensor.closed for sensor in sensors}
 
 
-def _together(sensors: Sequence[RoofSensor]) -> bool | None:
+def _common_reading(sensors: Sequence[RoofSensor]) -> bool | None:
     """Give what these sensors say; none when one says nothing, or they disagree."""
     said = _sensor_words(sensors)
     return said.pop() if len(said) == 1 else None
 
 
-def _settles(one: Sequence[RoofSensor], other: Sequence[RoofSensor], now_ns: int) -> bool:
+def _is_settled(one: Sequence[RoofSensor], other: Sequence[RoofSensor], now_ns: int) -> bool:
     """Tell whether whoever contradicts the newest turn has not spoken since.
 
     Args:

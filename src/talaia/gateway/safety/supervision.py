@@ -74,7 +74,7 @@ class Heartbeats:
             self._tell_withheld(name, rule.name, why)
             # Withheld, so that a dome with a timer of its own closes: it cannot be supervised now.
             if not why:
-                self._send(name, rule.heartbeat, now_ns)
+                self._send_heartbeat(name, rule.heartbeat, now_ns)
 
     def _tell_withheld(self, name: str, called: str, why: str) -> None:
         if self._withheld.get(name, "") == why:
@@ -85,7 +85,7 @@ class Heartbeats:
             kind, "", f"{called}: {why or 'its sensors are read'}", "", good=not why
         )
 
-    def _send(self, name: str, beat: Heartbeat, now_ns: int) -> None:
+    def _send_heartbeat(self, name: str, beat: Heartbeat, now_ns: int) -> None:
         sent = self._sent_ns.get(name)
         if sent is not None and now_ns - sent < round(beat.every * SECOND):
             return
@@ -110,11 +110,13 @@ class Heartbeats:
         def done(outcome: CommandOutcome) -> None:
             # The loop may have closed while a robot's thread answered.
             with contextlib.suppress(RuntimeError):
-                loop.call_soon_threadsafe(self._ended, name, device, now_ns, outcome)
+                loop.call_soon_threadsafe(self._handle_outcome, name, device, now_ns, outcome)
 
         self._target.act(device, command_id, fields, done)
 
-    def _ended(self, name: str, device: str, sent_ns: int, outcome: CommandOutcome) -> None:
+    def _handle_outcome(
+        self, name: str, device: str, sent_ns: int, outcome: CommandOutcome
+    ) -> None:
         # Running is no end, and an answer to an older heartbeat is none to this one.
         if outcome.phase is CommandPhase.RUNNING or self._open.get(name) != sent_ns:
             return

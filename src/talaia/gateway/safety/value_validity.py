@@ -48,17 +48,17 @@ class ValueValidity:
         # By address, of signals that can freeze alone.
         self._same: dict[str, _Same] = {}
 
-    def observe(self, site: Site, now_ns: int) -> None:
+    def observe_site(self, site: Site, now_ns: int) -> None:
         """Note which values have changed since the last look; wants to be called often."""
-        for address in site.guarded():
+        for address in site.safety_signals():
             signal = site.signal(address)
             # A signal that no longer freezes begins anew if it does so again later.
             if signal is None or signal.frozen_after <= 0:
                 self._same.pop(address, None)
             elif (reading := self._readings.latest(address)) is not None:
-                self._observe(address, reading.value, now_ns)
+                self._observe_value(address, reading.value, now_ns)
 
-    def _observe(self, address: str, value: float, now_ns: int) -> _Same:
+    def _observe_value(self, address: str, value: float, now_ns: int) -> _Same:
         # Bits, not numbers: NaN differs from itself, and 0.0 from -0.0; a true sensor wavers in the
         # last bit.
         bits = struct.pack("<d", value)
@@ -67,7 +67,7 @@ class ValueValidity:
             same = self._same[address] = _Same(bits, now_ns)
         return same
 
-    def problem(
+    def value_problem(
         self,
         address: str,
         signal: Signal,
@@ -121,16 +121,16 @@ class ValueValidity:
     ) -> str:
         if signal.frozen_after <= 0:
             return ""
-        still_ns = now_ns - self._observe(address, reading.value, now_ns).since_ns
+        still_ns = now_ns - self._observe_value(address, reading.value, now_ns).since_ns
         if still_ns < round(signal.frozen_after * SECOND):
             return ""
-        shown = f"{reading.value:g}{_unit(signal)}"
+        shown = f"{reading.value:g}{_with_unit(signal)}"
         return f"{signal.name}: exactly {shown} for {span_of(still_ns / SECOND)}, so it is frozen"
 
 
 def range_problem(signal: Signal, value: float) -> str:
     """Say that a number is outside its signal's own minimum and maximum; empty when it is not."""
-    low, high, unit = signal.minimum, signal.maximum, _unit(signal)
+    low, high, unit = signal.minimum, signal.maximum, _with_unit(signal)
     if signal.type is not SignalType.NUMBER:
         return ""
     if (low is None or value >= low) and (high is None or value <= high):
@@ -151,7 +151,7 @@ def word_of(signal: Signal, value: float) -> str:
     """Give a value as people say it: ``100 %``, ``closed``."""
     if signal.type is SignalType.STATE and value == int(value) and 0 <= value < len(signal.states):
         return signal.states[int(value)]
-    return f"{value:g}{_unit(signal)}"
+    return f"{value:g}{_with_unit(signal)}"
 
 
 def span_of(seconds: float) -> str:
@@ -161,5 +161,5 @@ def span_of(seconds: float) -> str:
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.0f} h"
 
 
-def _unit(signal: Signal) -> str:
+def _with_unit(signal: Signal) -> str:
     return f" {signal.unit}" if signal.unit else ""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.gateway.spool.progress_mark import ProgressMark
 
-__all__ = ["NOT_HEARD", "NOT_RUNNING", "FirstHeard", "absence", "watch_first_heard"]
+__all__ = ["NOT_HEARD", "NOT_RUNNING", "FirstHeard", "absence_span", "watch_first_heard"]
 
 NOT_RUNNING = "the gateway was not running"
 NOT_HEARD = "the robot was not heard yet"
@@ -33,7 +33,9 @@ _SAME_US = 1_000_000
 _CHANNELS = 65_536
 
 
-def absence(former: ProgressMark, wall_us: int, mono_s: float, machine: str) -> tuple[int, int]:
+def absence_span(
+    former: ProgressMark, wall_us: int, mono_s: float, machine: str
+) -> tuple[int, int]:
     """Give from when to when no gateway ran (µs, UTC).
 
     How long it was is the monotonic clock's to say, while the machine is still the same: where
@@ -74,7 +76,7 @@ class FirstHeard:
         second[again] = now_ns
         first[channels[~known]] = now_ns
 
-    def settle(self) -> float:
+    def settle_watching(self) -> float:
         """Give how long (s) channels that speak again and again were not heard; ends watching."""
         first, second = self._first_ns, self._second_ns
         self._first_ns = None
@@ -94,7 +96,7 @@ async def watch_first_heard(
 ) -> None:
     """Tell once, when it is settled, for how long the robot was not heard; until cancelled."""
     await asyncio.sleep(SETTLED_S)
-    unheard_s = heard.settle()
+    unheard_s = heard.settle_watching()
     if unheard_s > 0:
         # By the wall clock of now: if it was set meanwhile, samples are stamped by it, too.
         since_s = (clock.monotonic_ns() - heard.began_ns) / SECOND

@@ -19,7 +19,7 @@ from talaia.gateway.samples.absence_gaps import FirstHeard
 from talaia.gateway.samples.monotonic_times import MonotonicTimes
 from talaia.gateway.samples.newest_samples import RunNewest
 from talaia.gateway.spool.segment import SampleRecord
-from talaia.wire.columns import MAX_SAMPLES, Columns, pack, part, renumbered
+from talaia.wire.columns import MAX_SAMPLES, Columns, pack_columns, renumber_channels, slice_columns
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from talaia.wire.newest import NewestSamples
 
-__all__ = ["Batcher", "joined", "records_of"]
+__all__ = ["Batcher", "join_columns", "records_of"]
 
 # Samples; beyond this the event loop has stood still for seconds, and memory is not to pay for it.
 MAX_WAITING = 1_000_000
@@ -39,7 +39,7 @@ EARLY, LATE = 0.75, 1.25
 OVERRUN = "the gateway could not keep up"
 
 
-def joined(chunks: list[Columns]) -> Columns:
+def join_columns(chunks: list[Columns]) -> Columns:
     """Put columns one after another."""
     if len(chunks) == 1:
         return chunks[0]
@@ -68,7 +68,7 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
         return []
     if count <= MAX_SAMPLES:
         try:
-            packed = pack(columns)
+            packed = pack_columns(columns)
         except ValueError:
             if count == 1:
                 raise
@@ -87,8 +87,8 @@ def records_of(columns: Columns, boot: str, catalogue: str, first: int) -> list[
             return [SampleRecord(first, count, low, high, LINK_FROM_GATEWAY.encode(frame))]
     middle = count // 2
     return [
-        *records_of(part(columns, 0, middle), boot, catalogue, first),
-        *records_of(part(columns, middle, count), boot, catalogue, first + middle),
+        *records_of(slice_columns(columns, 0, middle), boot, catalogue, first),
+        *records_of(slice_columns(columns, middle, count), boot, catalogue, first + middle),
     ]
 
 
@@ -122,7 +122,8 @@ class Batcher:
         self._flush_s = flush  # s between two batches, about.
         self._keep = keep  # The spool and the link; each batch in order.
         self._lose = lose  # The spool's gaps.
-        # Not numbered yet; appended by any thread (a deque's append is atomic), emptied by `flush`.
+        # Not numbered yet; appended by any thread (a deque's append is atomic), emptied by
+        # `flush_batches`.
         self._chunks: deque[Columns] = deque()
         # Samples in `_chunks`, about: threads add without a lock, and the bound need not be exact.
         self._waiting = 0
@@ -160,10 +161,10 @@ class Batcher:
         # Only the first hand-over of a batch wakes the loop, and the one that makes it ripe.
         if not self._armed:
             self._armed = True
-            self._loop.call_soon_threadsafe(self._arm)
+            self._loop.call_soon_threadsafe(self._arm_timer)
         elif not self._called and time.monotonic() >= self._ripe:
             self._called = True
-            self._loop.call_soon_threadsafe(self.flush)
+            self._loop.call_soon_threadsafe(self.flush_batches)
 
     def redescribe(self, catalogue: str, order: NDArray[np.int64]) -> None:
         """Number by another channel list from here on; event loop only.
@@ -172,21 +173,23 @@ class Batcher:
 
         Args:
             catalogue: the new list's name.
-            order: see `ChannelNumbering.order`.
+            order: see `ChannelNumbering.order_of`.
 
         """
         # Whatever waits was numbered by the old list.
-        self.flush()
+        self.flush_batches()
         self._catalogue, self._order = catalogue, order
 
-    def _arm(self) -> None:
+    def _arm_timer(self) -> None:
         left = self._ripe - time.monotonic()
         if left <= 0:
-            self.flush()
+            self.flush_batches()
         else:
-            self._timer = self._loop.call_later(left + (LATE - EARLY) * self._flush_s, self.flush)
+            self._timer = self._loop.call_later(
+                left + (LATE - EARLY) * self._flush_s, self.flush_batches
+            )
 
-    def flush(self) -> None:
+    def flush_batches(self) -> None:
         """Make batches of what waits; event loop only."""
         # Before the chunks are taken: what is put from here on arms anew.
         self._armed = self._called = False
@@ -199,14 +202,14 @@ class Batcher:
             chunks.append(self._chunks.popleft())
         self._waiting = 0
         if chunks:
-            columns = self._times.mend(joined(chunks))
+            columns = self._times.make_monotonic(join_columns(chunks))
             numbers = columns.channel
             if self._order is not None:
                 # -1: a channel that the new description has no more.
                 numbers = numbers[self._order[numbers] >= 0]
-                columns = renumbered(columns, self._order)
+                columns = renumber_channels(columns, self._order)
             now_ns = time.monotonic_ns()
-            self._newest.update(numbers, columns, self.next, now_ns)
+            self._newest.update_newest(numbers, columns, self.next, now_ns)
             self.first_heard.add_batch(numbers, now_ns)
             made = records_of(columns, self._boot, self._catalogue, self.next)
             self.next = made[-1].end if made else self.next
@@ -218,14 +221,14 @@ class Batcher:
             self._lose(SampleRecord(self.next, dropped, *self._dropped_us, b""), OVERRUN)
             self.next += dropped
 
-    def newest(self) -> NewestSamples:
+    def newest_samples(self) -> NewestSamples:
         """Give the newest sample of each channel of this run; event loop only.
 
         What waits to be numbered is newer, and follows as live samples do.
         """
-        return self._newest.known(self._order, time.monotonic_ns())
+        return self._newest.newest_samples(self._order, time.monotonic_ns())
 
-    def missed(self, from_us: int, to_us: int, reason: str) -> None:
+    def record_gap(self, from_us: int, to_us: int, reason: str) -> None:
         """Record that samples of this time may never have been heard; event loop only.
 
         The gap has a number of its own, for nobody knows how many there were.

@@ -41,20 +41,20 @@ class ChannelNumbering:
 
         Args:
             site: the description.
-            renamed: channels by their former addresses, see `model.renames.renames`.
+            renamed: channels by their former addresses, see `model.renames.list_renames`.
 
         Raises:
             ChannelNumbersFull: there are no numbers left; nothing has changed then.
 
         """
-        moved = {_signal(old): _signal(new) for old, new in renamed.items()}
+        moved = {_signal_address(old): _signal_address(new) for old, new in renamed.items()}
         first = {
             (moved.get(address, address), shape): number
             for (address, shape), number in self._first.items()
         }
         size = self._size
-        for address, signal in _signals(site):
-            key = (address, _shape(signal))
+        for address, signal in _signals_of(site):
+            key = (address, _kind_of(signal))
             if key not in first:
                 first[key] = size
                 size += len(parts_of(signal))
@@ -64,22 +64,24 @@ class ChannelNumbering:
             )
         self._first, self._size = first, size
 
-    def numbers(self, site: Site) -> dict[str, int]:
+    def numbers_of(self, site: Site) -> dict[str, int]:
         """Give the number of the first channel of each signal, by address."""
-        return {address: self._first[address, _shape(signal)] for address, signal in _signals(site)}
+        return {
+            address: self._first[address, _kind_of(signal)] for address, signal in _signals_of(site)
+        }
 
-    def order(self, site: Site) -> NDArray[np.int64]:
+    def order_of(self, site: Site) -> NDArray[np.int64]:
         """Give by number the place in `Site.channels`, -1 for what is not described (numbers,)."""
         order = np.full(self._size, -1, np.int64)
         at = 0
-        for address, signal in _signals(site):
-            first, count = self._first[address, _shape(signal)], len(parts_of(signal))
+        for address, signal in _signals_of(site):
+            first, count = self._first[address, _kind_of(signal)], len(parts_of(signal))
             order[first : first + count] = np.arange(at, at + count)
             at += count
         return order
 
 
-def _signals(site: Site) -> list[tuple[str, Signal]]:
+def _signals_of(site: Site) -> list[tuple[str, Signal]]:
     return [
         (f"{device_id}/{signal_id}", signal)
         for device_id, device in site.devices.items()
@@ -87,10 +89,10 @@ def _signals(site: Site) -> list[tuple[str, Signal]]:
     ]
 
 
-def _signal(channel: str) -> str:
+def _signal_address(channel: str) -> str:
     return channel.partition(".")[0]
 
 
-def _shape(signal: Signal) -> str:
+def _kind_of(signal: Signal) -> str:
     """Tell signals apart that share an address and do not hold the same kind of values."""
     return f"{signal.type} {' '.join(parts_of(signal))}"

@@ -16,7 +16,15 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Signal
 
-__all__ = ["MAX_TEXT", "getter", "number_of", "parse_path", "reader_of", "text_of", "yaw_of"]
+__all__ = [
+    "MAX_TEXT",
+    "compile_getter",
+    "number_of",
+    "parse_path",
+    "reader_of",
+    "text_of",
+    "yaw_of",
+]
 
 MAX_TEXT = 2000
 _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)|\[(\d{1,6})\]|(\.)")
@@ -46,7 +54,7 @@ def parse_path(path: str) -> tuple[str | int, ...]:
     return tuple(steps)
 
 
-def getter(path: str) -> Callable[[object], object]:
+def compile_getter(path: str) -> Callable[[object], object]:
     """Compile a path to a function from message to field.
 
     The function raises `FieldError` when the message has no such field.
@@ -123,7 +131,7 @@ def reader_of(signal: Signal) -> Callable[[object], tuple[float, ...]]:
             return _wgs84(source.field)
         return _local(source.field, signal.yaw_from)
     path, scale, states = source.field, signal.scale, signal.states
-    get = getter(path)
+    get = compile_getter(path)
 
     def read(message: object) -> tuple[float, ...]:
         value = get(message)
@@ -134,12 +142,12 @@ def reader_of(signal: Signal) -> Callable[[object], tuple[float, ...]]:
     return read
 
 
-def _below(path: str, *names: str) -> tuple[Callable[[object], object], ...]:
-    return tuple(getter(f"{path}.{name}" if path else name) for name in names)
+def _child_getters(path: str, *names: str) -> tuple[Callable[[object], object], ...]:
+    return tuple(compile_getter(f"{path}.{name}" if path else name) for name in names)
 
 
 def _wgs84(path: str) -> Callable[[object], tuple[float, ...]]:
-    lat, lon, alt = _below(path, "latitude", "longitude", "altitude")
+    lat, lon, alt = _child_getters(path, "latitude", "longitude", "altitude")
 
     def read(message: object) -> tuple[float, ...]:
         return (
@@ -152,8 +160,8 @@ def _wgs84(path: str) -> Callable[[object], tuple[float, ...]]:
 
 
 def _local(path: str, yaw_from: str) -> Callable[[object], tuple[float, ...]]:
-    get_x, get_y = _below(path, "x", "y")
-    turn = _below(yaw_from, "x", "y", "z", "w") if yaw_from else None
+    get_x, get_y = _child_getters(path, "x", "y")
+    turn = _child_getters(yaw_from, "x", "y", "z", "w") if yaw_from else None
 
     def read(message: object) -> tuple[float, ...]:
         x, y = number_of(get_x(message), "x"), number_of(get_y(message), "y")

@@ -28,7 +28,7 @@ class MonotonicTimes:
         """Begin with none."""
         self._last = np.full(_CHANNELS, _NEVER, np.int64)
 
-    def mend(self, columns: Columns) -> Columns:
+    def make_monotonic(self, columns: Columns) -> Columns:
         """Give the samples with times that rise for each channel; the same ones if they do."""
         if not len(columns):
             return columns

@@ -27,7 +27,7 @@ class RunNewest:
         self._value = np.zeros(_CHANNELS, np.float64)
         self._texts: dict[int, str] = {}
 
-    def update(
+    def update_newest(
         self, numbers: NDArray[np.uint16], columns: Columns, first: int, now_ns: int
     ) -> None:
         """Take a batch; of several samples of a channel the last counts.
@@ -47,11 +47,11 @@ class RunNewest:
         for at, text in columns.texts.items():
             self._texts[int(numbers[at])] = text
 
-    def known(self, order: NDArray[np.int64] | None, now_ns: int) -> NewestSamples:
+    def newest_samples(self, order: NDArray[np.int64] | None, now_ns: int) -> NewestSamples:
         """Give all that is known, by the channel list that counts now, in order of sequence.
 
         Args:
-            order: see `ChannelNumbering.order`; none where numbers are places.
+            order: see `ChannelNumbering.order_of`; none where numbers are places.
             now_ns: now (monotonic).
 
         """

@@ -42,8 +42,8 @@ def rule_of(signal: Signal) -> SamplingRule | None:
 class Sampler:
     """Apply one rule to one signal. Knows no clock: samples carry their own time.
 
-    The last value of a burst is not lost to the rate limit: it is held, and `due` gives it out
-    when its turn has come.
+    The last value of a burst is not lost to the rate limit: it is held, and `due_values` gives it
+    out when its turn has come.
     """
 
     __slots__ = ("_at_us", "_held", "_values", "rule")
@@ -53,7 +53,7 @@ class Sampler:
         self.rule = rule
         self._values: Values | None = None  # The last that was kept; None before the first.
         self._at_us = 0  # Its time (µs, the samples' own).
-        # Came too early; given out by `due`, or forgotten when the value comes back.
+        # Came too early; given out by `due_values`, or forgotten when the value comes back.
         self._held: Values | None = None
 
     @property
@@ -66,12 +66,12 @@ class Sampler:
         """When the turn of a waiting value comes."""
         return self._at_us + self.rule.min_interval_us
 
-    def accepts(self, time_us: int, values: Values) -> bool:
+    def accept_sample(self, time_us: int, values: Values) -> bool:
         """Tell whether to keep the sample; if so, remember it as kept."""
         silence = time_us - self._at_us
         # A wall clock that was set back must not silence a signal until it has caught up.
         if self._values is None or silence < 0 or silence >= self.rule.max_silence_us:
-            return self._keep(time_us, values)
+            return self._keep_values(time_us, values)
         if self._is_still(values):
             # It moved and came back within the interval: what was held is no news any more.
             self._held = None
@@ -79,18 +79,18 @@ class Sampler:
         if silence < self.rule.min_interval_us:
             self._held = values
             return False
-        return self._keep(time_us, values)
+        return self._keep_values(time_us, values)
 
-    def due(self, time_us: int) -> Values | None:
+    def due_values(self, time_us: int) -> Values | None:
         """Give the held values, as kept, once the interval since the last kept one is over."""
         held = self._held
         # `0 <=`: after a clock that was set back the held value is due at once.
         if held is None or 0 <= time_us - self._at_us < self.rule.min_interval_us:
             return None
-        self._keep(time_us, held)
+        self._keep_values(time_us, held)
         return held
 
-    def _keep(self, time_us: int, values: Values) -> bool:
+    def _keep_values(self, time_us: int, values: Values) -> bool:
         self._values, self._at_us, self._held = values, time_us, None
         return True
 

@@ -39,7 +39,7 @@ class StampAge:
         self._newest_ns: int | None = None
         self._advanced_ns: int | None = None  # When a stamp last advanced (our monotonic ns).
 
-    def arrived(self, stamp_ns: int, mono_ns: int) -> int | None:
+    def add_stamp(self, stamp_ns: int, mono_ns: int) -> int | None:
         """Take the stamp of a message; give when a stamp advanced last, none if none ever did.
 
         Args:
@@ -62,15 +62,15 @@ class StampReader:
         self._get, self._path = get, source.stamp
         self._age = StampAge(proven=source.synchronized)
 
-    def arrived(self, message: object, mono_ns: int) -> tuple[int, int | None]:
-        """Give the stamp (ns) of a message, and when one advanced last; see `StampAge.arrived`.
+    def read_stamp(self, message: object, mono_ns: int) -> tuple[int, int | None]:
+        """Give the stamp (ns) of a message, and when one advanced last; see `StampAge.add_stamp`.
 
         Raises:
             FieldError: there is none.
 
         """
         stamp_ns = stamp_ns_of(self._get(message), self._path)
-        return stamp_ns, self._age.arrived(stamp_ns, mono_ns)
+        return stamp_ns, self._age.add_stamp(stamp_ns, mono_ns)
 
 
 def stamp_ns_of(value: object, path: str) -> int:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.gateway.spool.packing import unpacked
-from talaia.gateway.spool.segment import RecordKind, SampleRecord, records
+from talaia.gateway.spool.packing import unpack_record
+from talaia.gateway.spool.segment import RecordKind, SampleRecord, read_records
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
@@ -22,9 +22,9 @@ __all__ = [
     "SegmentHead",
     "boot_of",
     "ranges_of",
-    "scan",
+    "remove_file",
+    "scan_segment",
     "set_aside",
-    "unlinked",
     "write_all",
 ]
 
@@ -62,7 +62,7 @@ class Segment:
     to_us: int = 0
     turn: int = 0
 
-    def add(self, record: SampleRecord) -> None:
+    def count_record(self, record: SampleRecord) -> None:
         """Count a record in."""
         if self.first < 0:
             self.first, self.from_us, self.to_us = record.first, record.from_us, record.to_us
@@ -72,7 +72,9 @@ class Segment:
         self.to_us = max(self.to_us, record.to_us)
 
 
-def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, int]], int] | None:
+def scan_segment(
+    path: Path, data: bytes
+) -> tuple[Segment, list[tuple[int, int, int, int]], int] | None:
     """Read a segment from an earlier run: its range, its holes, and where whole data end."""
     segment: Segment | None = None
     holes: list[tuple[int, int, int, int]] = []
@@ -82,7 +84,7 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
         number = int(path.stem)
     except ValueError:
         return None
-    for end, record in records(data):
+    for end, record in read_records(data):
         if record.kind == RecordKind.SEGMENT:
             try:
                 head = msgspec.msgpack.decode(record.body, type=SegmentHead)
@@ -93,7 +95,7 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
             # Sequence numbers go on without a break in a segment, so a jump is damage.
             if segment.first >= 0 and record.first > segment.end:
                 holes.append((segment.end, record.first - 1, segment.to_us, record.from_us))
-            segment.add(record)
+            segment.count_record(record)
         # Also after a hole: what is whole behind it is kept.
         whole = end
     if segment is None:
@@ -104,14 +106,14 @@ def scan(path: Path, data: bytes) -> tuple[Segment, list[tuple[int, int, int, in
 
 def ranges_of(data: bytes) -> list[SampleRecord]:
     """Give the records of samples in a segment whose head is gone."""
-    return [record for _, record in records(data) if record.kind != RecordKind.SEGMENT]
+    return [record for _, record in read_records(data) if record.kind != RecordKind.SEGMENT]
 
 
 def boot_of(record: SampleRecord) -> str:
     """Tell whose samples a record holds, from the record itself; empty when it does not say."""
     # The first frame will do: all frames of a record are of one boot.
     try:
-        batches = unpacked(record)
+        batches = unpack_record(record)
         frame = LINK_FROM_GATEWAY.decode(batches[0].body)
     except PeerError:
         return ""
@@ -132,7 +134,7 @@ def set_aside(path: Path) -> None:
         old.unlink(missing_ok=True)
 
 
-def unlinked(path: Path) -> bool:
+def remove_file(path: Path) -> bool:
     """Remove a file if it is there; tell whether the disk let go of it."""
     try:
         path.unlink(missing_ok=True)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from talaia.gateway.spool.packing import unpacked
-from talaia.gateway.spool.segment import RecordKind, records
-from talaia.wire.columns import Columns, unpack
+from talaia.gateway.spool.packing import unpack_record
+from talaia.gateway.spool.segment import RecordKind, read_records
+from talaia.wire.columns import Columns, unpack_columns
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 from talaia.wire.newest import NewestSamples
@@ -79,11 +79,11 @@ def newest_in(
 
     """
     found: dict[str, _Found] = {}
-    for record in _batches(data):
+    for record in _read_batches(data):
         frame = LINK_FROM_GATEWAY.decode(record.body)
         if not isinstance(frame, SampleBatch):
             continue
-        columns = unpack(frame)
+        columns = unpack_columns(frame)
         # Records that waited in memory over a change of the list name their channels themselves.
         named = frame.addresses or addresses
         # The first of the reversed column is the last.
@@ -103,12 +103,12 @@ def newest_in(
     return _as_told(boot, catalogue, found, now_us) if found else None
 
 
-def _batches(data: bytes) -> Iterator[SampleRecord]:
-    for _, record in records(data):
+def _read_batches(data: bytes) -> Iterator[SampleRecord]:
+    for _, record in read_records(data):
         if record.kind == RecordKind.SEGMENT:
             continue
         try:
-            yield from unpacked(record)
+            yield from unpack_record(record)
         # One record that cannot be read hides no other.
         except PeerError:
             # It is told as a gap when it is its turn to be sent.

@@ -37,11 +37,11 @@ class SpoolGaps:
         except (OSError, msgspec.DecodeError) as error:
             log.warning("%s is damaged and is left aside: %s", path, error)
 
-    def all(self) -> list[SampleGap]:
+    def list_gaps(self) -> list[SampleGap]:
         """Give them."""
         return list(self._gaps)
 
-    def add(self, lost: SampleGap) -> None:
+    def add_gap(self, lost: SampleGap) -> None:
         """Record one; it grows a gap that it follows for the same reason."""
         log.warning(
             "samples %d to %d of %s are lost: %s", lost.first, lost.last, lost.boot, lost.reason
@@ -72,12 +72,12 @@ class SpoolGaps:
         for gap in sorted(self._gaps, key=lambda known: known.first):
             if gap.boot == lost.boot and gap.last >= first and gap.first <= lost.last:
                 if gap.first > first:
-                    self.add(replace(lost, first=first, last=gap.first - 1))
+                    self.add_gap(replace(lost, first=first, last=gap.first - 1))
                 first = max(first, gap.last + 1)
         if first <= lost.last:
-            self.add(replace(lost, first=first))
+            self.add_gap(replace(lost, first=first))
 
-    def forget(self, acked: Mapping[str, int]) -> None:
+    def forget_acked(self, acked: Mapping[str, int]) -> None:
         """Drop those that the hub has acknowledged past, by boot."""
         kept = [gap for gap in self._gaps if gap.last >= acked.get(gap.boot, 0)]
         if len(kept) != len(self._gaps):
@@ -88,7 +88,7 @@ class SpoolGaps:
         """Whether they are not on disk as they are here."""
         return self._dirty
 
-    def write(self) -> None:
+    def write_gaps(self) -> None:
         """Write them if they changed. While the disk is full they stay in memory."""
         if not self._dirty:
             return
@@ -115,7 +115,7 @@ class DroppedSamples:
         # First, end, earliest and latest time (µs); rising, and never overlapping.
         self._spans: list[tuple[int, int, int, int]] = []
 
-    def add(self, first: int, end: int, from_us: int, to_us: int) -> None:
+    def add_range(self, first: int, end: int, from_us: int, to_us: int) -> None:
         """Note samples ``first`` to ``end`` - 1, in rising order; none for a negative first."""
         if not 0 <= first < end:
             return
@@ -127,7 +127,7 @@ class DroppedSamples:
             # With an odd number of spans the last has no neighbour and stays as it is.
             self._spans = joined + self._spans[len(joined) * 2 :]
 
-    def since(self, below: int) -> list[tuple[int, int, int, int]]:
+    def dropped_since(self, below: int) -> list[tuple[int, int, int, int]]:
         """Give what is gone from sample ``below`` on."""
         return [
             (max(first, below), end, from_us, to_us)

@@ -38,7 +38,7 @@ class MemoryQueue:
         """Give the records, the oldest first."""
         return iter(self._records)
 
-    def add(self, record: SampleRecord, most: int) -> list[SampleRecord]:
+    def add_record(self, record: SampleRecord, most: int) -> list[SampleRecord]:
         """Keep a record behind the others; give the oldest, which no longer fit in ``most`` bytes.
 
         A record that is larger than that is given back as well.
@@ -72,12 +72,12 @@ class MemoryQueue:
 
     def name_channels(self, addresses: list[str]) -> None:
         """Let each record say itself what its channels are: the list they share is another soon."""
-        self._records = deque(_alone(record, addresses) for record in self._records)
+        self._records = deque(_with_addresses(record, addresses) for record in self._records)
         # Names make them larger: counted anew, for the bound is on what is really there.
         self.bytes = sum(len(record.body) for record in self._records)
 
 
-def _alone(record: SampleRecord, addresses: list[str]) -> SampleRecord:
+def _with_addresses(record: SampleRecord, addresses: list[str]) -> SampleRecord:
     """Give a batch that says itself what its channels are."""
     frame = LINK_FROM_GATEWAY.decode(record.body)
     # One that names its channels already was put here under an earlier list.

@@ -7,7 +7,7 @@ import logging
 import os
 from typing import TYPE_CHECKING
 
-from talaia.gateway.spool.files import boot_of, ranges_of, scan, set_aside, unlinked
+from talaia.gateway.spool.files import boot_of, ranges_of, remove_file, scan_segment, set_aside
 from talaia.wire.frames import SampleGap
 
 if TYPE_CHECKING:
@@ -56,13 +56,13 @@ def take_up(folder: Path, gaps: SpoolGaps, former: ProgressMark | None = None) -
     """
     # A rewriting (segments, gaps) that a crash cut short; the old file is still in its place.
     for half in folder.glob("*.new"):
-        unlinked(half)
+        remove_file(half)
     # By boot: where its newest segment so far ends, and the latest time in it (µs).
     ends: dict[str, tuple[int, int]] = {}
     found: list[Segment] = []
     # Names are numbers of ten digits, so their order is that in which they were written.
     for path in sorted(folder.glob("*.seg")):
-        segment = _read(path, gaps, former)
+        segment = _read_segment(path, gaps, former)
         if segment is None:
             continue
         # Segments of one boot follow each other; the oldest may be gone, none between.
@@ -106,7 +106,7 @@ def tell_torn(former: ProgressMark, segments: list[Segment], gaps: SpoolGaps) ->
         )
 
 
-def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment | None:
+def _read_segment(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment | None:
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -114,9 +114,9 @@ def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment |
         log.warning("%s cannot be read and is set aside: %s", path, error)
         _set_aside(path)
         return None
-    scanned = scan(path, data)
+    scanned = scan_segment(path, data)
     if scanned is None:
-        _leave(path, data, gaps)
+        _set_damaged_aside(path, data, gaps)
         return None
     segment, holes, whole = scanned
     # Behind it is half a record, which a crash or a power cut left.
@@ -144,16 +144,16 @@ def _read(path: Path, gaps: SpoolGaps, former: ProgressMark | None) -> Segment |
         )
     # A head and nothing behind it: all was acknowledged, or nothing was heard.
     if segment.first < 0:
-        unlinked(path)
+        remove_file(path)
         return None
     return segment
 
 
-def _leave(path: Path, data: bytes, gaps: SpoolGaps) -> None:
+def _set_damaged_aside(path: Path, data: bytes, gaps: SpoolGaps) -> None:
     """Set a segment aside whose head cannot be read, and tell what was in it."""
     # Made and not written, or taken by a power cut; what is missing the mark tells of.
     if not data:
-        unlinked(path)
+        remove_file(path)
         return
     log.warning("%s is damaged and is set aside", path)
     for record in ranges_of(data):

@@ -14,14 +14,14 @@ import msgspec
 import numpy as np
 
 from talaia.gateway.spool.segment import RecordKind, SampleRecord
-from talaia.wire.columns import Columns, pack, part, unpack
+from talaia.wire.columns import Columns, pack_columns, slice_columns, unpack_columns
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import LINK_FROM_GATEWAY, SampleBatch
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-__all__ = ["FRAME_SAMPLES", "GROUP_SAMPLES", "packed", "unpacked"]
+__all__ = ["FRAME_SAMPLES", "GROUP_SAMPLES", "pack_records", "unpack_record"]
 
 # Samples of one frame when it is given out again; see the module.
 FRAME_SAMPLES = 1024
@@ -50,7 +50,7 @@ _encoder = msgspec.msgpack.Encoder()
 _decoder = msgspec.msgpack.Decoder(_Group)
 
 
-def packed(kept: Iterable[SampleRecord]) -> Iterator[SampleRecord]:
+def pack_records(kept: Iterable[SampleRecord]) -> Iterator[SampleRecord]:
     """Pack batches of samples that follow each other; others start a new group.
 
     A batch that cannot be read is passed on as it is.
@@ -61,17 +61,19 @@ def packed(kept: Iterable[SampleRecord]) -> Iterator[SampleRecord]:
         frame = _frame_of(record)
         if frame is None:
             # What it passes over ends the group: records must come out in the order they went in.
-            yield from _close(group)
+            yield from _close_group(group)
             group, count = [], 0
             yield record
             continue
         samples, columns = frame
-        if group and (not _follows(group[-1], samples) or count + len(columns) > GROUP_SAMPLES):
-            yield from _close(group)
+        if group and (
+            not _follows_batch(group[-1], samples) or count + len(columns) > GROUP_SAMPLES
+        ):
+            yield from _close_group(group)
             group, count = [], 0
         group.append((samples, columns))
         count += len(columns)
-    yield from _close(group)
+    yield from _close_group(group)
 
 
 def _frame_of(record: SampleRecord) -> tuple[SampleBatch, Columns] | None:
@@ -82,7 +84,7 @@ def _frame_of(record: SampleRecord) -> tuple[SampleBatch, Columns] | None:
         # Such a batch has a channel list of its own, and a group has room for one only.
         if not isinstance(frame, SampleBatch) or frame.addresses:
             return None
-        columns = unpack(frame)
+        columns = unpack_columns(frame)
     # Passed on as it is: if it cannot be read, its gap is told when it is sent.
     except PeerError:
         return None
@@ -90,7 +92,7 @@ def _frame_of(record: SampleRecord) -> tuple[SampleBatch, Columns] | None:
     return (frame, columns) if frame.first == record.first and len(columns) else None
 
 
-def _follows(last: tuple[SampleBatch, Columns], frame: SampleBatch) -> bool:
+def _follows_batch(last: tuple[SampleBatch, Columns], frame: SampleBatch) -> bool:
     before, columns = last
     # Run, channel list and number must go on: a group names each only once.
     return (before.boot, before.catalogue, before.first + len(columns)) == (
@@ -100,7 +102,7 @@ def _follows(last: tuple[SampleBatch, Columns], frame: SampleBatch) -> bool:
     )
 
 
-def _close(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:
+def _close_group(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:
     if not group:
         return
     first = group[0][0]
@@ -116,10 +118,10 @@ def _close(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:
         first.catalogue,
         first.first,
         int(time_us[0]),
-        _shuffled(np.concatenate([columns.channel for _, columns in group]).astype("<u2")),
+        _shuffle_bytes(np.concatenate([columns.channel for _, columns in group]).astype("<u2")),
         # Steps from sample to sample are small and alike, and whole times are not.
-        _shuffled(np.diff(time_us, prepend=time_us[0]).astype("<i8")),
-        _shuffled(np.concatenate([columns.value for _, columns in group]).astype("<f8")),
+        _shuffle_bytes(np.diff(time_us, prepend=time_us[0]).astype("<i8")),
+        _shuffle_bytes(np.concatenate([columns.value for _, columns in group]).astype("<f8")),
         texts,
     )
     # Earliest and latest: the first sample need not be the earliest.
@@ -133,7 +135,7 @@ def _close(group: list[tuple[SampleBatch, Columns]]) -> Iterator[SampleRecord]:
     )
 
 
-def unpacked(record: SampleRecord) -> list[SampleRecord]:
+def unpack_record(record: SampleRecord) -> list[SampleRecord]:
     """Give a packed record's batches, and any other as it is.
 
     Raises:
@@ -160,23 +162,23 @@ def unpacked(record: SampleRecord) -> list[SampleRecord]:
     return [
         batch
         for begin in range(0, count, FRAME_SAMPLES)
-        for batch in _batches(
+        for batch in _encode_batches(
             group,
             group.first + begin,
-            part(columns, begin, begin + FRAME_SAMPLES),
+            slice_columns(columns, begin, begin + FRAME_SAMPLES),
         )
     ]
 
 
-def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
+def _encode_batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
     """Encode columns as one frame, or as two where the wall clock jumped within them."""
     try:
-        packed = pack(columns)
+        packed = pack_columns(columns)
     except ValueError:
         # Halved until it fits; a single sample always does, so this ends.
         middle = len(columns) // 2
-        head, tail = part(columns, 0, middle), part(columns, middle, len(columns))
-        return [*_batches(group, first, head), *_batches(group, first + middle, tail)]
+        head, tail = slice_columns(columns, 0, middle), slice_columns(columns, middle, len(columns))
+        return [*_encode_batches(group, first, head), *_encode_batches(group, first + middle, tail)]
     frame = SampleBatch(
         boot=group.boot,
         first=first,
@@ -191,7 +193,7 @@ def _batches(group: _Group, first: int, columns: Columns) -> list[SampleRecord]:
     return [SampleRecord(first, len(columns), low, high, LINK_FROM_GATEWAY.encode(frame))]
 
 
-def _shuffled(column: np.ndarray) -> bytes:
+def _shuffle_bytes(column: np.ndarray) -> bytes:
     # One row for each byte of weight: all low bytes, then the next ones, up to the high bytes.
     return column.view(np.uint8).reshape(-1, column.itemsize).T.tobytes()
 

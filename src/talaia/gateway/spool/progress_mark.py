@@ -65,7 +65,7 @@ class MarkFile:
         except (OSError, msgspec.DecodeError) as error:
             log.warning("%s cannot be read: %s", path, error)
 
-    def write(self, mark: ProgressMark) -> None:
+    def write_mark(self, mark: ProgressMark) -> None:
         """Write it in its place; where the disk takes nothing, the old one stays."""
         try:
             if self._file < 0:

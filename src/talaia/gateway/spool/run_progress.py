@@ -65,12 +65,12 @@ class RunProgress:
         deaf_us = began_us if self.former is not None else 0
         self._mark = ProgressMark(boot, began_us=began_us, deaf_us=deaf_us, machine=machine)
 
-    def advance(self, end: int, heard_us: int) -> None:
+    def save_progress(self, end: int, heard_us: int) -> None:
         """Leave word that samples below ``end`` are in the spool, heard up to ``heard_us``."""
         # The gaps first: they are made of the former mark, and with it gone nothing else tells of
         # them.
         if self._gaps.dirty and self._former_stands:
-            self._gaps.write()
+            self._gaps.write_gaps()
             if self._gaps.dirty:
                 return
         self._former_stands = False
@@ -82,7 +82,7 @@ class RunProgress:
         self._mark = replace(
             mark, end=max(mark.end, end), acked=acked, heard_us=heard_us, mono_s=self._now()
         )
-        self._file.write(self._mark)
+        self._file.write_mark(self._mark)
 
     def count_lost(self, end: int) -> None:
         """Count samples below ``end`` in that are lost; the next word that is left says so."""
@@ -100,7 +100,7 @@ class RunProgress:
         """
         # Asked first: it is called for every segment that goes, and mostly nothing is new.
         if self._acked.get(self._mark.boot, 0) > self._mark.acked:
-            self.advance(self._mark.end, self._mark.heard_us)
+            self.save_progress(self._mark.end, self._mark.heard_us)
 
     def close(self) -> None:
         """Let go of the file."""

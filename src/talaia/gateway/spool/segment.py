@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-__all__ = ["HEAD", "RecordKind", "SampleRecord", "pack_record", "records"]
+__all__ = ["HEAD", "RecordKind", "SampleRecord", "pack_record", "read_records"]
 
 # Not valid UTF-8, so no text in a body looks like it; bytes that do fail by the checksum.
 MAGIC = b"\xf7TLR"
@@ -79,14 +79,14 @@ def pack_record(record: SampleRecord) -> bytes:
     return head + record.body
 
 
-def records(data: bytes, at: int = 0) -> Iterator[tuple[int, SampleRecord]]:
+def read_records(data: bytes, at: int = 0) -> Iterator[tuple[int, SampleRecord]]:
     """Give the whole records of ``data`` from ``at`` on, each with the offset where it ends."""
     while True:
         # Damage is skipped up to the next magic, wherever that is.
         at = data.find(MAGIC, at)
         if at < 0:
             return
-        record = _read(data, at)
+        record = _read_record(data, at)
         if record is None:
             # By one byte, not by the head: a magic within a damaged record may be a true one.
             at += 1
@@ -95,7 +95,7 @@ def records(data: bytes, at: int = 0) -> Iterator[tuple[int, SampleRecord]]:
         yield at, record
 
 
-def _read(data: bytes, at: int) -> SampleRecord | None:
+def _read_record(data: bytes, at: int) -> SampleRecord | None:
     # A torn head at the end of the file.
     if len(data) - at < HEAD:
         return None

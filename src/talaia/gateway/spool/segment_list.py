@@ -73,7 +73,7 @@ class SegmentList:
         self._segments.append(segment)
         return segment
 
-    def remove(self, segment: Segment) -> None:
+    def remove_segment(self, segment: Segment) -> None:
         """Let a segment go; its file is for others to remove."""
         self._segments.remove(segment)
 

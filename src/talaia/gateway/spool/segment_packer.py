@@ -7,9 +7,9 @@ import os
 from typing import TYPE_CHECKING
 
 from talaia.gateway.persistence import write_whole
-from talaia.gateway.spool.files import unlinked
-from talaia.gateway.spool.packing import packed
-from talaia.gateway.spool.segment import pack_record, records
+from talaia.gateway.spool.files import remove_file
+from talaia.gateway.spool.packing import pack_records
+from talaia.gateway.spool.segment import pack_record, read_records
 
 if TYPE_CHECKING:
     from talaia.gateway.spool.files import Segment
@@ -26,14 +26,14 @@ def pack_segment(segment: Segment) -> None:
     """
     try:
         # Into memory whole: a segment is bounded by its size, and only one is packed at a time.
-        kept = [record for _, record in records(segment.path.read_bytes())]
+        kept = [record for _, record in read_records(segment.path.read_bytes())]
         # The head goes first and unpacked: without it nobody knows whose the rest is.
-        whole = b"".join(pack_record(record) for record in [kept[0], *packed(kept[1:])])
+        whole = b"".join(pack_record(record) for record in [kept[0], *pack_records(kept[1:])])
         write_whole(segment.path, whole)
     # IndexError: not even the head could be read. Packing only saves room, so nothing is lost.
     except (OSError, IndexError) as error:
         log.debug("%s stays as it is: %s", segment.path, error)
-        unlinked(segment.path.with_name(segment.path.name + ".new"))
+        remove_file(segment.path.with_name(segment.path.name + ".new"))
         _force_to_disk(segment)
         return
     # After the file is in its place, on the same thread as all readers.
@@ -50,6 +50,6 @@ def _force_to_disk(segment: Segment) -> None:
             os.fdatasync(file)
         finally:
             os.close(file)
-    # As in `SegmentWriter.sync`: the disk is not asked again.
+    # As in `SegmentWriter.sync_file`: the disk is not asked again.
     except OSError as error:
         log.warning("%s cannot be forced to disk: %s", segment.path, error)

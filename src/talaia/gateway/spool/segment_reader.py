@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from msgspec.structs import replace
 
 from talaia.gateway.spool.opening import DAMAGED
-from talaia.gateway.spool.packing import unpacked
-from talaia.gateway.spool.segment import RecordKind, SampleRecord, records
+from talaia.gateway.spool.packing import unpack_record
+from talaia.gateway.spool.segment import RecordKind, SampleRecord, read_records
 from talaia.wire.errors import PeerError
 from talaia.wire.frames import SampleGap
 
@@ -75,13 +75,13 @@ class SegmentReader:
                 # Room for the longest batch, so that one that is cut off is read whole next time.
                 data = os.pread(file, min(most * 2, segment.size - offset), offset)
                 end = 0
-                for end, record in records(data):
+                for end, record in read_records(data):
                     if record.kind == RecordKind.SEGMENT:
                         continue
                     # In order: a number that is skipped was written and is gone now.
                     self._see_hole(segment, expected, record)
                     expected = record.end
-                    found += self._batches(segment, record)
+                    found += self._stored_records(segment, record)
                     # Bytes of the file, not of what was found: the caller paces its reading of the
                     # disk.
                     if end >= most:
@@ -101,7 +101,7 @@ class SegmentReader:
             os.close(file)
         return found, SpoolPosition(segment.number, segment.turn, offset, expected)
 
-    def _batches(self, segment: Segment, record: SampleRecord) -> list[StoredRecord]:
+    def _stored_records(self, segment: Segment, record: SampleRecord) -> list[StoredRecord]:
         acked = self._acked.get(segment.head.boot, 0)
         # Before it is unpacked: what the hub has is not worth the time.
         if record.end <= acked:
@@ -109,12 +109,12 @@ class SegmentReader:
         try:
             return [
                 StoredRecord(segment.head, record)
-                for record in unpacked(record)
+                for record in unpack_record(record)
                 if record.end > acked
             ]
         # Told as a gap and passed over: it would be as unreadable the next time.
         except PeerError as error:
-            self._gaps.add(
+            self._gaps.add_gap(
                 SampleGap(
                     boot=segment.head.boot,
                     first=record.first,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from talaia.gateway.spool.files import unlinked, write_all
+from talaia.gateway.spool.files import remove_file, write_all
 from talaia.gateway.spool.segment import RecordKind, SampleRecord, pack_record
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class SegmentWriter:
     """
 
     def __init__(self, room: DiskRoom) -> None:
-        """Write where ``room`` is; `begin` comes first."""
+        """Write where ``room`` is; `begin_segment` comes first."""
         # Is told why the disk did not take something.
         self._room = room
         # Negative while the disk has no room for the file.
@@ -42,7 +42,7 @@ class SegmentWriter:
         """Whether the disk has taken the file."""
         return self._file >= 0
 
-    def begin(self) -> None:
+    def begin_segment(self) -> None:
         """Close the file of the segment before; the next one is not there yet."""
         # Not forced to disk here: `pack_segment` forces a closed segment that the hub has not.
         if self._file >= 0:
@@ -66,7 +66,7 @@ class SegmentWriter:
             if file >= 0:
                 os.close(file)
                 # Half a head is no segment; without the file the next try begins anew.
-                unlinked(segment.path)
+                remove_file(segment.path)
             return False
         self._file = file
         segment.size = segment.start = len(data)
@@ -100,7 +100,7 @@ class SegmentWriter:
         segment.size = segment.start
         return True
 
-    def sync(self) -> None:
+    def sync_file(self) -> None:
         """Force to disk what was written since the last time; never raises."""
         if not self._dirty or self._file < 0:
             return

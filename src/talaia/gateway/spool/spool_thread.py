@@ -37,7 +37,9 @@ class SpoolThread:
 
     def __init__(self, spool: Spool) -> None:
         """Take over ``spool``; nobody else may call it from now on."""
-        self._spool = spool  # Touched on `_thread` only, but for `ack` and `former`.
+        self._spool = (
+            spool  # Touched on `_thread` only, but for `acknowledge_samples` and `former`.
+        )
         # One thread: it is a queue as well, so all calls keep their order.
         self._thread = ThreadPoolExecutor(1, "talaia-spool")
         # How far the run before this one came, if there was one.
@@ -46,66 +48,68 @@ class SpoolThread:
         self._given = 0  # Bytes given, by the event loop.
         self._taken = 0  # Bytes taken, by the thread.
 
-    def append(self, record: SampleRecord) -> None:
+    def append_record(self, record: SampleRecord) -> None:
         """Keep a record."""
         size = len(record.body)
         # A stale `_taken` only makes the queue look longer than it is.
         if self._given - self._taken + size > MAX_WAITING:
-            self._thread.submit(self._spool.lose, record, "the gateway's disk stood still")
+            self._thread.submit(self._spool.record_loss, record, "the gateway's disk stood still")
             return
         self._given += size
-        self._thread.submit(self._append, record, size).add_done_callback(_log_failure)
+        self._thread.submit(self._append_sized, record, size).add_done_callback(_log_failure)
 
-    def lose(self, record: SampleRecord, reason: str, boot: str = "") -> None:
-        """Record a loss that happened outside the spool; see `Spool.lose`."""
-        self._thread.submit(self._spool.lose, record, reason, boot).add_done_callback(_log_failure)
+    def record_loss(self, record: SampleRecord, reason: str, boot: str = "") -> None:
+        """Record a loss that happened outside the spool; see `Spool.record_loss`."""
+        self._thread.submit(self._spool.record_loss, record, reason, boot).add_done_callback(
+            _log_failure
+        )
 
     def all_heard(self) -> None:
         """See `Spool.all_heard`."""
         self._thread.submit(self._spool.all_heard).add_done_callback(_log_failure)
 
-    def _append(self, record: SampleRecord, size: int) -> None:
+    def _append_sized(self, record: SampleRecord, size: int) -> None:
         # Before the disk is waited for: at most one record more than the bound is in memory.
         self._taken += size
-        self._spool.append(record)
+        self._spool.append_record(record)
 
     def redescribe(self, head: SegmentHead) -> None:
         """See `Spool.redescribe`; what was given before is kept by the old channel list."""
         self._thread.submit(self._spool.redescribe, head).add_done_callback(_log_failure)
 
-    def ack(self, boot: str, below: int) -> None:
+    def acknowledge_samples(self, boot: str, below: int) -> None:
         """Pass on an acknowledgement.
 
         It is only a note in a dictionary, which the next append or sync acts on; so it costs no
         change of thread.
         """
-        self._spool.ack(boot, below)
+        self._spool.acknowledge_samples(boot, below)
 
-    def unlearn(self, below: int) -> None:
-        """See `Spool.unlearn`; done before whatever is asked for after it."""
-        self._thread.submit(self._spool.unlearn, below).add_done_callback(_log_failure)
+    def rewind_acknowledged(self, below: int) -> None:
+        """See `Spool.rewind_acknowledged`; done before whatever is asked for after it."""
+        self._thread.submit(self._spool.rewind_acknowledged, below).add_done_callback(_log_failure)
 
-    async def sync(self, heard_us: int = 0) -> None:
-        """See `Spool.sync`."""
-        await self._run_on_thread(lambda: self._spool.sync(heard_us))
+    async def sync_to_disk(self, heard_us: int = 0) -> None:
+        """See `Spool.sync_to_disk`."""
+        await self._run_on_thread(lambda: self._spool.sync_to_disk(heard_us))
 
     async def keep_syncing(self, period_s: float, wall_us: Callable[[], int]) -> None:
         """Force what was given to disk so often, until cancelled."""
         while True:
             await asyncio.sleep(period_s)
             try:
-                await self.sync(wall_us() - UNDER_WAY_US)
+                await self.sync_to_disk(wall_us() - UNDER_WAY_US)
             except OSError as error:
                 # A disk that fails ends nothing: what guards the robot needs none.
                 log.debug("the spool cannot be forced to disk: %s", error)
 
-    async def gaps(self) -> list[SampleGap]:
-        """See `Spool.gaps`."""
-        return await self._run_on_thread(self._spool.gaps)
+    async def list_gaps(self) -> list[SampleGap]:
+        """See `Spool.list_gaps`."""
+        return await self._run_on_thread(self._spool.list_gaps)
 
-    async def seek(self, boot: str, first: int) -> SpoolPosition:
-        """See `Spool.seek`."""
-        return await self._run_on_thread(lambda: self._spool.seek(boot, first))
+    async def seek_sample(self, boot: str, first: int) -> SpoolPosition:
+        """See `Spool.seek_sample`."""
+        return await self._run_on_thread(lambda: self._spool.seek_sample(boot, first))
 
     async def former_newest(self, known: set[str], now_us: int) -> AsyncIterator[FormerNewest]:
         """Give what former runs heard last of channels that are not ``known``, newest run first.
@@ -119,11 +123,11 @@ class SpoolThread:
             if found is not None:
                 yield found
 
-    async def read(
+    async def read_records(
         self, place: SpoolPosition, most: int
     ) -> tuple[list[StoredRecord], SpoolPosition]:
-        """See `Spool.read`."""
-        return await self._run_on_thread(lambda: self._spool.read(place, most))
+        """See `Spool.read_records`."""
+        return await self._run_on_thread(lambda: self._spool.read_records(place, most))
 
     async def _run_on_thread(self, work: Callable[[], T]) -> T:
         return await asyncio.wrap_future(self._thread.submit(work))

@@ -106,7 +106,7 @@ class CatchUp:
 
     async def _tell_gaps(self, told: int) -> int:
         """Tell all gaps when their number has changed; give their number."""
-        gaps = await self._spool.gaps()
+        gaps = await self._spool.list_gaps()
         if len(gaps) != told:
             for gap in gaps:
                 self._lanes.backfill(LINK_FROM_GATEWAY.encode(gap))
@@ -118,7 +118,7 @@ class CatchUp:
         def wanted(of: str, begin: int, end: int) -> bool:
             return of == boot and begin < below and end > first
 
-        await self._send(await self._spool.seek(boot, first), wanted, until=(boot, below))
+        await self._send(await self._spool.seek_sample(boot, first), wanted, until=(boot, below))
 
     async def _send(
         self,
@@ -131,7 +131,7 @@ class CatchUp:
         # Bytes since the hub last acknowledged anything: beyond a bound it is waited for.
         acks, unheard = self._lanes.acks, 0
         while True:
-            found, place = await self._spool.read(place, step)
+            found, place = await self._spool.read_records(place, step)
             if not found:
                 return
             sent = 0
@@ -171,4 +171,4 @@ class CatchUp:
                     yield as_old(stored, self._catalogue())
                 except PeerError as error:
                     # Whole on disk, yet written by a version that said it differently.
-                    self._spool.lose(record, str(error), boot)
+                    self._spool.record_loss(record, str(error), boot)

@@ -32,7 +32,7 @@ from talaia.wire.frames import (
     Hello,
     Welcome,
 )
-from talaia.wire.message import PROTOCOL, speaks
+from talaia.wire.message import PROTOCOL, is_compatible
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -248,7 +248,7 @@ class HubLink:
             raise RetryLater(f"the hub refuses this gateway: {welcome.reason}", welcome.after_s)
         if not isinstance(welcome, Welcome):
             raise PeerError(f"{type(welcome).__name__} before the welcome")
-        if not speaks(welcome.protocol):
+        if not is_compatible(welcome.protocol):
             raise LinkLost(
                 f"the hub speaks protocol {welcome.protocol}, this gateway {PROTOCOL}; "
                 "bring both to the same version"

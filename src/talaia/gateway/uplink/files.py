@@ -46,7 +46,7 @@ class FileSource(Protocol):
         """List what waits, oldest first."""
         ...
 
-    def read(self, name: str, at: int, size: int, /) -> bytes:
+    def read_part(self, name: str, at: int, size: int, /) -> bytes:
         """Read a part; shorter at its end.
 
         Raises:
@@ -153,7 +153,7 @@ async def _send(
         if not 0 <= has.have < offer.size:
             raise LinkLost(f"the hub says it has {has.have} of {offer.size} bytes, and is not done")
         try:
-            data = await asyncio.to_thread(lane.source.read, offer.id, has.have, PIECE)
+            data = await asyncio.to_thread(lane.source.read_part, offer.id, has.have, PIECE)
         except OSError as error:
             # It gave way to a newer one, or the disk fails; what is there the next time tells.
             raise LinkLost(f"{offer.id} cannot be read: {error}") from error

@@ -79,7 +79,7 @@ async def keep_link(
     )
     outage = OutageLog()
     teller = NewestSamplesSender(
-        newest=batcher.newest, spool=spool, lanes=lanes, clock=clock, boot=boot
+        newest=batcher.newest_samples, spool=spool, lanes=lanes, clock=clock, boot=boot
     )
     # Counted up by each reload; told to the hub in `hello`, compared once the link stands.
     # Which description the hub was greeted with.
@@ -88,7 +88,7 @@ async def keep_link(
     def hello() -> Hello:
         nonlocal told
         told = reload.turn
-        return reload.now.hello(boot, clock.wall_ns() // 1000, settings.accepts)
+        return reload.now.make_hello(boot, clock.wall_ns() // 1000, settings.accepts)
 
     def beside(welcome: Welcome) -> asyncio.Task[None]:
         # The hub knows a channel by its former name only from this run's description.

@@ -91,31 +91,31 @@ class MessageDispatcher:
         self.linked.set()
         self.links += 1
         # First, for it compares with what the hub had told before.
-        self._spool.unlearn(welcome.acked)
+        self._spool.rewind_acknowledged(welcome.acked)
         if self._recorders is not None:
-            self._lanes.send(self._recorders.state())
-        self._spool.ack(self._boot, welcome.acked)
+            self._lanes.send(self._recorders.recorder_state())
+        self._spool.acknowledge_samples(self._boot, welcome.acked)
         # Asked at each link: the next one may be a hub of another version.
         self._output.takes_enclosures = EnclosureState.__struct_config__.tag in welcome.takes
         # STOP and leases first, then commands and devices: a page must see a stopped robot as
         # stopped.
         self._control.link_up()
-        self._commanding.report()
-        self._reachability.report()
+        self._commanding.report_states()
+        self._reachability.report_unreached()
         self._change_requests.link_up()
         self._reporter.link_up(takes=SightingReport.__struct_config__.tag in welcome.takes)
-        self._pacer.touch()
+        self._pacer.reset_timer()
 
     def link_lost(self) -> None:
         """End leases and holds; nobody looks at pictures any more."""
         # Only a link that stood can be lost; `link_lost` also comes after a dial in vain.
         if self.linked.is_set() and self._recorders is not None:
-            self._recorders.trigger(Trigger.LINK_LOST, "the link to the hub was lost")
+            self._recorders.trigger_recording(Trigger.LINK_LOST, "the link to the hub was lost")
         self.linked.clear()
         # Before anything else of this list could take time.
         self._control.link_lost()
         self._reporter.link_lost()
-        self._pacer.touch()
+        self._pacer.reset_timer()
         self._pictures.watch((), {})
         self.update_watched_streams()
 
@@ -128,31 +128,31 @@ class MessageDispatcher:
         match message:
             # Not matched by importance: each case is one dictionary lookup, and none of them waits.
             case Ack():
-                self._spool.ack(message.boot, message.below)
+                self._spool.acknowledge_samples(message.boot, message.below)
                 self._lanes.acks += 1
                 return
             case ResendRequest():
                 self._lanes.owe(message.boot, message.first, message.below)
                 return
             case DriveFrame():
-                self._control.drive(message)
+                self._control.handle_frame(message)
             case StopRequest():
-                latched = self._control.stop(message)
+                latched = self._control.stop_device(message)
                 if latched is not None:
                     # Stopped already; only its writing to disk is a task.
-                    self._requests.spawn(self._control.keep_stop(message.device, latched))
+                    self._requests.spawn_task(self._control.keep_stop(message.device, latched))
             case LeaseRequest() | LeaseForceRequest():
-                self._control.lease(message)
+                self._control.handle_lease(message)
             case ResetRequest():
-                self._requests.spawn(self._control.reset(message))
+                self._requests.spawn_task(self._control.reset_stop(message))
             case CommandRequest():
-                self._requests.spawn(self._commanding.ask(message))
+                self._requests.spawn_task(self._commanding.handle_request(message))
             case ChangeRequest():
-                self._requests.spawn(self._change_requests.ask(message))
+                self._requests.spawn_task(self._change_requests.handle_request(message))
             case CommandCancel():
-                self._commanding.cancel(message)
+                self._commanding.cancel_command(message)
             case OverrideRequest():
-                self._control.override(message)
+                self._control.override_interlock(message)
                 # `override` judges by itself; nothing of driving changes what is due.
                 return
             case StreamSubscription():
@@ -167,7 +167,7 @@ class MessageDispatcher:
             case _:
                 log.debug("nothing to do for %s", type(message).__name__)
         # What was done may have changed what is due next.
-        self._pacer.touch()
+        self._pacer.reset_timer()
 
     def _reconnect(self, asked: ReconnectRequest) -> None:
         def done(outcome: CommandOutcome) -> None:
@@ -184,11 +184,11 @@ class MessageDispatcher:
             why = "the description says nothing of recording"
             self._events.report_event("recording_refused", why, who=asked.who)
         elif asked.alarm:
-            self._recorders.trigger(Trigger.ALARM, asked.why, asked.who)
+            self._recorders.trigger_recording(Trigger.ALARM, asked.why, asked.who)
         elif asked.stream and self._recorders.films is None:
             why = "this gateway cannot film cameras; install talaia[camera] there"
             self._events.report_event("recording_refused", why, who=asked.who)
         elif asked.on:
-            self._recorders.begin(asked.who, asked.why, asked.stream)
+            self._recorders.begin_recording(asked.who, asked.why, asked.stream)
         else:
-            self._recorders.end(asked.who, asked.stream)
+            self._recorders.end_recording(asked.who, asked.stream)

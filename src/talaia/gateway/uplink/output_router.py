@@ -76,7 +76,7 @@ class OutputRouter:
         log.info("%s %s %s %s", kind, device, message, who)
         if self._recorders is not None and kind in _CAUSES:
             why = " ".join(filter(None, (message, f"({device})" if device else "")))
-            self._recorders.trigger(_CAUSES[kind], why, who)
+            self._recorders.trigger_recording(_CAUSES[kind], why, who)
         self._lanes.send(
             Event(
                 kind=kind,

@@ -99,8 +99,8 @@ class PictureUplink:
 
     def watched(self) -> frozenset[str]:
         """Name the streams to be read: by those at the hub or those at the gateway."""
-        filmed = frozenset() if self._films is None else self._films.wanted()
-        return self._frames.held() | filmed | self._asked.keys()
+        filmed = frozenset() if self._films is None else self._films.wanted_cameras()
+        return self._frames.held_streams() | filmed | self._asked.keys()
 
     # ── PictureSink, for the encoding threads ──
 

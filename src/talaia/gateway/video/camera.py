@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import Filming
 from talaia.gateway.video import jpeg
-from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of, thinned
+from talaia.gateway.video.pixels import Pixels, pixels_of, rgb_of, thin_pixels
 from talaia.model.connection import RosSource, VideoSource, source_as
 from talaia.wire.frames import PictureForm, PictureFrame
 
@@ -89,12 +89,12 @@ class CapturedFrame:
         self._pixels: Pixels | None = None
         self._seen = False  # `read` has been called.
 
-    def jpeg(self) -> tuple[bytes, int, int] | None:
+    def as_jpeg(self) -> tuple[bytes, int, int] | None:
         """Give it as the camera's own JPEG with width and height, if that is what came."""
         self._read_once()
         return self._jpeg
 
-    def pixels(self) -> Pixels:
+    def read_pixels(self) -> Pixels:
         """Give its pixels.
 
         Raises:
@@ -107,10 +107,10 @@ class CapturedFrame:
         assert self._pixels is not None  # noqa: S101 - told to mypy; `_read_once` raised
         return self._pixels
 
-    def rgb(self) -> NDArray[np.uint8] | None:
+    def as_rgb(self) -> NDArray[np.uint8] | None:
         """Give it as RGB, or none where it cannot be read."""
         try:
-            return rgb_of(self.pixels())
+            return rgb_of(self.read_pixels())
         except _UNREADABLE:
             return None
 
@@ -158,7 +158,7 @@ class _Rung:
     def is_due(self, mono_us: int, share: float) -> bool:
         """Tell whether the pace allows a picture now; if so, count it as taken."""
         # On a whole line the next picture gets an encoder of its own pace, so nothing is left out.
-        slower = 1 if share >= 1 else max(_slower(share), self.slower)
+        slower = 1 if share >= 1 else max(_slowdown_factor(share), self.slower)
         period = self.period_us * slower
         # A tenth early will do: pictures come with jitter.
         if mono_us < self._due_us - period // 10:
@@ -190,7 +190,7 @@ class PictureStream:
         decode: Callable[[Any], object],
         tell: Callable[[str, str], None],
     ) -> None:
-        """Take how to decode what `PictureWorker.offer` is given, and who is told problems once."""
+        """Take how to decode what `PictureWorker.offer_raw` is given, and who is told problems."""
         self.address = address  # `device/stream`.
         self._stream = stream  # The description.
         # How a ROS message says that its bytes are to be read; nothing for other cameras.
@@ -223,8 +223,8 @@ class PictureStream:
         stamp = FrameStamp(self._seq, time_us, mono_us)
         taken = CapturedFrame(lambda: self._decode(raw), self._encoding)
         # Before the forms are asked for: detectors look whether or not a person does.
-        sink.offer_frame(self.address, stamp, taken.rgb)
-        forms = _served(sink.asked(self.address))
+        sink.offer_frame(self.address, stamp, taken.as_rgb)
+        forms = _pair_forms(sink.asked(self.address))
         # An encoder nobody needs is let go; one who comes back begins with a key picture anyway.
         for form in self._rungs.keys() - forms.keys():
             del self._rungs[form]
@@ -235,7 +235,7 @@ class PictureStream:
         large: PictureFrame | None = None
         try:
             for form, served in forms.items():
-                picture = self._made(
+                picture = self._make_picture(
                     taken=taken, stamp=stamp, form=form, served=served, share=share, sink=sink
                 )
                 if picture is not None:
@@ -244,7 +244,7 @@ class PictureStream:
                     # Only the large film of viewers can be the recorded one, too.
                     large = picture if form is PictureForm.H264 else large
             # Last: those who look on do not wait for it.
-            self._film(
+            self._encode_film(
                 taken=taken,
                 stamp=stamp,
                 large=large,
@@ -253,9 +253,9 @@ class PictureStream:
                 whole=PictureForm.H264 in forms and share >= 1,
             )
         except _UNREADABLE as error:
-            self._complain(str(error) or type(error).__name__, mono_us, sink)
+            self._report_problem(str(error) or type(error).__name__, mono_us, sink)
 
-    def _film(
+    def _encode_film(
         self,
         *,
         taken: CapturedFrame,
@@ -270,20 +270,20 @@ class PictureStream:
         if reel is None:
             return
         if filming is Filming.NO:
-            reel.rest()
+            reel.stop_filming()
             return
         picture = large if whole else None
-        if not reel.shares(picture, whole=whole, anew=filming is Filming.ANEW):
-            pixels = taken.pixels()
+        if not reel.can_share(picture, whole=whole, anew=filming is Filming.ANEW):
+            pixels = taken.read_pixels()
             width, height, bits = self._film_size(pixels, PictureForm.H264, self._stream.max_rate)
-            picture = reel.own(
+            picture = reel.encode_own(
                 self.address, stamp, pixels, (width, height, bits, self._stream.max_rate)
             )
         if picture is not None:
             self._told = ""
             sink.film(picture)
 
-    def _complain(self, why: str, mono_us: int, sink: PictureSink) -> None:
+    def _report_problem(self, why: str, mono_us: int, sink: PictureSink) -> None:
         where = _place_of(self._stream.source)
         if why != self._told:
             self._tell(self.address, f"{where}: {why}")
@@ -292,7 +292,7 @@ class PictureStream:
         self._told, self._told_us = why, mono_us
         sink.trouble(self.address, f"{where}: {why}")
 
-    def _made(
+    def _make_picture(
         self,
         *,
         taken: CapturedFrame,
@@ -305,7 +305,7 @@ class PictureStream:
         """Give a picture in one form, or none now."""
         rung = self._rungs.get(form)
         if rung is None:
-            rung = self._rungs[form] = _Rung(_rate(form, self._stream.max_rate))
+            rung = self._rungs[form] = _Rung(_form_rate(form, self._stream.max_rate))
         # A list, not `any` of a generator: each question takes its answer away.
         asked = any([sink.key_due(self.address, picture_form) for picture_form in served])  # noqa: C419 - each is asked
         if share <= 0 or not rung.is_due(stamp.mono_us, share):
@@ -314,7 +314,7 @@ class PictureStream:
                 rung.key_now(-_KEY_EVERY_US, asked=True)
             return None
         if form in (PictureForm.H264, PictureForm.H264_SMALL):
-            return self._h264(
+            return self._make_h264(
                 taken=taken,
                 stamp=stamp,
                 form=form,
@@ -323,7 +323,7 @@ class PictureStream:
                 rung=rung,
                 asked=asked,
             )
-        data, width, height = self._jpeg(taken, form, share)
+        data, width, height = self._make_jpeg(taken, form, share)
         return PictureFrame(
             stream=self.address,
             **stamp._asdict(),
@@ -333,25 +333,25 @@ class PictureStream:
             data=data,
         )
 
-    def _jpeg(
+    def _make_jpeg(
         self, taken: CapturedFrame, form: PictureForm, share: float
     ) -> tuple[bytes, int, int]:
         stream = self._stream
         small = form is PictureForm.JPEG_SMALL
         # The camera's own JPEG is passed on untouched where nothing has to be smaller.
-        own = taken.jpeg()
+        own = taken.as_jpeg()
         wide = stream.width and own is not None and own[1] > stream.width
         if own is not None and not small and not wide and share >= 1:
             return own
-        pixels = thinned(
-            taken.pixels(), min(stream.width or SMALL_PX, SMALL_PX) if small else stream.width
+        pixels = thin_pixels(
+            taken.read_pixels(), min(stream.width or SMALL_PX, SMALL_PX) if small else stream.width
         )
         quality = SMALL_QUALITY if small else stream.quality
         # Bytes go roughly with the square of the quality.
         quality = max(_LEAST_QUALITY, round(quality * share**0.5))
-        return jpeg.encoded(pixels, quality), pixels.width, pixels.height
+        return jpeg.encode_jpeg(pixels, quality), pixels.width, pixels.height
 
-    def _h264(
+    def _make_h264(
         self,
         *,
         taken: CapturedFrame,
@@ -362,10 +362,10 @@ class PictureStream:
         rung: _Rung,
         asked: bool,
     ) -> PictureFrame | None:
-        pixels = taken.pixels()
+        pixels = taken.read_pixels()
         rate = 1e6 / rung.period_us
         width, height, bits = self._film_size(pixels, form, rate)
-        encoder, slower, every_s = rung.encoder, _slower(share), KEY_EVERY_S[form]
+        encoder, slower, every_s = rung.encoder, _slowdown_factor(share), KEY_EVERY_S[form]
         asked = asked or (share < 1 and rung.is_key_old(stamp.mono_us, every_s))
         key = rung.key_now(stamp.mono_us, asked=asked)
         # On a narrow line an encoder that has spent its bits on a busy scene has none for a key
@@ -375,7 +375,9 @@ class PictureStream:
         if (
             encoder is None
             or fresh
-            or not _serves(encoder=encoder, width=width, height=height, bits=bits, share=share)
+            or not _encoder_fits(
+                encoder=encoder, width=width, height=height, bits=bits, share=share
+            )
         ):
             # Made for the pace that the line allows: x264 gives each picture its part of a second,
             # and with the camera's own pace a fifth of the line's bits was used at the least.
@@ -387,7 +389,7 @@ class PictureStream:
                 key_every_s=every_s if share >= 1 else 2 * every_s,
             )
             rung.slower = slower
-        made = encoder.encode(pixels, stamp.mono_us, key=key)
+        made = encoder.encode_picture(pixels, stamp.mono_us, key=key)
         if made is None:
             return None
         return PictureFrame(
@@ -414,7 +416,9 @@ class PictureStream:
         return width, height, min(bits, SMALL_BITS) if form is PictureForm.H264_SMALL else bits
 
 
-def _serves(*, encoder: h264.Encoder, width: int, height: int, bits: int, share: float) -> bool:
+def _encoder_fits(
+    *, encoder: h264.Encoder, width: int, height: int, bits: int, share: float
+) -> bool:
     """Tell whether an encoder goes on: a new one begins with a key picture, which is the dearest.
 
     ``bits`` a second are the line's whole; while the share of it wavers, an encoder that is near
@@ -427,7 +431,7 @@ def _serves(*, encoder: h264.Encoder, width: int, height: int, bits: int, share:
     return _NEAR <= encoder.bits / (bits * share) <= 1 / _NEAR
 
 
-def _served(asked: Collection[str]) -> dict[PictureForm, list[str]]:
+def _pair_forms(asked: Collection[str]) -> dict[PictureForm, list[str]]:
     """Pair what is made with what it is made for; without an encoder all is JPEG."""
     made: dict[PictureForm, list[str]] = {}
     for form in sorted(set(asked) & set(PictureForm)):
@@ -441,13 +445,13 @@ def _served(asked: Collection[str]) -> dict[PictureForm, list[str]]:
     return made
 
 
-def _rate(form: PictureForm, most: float) -> float:
+def _form_rate(form: PictureForm, most: float) -> float:
     if form is PictureForm.STILL:
         return min(most, STILL_HZ)
     return min(most, SMALL_HZ) if form in (PictureForm.H264_SMALL, PictureForm.JPEG_SMALL) else most
 
 
-def _slower(share: float) -> int:
+def _slowdown_factor(share: float) -> int:
     """Give how many times slower pictures come on a link with this share of room."""
     return 1 if share >= 0.5 else 2 if share >= 0.25 else 3 if share >= 0.15 else 5
 

@@ -35,13 +35,13 @@ class CameraFilm:
         self._wants_key = True  # The next picture must need none before it.
         self._key_us = 0  # When the last such picture of its own was made (monotonic µs).
 
-    def rest(self) -> None:
+    def stop_filming(self) -> None:
         """Nobody films now."""
         self._shared, self._wants_key = False, True
         self._encoder = self._made_for = None
 
-    def shares(self, picture: PictureFrame | None, *, whole: bool, anew: bool) -> bool:
-        """Tell whether the viewers' film serves; else the picture must be encoded by `own`.
+    def can_share(self, picture: PictureFrame | None, *, whole: bool, anew: bool) -> bool:
+        """Tell whether the viewers' film serves; else the picture must be encoded by `encode_own`.
 
         Args:
             picture: what the viewers get of this picture; none where their pace leaves it out.
@@ -60,7 +60,7 @@ class CameraFilm:
             self._shared, self._wants_key = True, False
         return self._shared
 
-    def own(
+    def encode_own(
         self, address: str, stamp: FrameStamp, pixels: Pixels, made_for: tuple[int, int, int, float]
     ) -> PictureFrame | None:
         """Encode a picture for the film alone.
@@ -84,7 +84,7 @@ class CameraFilm:
         encoder = self._encoder
         # By the time that passes, for a camera may be slower than it is allowed to be.
         due = self._wants_key or stamp.mono_us - self._key_us >= KEY_EVERY_S * 1e6
-        made = encoder.encode(pixels, stamp.mono_us, key=due)
+        made = encoder.encode_picture(pixels, stamp.mono_us, key=due)
         if made is None:
             # No packet yet: `_wants_key` and the last key picture's time stand.
             return None

@@ -38,7 +38,7 @@ class FrameSource:
         self._arrived = threading.Condition(self._lock)
         self._on_held = on_held
 
-    def held(self) -> frozenset[str]:
+    def held_streams(self) -> frozenset[str]:
         """Name the streams that somebody holds."""
         with self._lock:
             return frozenset(name for name, reader in self._of.items() if reader.holders)
@@ -49,7 +49,7 @@ class FrameSource:
             newest = self._of.setdefault(stream, _Newest())
             newest.holders += 1
             first = newest.holders == 1
-        # Outside the lock, for the receiver may ask `held`.
+        # Outside the lock, for the receiver may ask `held_streams`.
         if first:
             self._on_held()
         # A second call of the same release must not count somebody else out.

@@ -117,7 +117,7 @@ class Encoder:
         # Kept: it uses the scaler again that it made for these sizes.
         self._reformatter = VideoReformatter()
 
-    def encode(self, pixels: Pixels, time_us: int, *, key: bool) -> Encoded | None:
+    def encode_picture(self, pixels: Pixels, time_us: int, *, key: bool) -> Encoded | None:
         """Encode a picture, made to the size of this stream; with ``key`` one to begin with.
 
         ``time_us`` must rise.

@@ -8,12 +8,12 @@ import numpy as np
 import simplejpeg
 
 from talaia.gateway.errors import FieldError
-from talaia.gateway.video.pixels import MOST_PIXELS, Pixels, pixels_of, rgb_of, thinned
+from talaia.gateway.video.pixels import MOST_PIXELS, Pixels, pixels_of, rgb_of, thin_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["CompressedImageFields", "encoded", "jpeg_of", "jpeg_size", "pixels_in"]
+__all__ = ["CompressedImageFields", "encode_jpeg", "jpeg_of", "jpeg_size", "pixels_in"]
 
 # Layouts that the codec takes as they are.
 _WHOLE = ("RGB", "BGR", "RGBA", "BGRA", "GRAY")
@@ -28,7 +28,7 @@ class CompressedImageFields(Protocol):
     data: NDArray[np.uint8]
 
 
-def encoded(pixels: Pixels, quality: int) -> bytes:
+def encode_jpeg(pixels: Pixels, quality: int) -> bytes:
     """Encode pixels."""
     data, layout = pixels.data, pixels.layout
     if layout not in _WHOLE:
@@ -50,8 +50,8 @@ def jpeg_of(message: object, quality: int, width: int) -> tuple[bytes, int, int]
         FieldError: an encoding we do not know, or fewer bytes than the size asks for.
 
     """
-    pixels = thinned(pixels_of(message), width)
-    return encoded(pixels, quality), pixels.width, pixels.height
+    pixels = thin_pixels(pixels_of(message), width)
+    return encode_jpeg(pixels, quality), pixels.width, pixels.height
 
 
 def jpeg_size(message: object) -> tuple[bytes, int, int]:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     Bytes = NDArray[np.uint8]
 
-__all__ = ["ENCODINGS", "MOST_PIXELS", "Image", "Pixels", "pixels_of", "rgb_of", "thinned"]
+__all__ = ["ENCODINGS", "MOST_PIXELS", "Image", "Pixels", "pixels_of", "rgb_of", "thin_pixels"]
 
 # 8192 x 8192: more is a mistake, or meant ill.
 MOST_PIXELS = 8192 * 8192
@@ -149,7 +149,7 @@ def rgb_of(pixels: Pixels) -> Bytes:
     return np.ascontiguousarray(out)
 
 
-def thinned(pixels: Pixels, width: int) -> Pixels:
+def thin_pixels(pixels: Pixels, width: int) -> Pixels:
     """Make a picture no wider than ``width`` (0: as it is), by leaving out pixels.
 
     What is thinned is in one of the layouts with whole pixels, or becomes RGB.
@@ -169,7 +169,7 @@ def thinned(pixels: Pixels, width: int) -> Pixels:
 # ── to 8 bits ──
 
 
-def _words(lines: Bytes, big: bool) -> NDArray[np.uint16]:  # noqa: FBT001
+def _to_words(lines: Bytes, big: bool) -> NDArray[np.uint16]:  # noqa: FBT001
     # View and not `astype`: the bytes lie as the sender's machine had them.
     return np.ascontiguousarray(lines).view(">u2" if big else "<u2")
 
@@ -181,31 +181,31 @@ def _plain(depth: int) -> Callable[[Bytes, int, int, bool], Bytes]:
     return read
 
 
-def _high(depth: int) -> Callable[[Bytes, int, int, bool], Bytes]:
+def _make_high(depth: int) -> Callable[[Bytes, int, int, bool], Bytes]:
     """Take the upper 8 of 16 bits."""
 
     def read(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
-        return (_words(lines, big) >> 8).astype(np.uint8).reshape(height, width, depth)
+        return (_to_words(lines, big) >> 8).astype(np.uint8).reshape(height, width, depth)
 
     return read
 
 
-def _planes(lines: Bytes, _width: int, _height: int, _big: bool) -> Bytes:  # noqa: FBT001
+def _read_planes(lines: Bytes, _width: int, _height: int, _big: bool) -> Bytes:  # noqa: FBT001
     return np.ascontiguousarray(lines)
 
 
 # Two bytes a pixel: its own brightness, and one of the two colours in turn.
-def _pairs(lines: Bytes, width: int, height: int, _big: bool) -> Bytes:  # noqa: FBT001
+def _read_pairs(lines: Bytes, width: int, height: int, _big: bool) -> Bytes:  # noqa: FBT001
     return np.ascontiguousarray(lines).reshape(height, width, 2)
 
 
 # 16UC1 is a depth picture in millimetres (REP 118); 0 is no reading.
-def _millimetres(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
-    return _near_is_bright(_words(lines, big).astype(np.float32) * 1e-3, width, height)
+def _read_millimetres(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
+    return _near_is_bright(_to_words(lines, big).astype(np.float32) * 1e-3, width, height)
 
 
 # 32FC1 is a depth picture in metres (REP 118); NaN is no reading.
-def _metres(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
+def _read_metres(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
     read = np.ascontiguousarray(lines).view(">f4" if big else "<f4")
     return _near_is_bright(read.astype(np.float32), width, height)
 
@@ -238,13 +238,13 @@ def _bayer(pattern: str, depth: int) -> Callable[[Bytes, int, int, bool], Bytes]
     def read(lines: Bytes, width: int, height: int, big: bool) -> Bytes:  # noqa: FBT001
         if width < 2 or height < 2:
             raise FieldError("width", f"{width}x{height} is no Bayer pattern")
-        plane = lines if depth == 1 else (_words(lines, big) >> 8).astype(np.uint8)
-        return _mosaic(plane.reshape(height, width), *_RED[pattern])
+        plane = lines if depth == 1 else (_to_words(lines, big) >> 8).astype(np.uint8)
+        return _demosaic_plane(plane.reshape(height, width), *_RED[pattern])
 
     return read
 
 
-def _mosaic(plane: Bytes, red_row: int, red_column: int) -> Bytes:
+def _demosaic_plane(plane: Bytes, red_row: int, red_column: int) -> Bytes:
     """Fill in the two missing colours of each pixel by the mean of its neighbours (bilinear)."""
     height, width = plane.shape
     # Mirrored without the edge itself, so that the pattern goes on beyond it; 16 bits for the sums.
@@ -310,7 +310,7 @@ _WORDS = {
 _PAIRS = {"yuv422": "UYVY", "uyvy": "UYVY", "yuv422_yuy2": "YUYV", "yuyv": "YUYV"}
 
 
-def _kinds() -> dict[str, _Kind]:
+def _known_encodings() -> dict[str, _Kind]:
     """List the encodings that are known."""
 
     def same(height: int) -> int:
@@ -325,20 +325,20 @@ def _kinds() -> dict[str, _Kind]:
             kinds[name] = _Kind(layout, times(depth), same, _plain(depth))
     for depth, layouts in _WORDS.items():
         for name, layout in layouts.items():
-            kinds[name] = _Kind(layout, times(2 * depth), same, _high(depth))
-    kinds["16UC1"] = _Kind("GRAY", times(2), same, _millimetres)
-    kinds["32FC1"] = _Kind("GRAY", times(4), same, _metres)
+            kinds[name] = _Kind(layout, times(2 * depth), same, _make_high(depth))
+    kinds["16UC1"] = _Kind("GRAY", times(2), same, _read_millimetres)
+    kinds["32FC1"] = _Kind("GRAY", times(4), same, _read_metres)
     for name, layout in _PAIRS.items():
-        kinds[name] = _Kind(layout, times(2), same, _pairs)
+        kinds[name] = _Kind(layout, times(2), same, _read_pairs)
     for name, layout in (("nv12", "NV12"), ("nv21", "NV21"), ("i420", "I420")):
         # A full plane of brightness, and two of colour with a quarter each.
-        kinds[name] = _Kind(layout, times(1), lambda height: height * 3 // 2, _planes)
+        kinds[name] = _Kind(layout, times(1), lambda height: height * 3 // 2, _read_planes)
     # A full plane of brightness, and a pair of colours for every pixel.
-    kinds["nv24"] = _Kind("NV24", times(1), times(3), _planes)
+    kinds["nv24"] = _Kind("NV24", times(1), times(3), _read_planes)
     for pattern in _RED:
         kinds[f"bayer_{pattern}8"] = _Kind("RGB", times(1), same, _bayer(pattern, 1))
         kinds[f"bayer_{pattern}16"] = _Kind("RGB", times(2), same, _bayer(pattern, 2))
     return kinds
 
 
-ENCODINGS = _kinds()
+ENCODINGS = _known_encodings()

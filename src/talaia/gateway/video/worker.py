@@ -31,13 +31,13 @@ class PictureWorker:
         self._turn = threading.Condition()
         self._ended = False  # Set once, under `_turn`.
         # A daemon: where nobody calls `close`, it keeps no process from ending.
-        self._thread = threading.Thread(target=self._run, name="talaia-pictures", daemon=True)
+        self._thread = threading.Thread(target=self._work_loop, name="talaia-pictures", daemon=True)
 
     def start(self) -> None:
         """Begin."""
         self._thread.start()
 
-    def offer(self, stream: PictureStream, raw: object) -> None:
+    def offer_raw(self, stream: PictureStream, raw: object) -> None:
         """Take the newest raw picture of a stream; stamped now."""
         mono_ns = self._clock.monotonic_ns()
         # Before the lock: most pictures of a fast camera end here.
@@ -50,7 +50,7 @@ class PictureWorker:
             self._waiting[stream.address] = (stream, raw, *stamp)
             self._turn.notify()
 
-    def _run(self) -> None:
+    def _work_loop(self) -> None:
         while True:
             with self._turn:
                 while not self._waiting and not self._ended:

@@ -44,7 +44,7 @@ def main(argv: list[str]) -> int:
         lock = os.open(argv[0], os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
-        _log(f"cannot be begun: {argv[0]}: {error.strerror}")
+        _log_message(f"cannot be begun: {argv[0]}: {error.strerror}")
         return ALREADY
     # Whose number stood here has ended: it held the lock.
     # Between here and the second number nobody may be signalled by an old one.
@@ -54,7 +54,7 @@ def main(argv: list[str]) -> int:
         os._exit(0)
     with contextlib.suppress(OSError):
         os.setsid()
-    # Who takes over signals this number while the lock is held; see `feeding.dismiss`.
+    # Who takes over signals this number while the lock is held; see `feeding.dismiss_watchdog`.
     _write_number(lock, str(os.getpid()))
     # Ctrl-C and a closed terminal are meant for the gateway; a broken pipe is read as its end.
     for ignored in (signal.SIGINT, signal.SIGHUP, signal.SIGPIPE):
@@ -93,16 +93,16 @@ class WatchdogProcess:
     def run(self) -> None:
         """Go on until there is nothing to watch."""
         try:
-            while (task := self._silence.judge(time.monotonic())) is not WatchdogTask.LEAVE:
+            while (task := self._silence.judge_silence(time.monotonic())) is not WatchdogTask.LEAVE:
                 if task is WatchdogTask.CLOSE:
-                    self._close()
+                    self._keep_closing()
                 else:
                     self._end_closing()
-                self._listen()
+                self._listen_to_gateway()
         finally:
             self._end_closing()
 
-    def _listen(self) -> None:
+    def _listen_to_gateway(self) -> None:
         if self._line is None:
             time.sleep(LOOK_S)
             # The gateway is dead and its data folder gone: nothing left that could be closed for
@@ -146,13 +146,15 @@ class WatchdogProcess:
             self._silence.after_s = float(said["after"])
             self._job = said["job"]
 
-    def _close(self) -> None:
+    def _keep_closing(self) -> None:
         """Have it closed; what fails is begun again, later each time."""
         now = time.monotonic()
         if self._closing is None:
             if now < self._begin_s:
                 return
-            _log("the gateway is dead or stands still: closing by the enclosures' own commands")
+            _log_message(
+                "the gateway is dead or stands still: closing by the enclosures' own commands"
+            )
             self._closing = subprocess.Popen(
                 [sys.executable, "-m", "talaia.gateway.watchdog.closing"],
                 stdin=subprocess.PIPE,
@@ -177,7 +179,7 @@ class WatchdogProcess:
             return
         self._failures += 1
         self._failed = f"ended by signal {-status}" if status < 0 else f"exit code {status}"
-        _log(f"closing failed ({self._failed}); again in {self._again_s:g} s")
+        _log_message(f"closing failed ({self._failed}); again in {self._again_s:g} s")
         self._begin_s = now + self._again_s
         self._again_s = min(LONGEST_AGAIN_S, 2 * self._again_s)
 
@@ -190,7 +192,7 @@ class WatchdogProcess:
             with contextlib.suppress(OSError):
                 closing.stdin.close()
         if closing.poll() is None:
-            _log("the gateway is back, or has ended as it was asked to: closing no more")
+            _log_message("the gateway is back, or has ended as it was asked to: closing no more")
             closing.terminate()
             try:
                 closing.wait(END_S)
@@ -199,7 +201,7 @@ class WatchdogProcess:
                 closing.wait()
 
 
-def _log(message: str) -> None:
+def _log_message(message: str) -> None:
     # Whoever read this may be gone, too.
     with contextlib.suppress(OSError):
         sys.stderr.write(f"talaia watchdog: {message}\n")

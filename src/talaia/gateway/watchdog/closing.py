@@ -103,7 +103,7 @@ class _Recorder:
         self.on_enclosure: Callable[[EnclosureState], None] = lambda _state: None
 
     def record_event(self, kind: str, device: str, message: str, who: str, *, good: bool) -> None:
-        message = _plain(message)
+        message = _plain_message(message)
         log.info("%s %s %s %s", kind, device, message, who)
         if not self._path:
             return
@@ -128,7 +128,7 @@ class _Recorder:
     def send(self, message: FromGateway) -> None:
         """Tell no hub, but people what an enclosure says."""
         if isinstance(message, EnclosureState):
-            said = EnclosureState(enclosure=message.enclosure, why=_plain(message.why))
+            said = EnclosureState(enclosure=message.enclosure, why=_plain_message(message.why))
             self.on_enclosure(said)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
@@ -138,7 +138,7 @@ class _Recorder:
         """Stop nothing."""
 
 
-def _plain(message: str) -> str:
+def _plain_message(message: str) -> str:
     # The interlock's words speak of the hub, which matters to nobody here.
     return message.replace(GONE_WORDS, WHY)
 
@@ -213,7 +213,7 @@ class Closing:
         # A connection that no enclosure needs is not joined; it could only fail.
         for scope in scopes_of(site):
             if scope.devices:
-                adapters[scope.name] = self._joined(
+                adapters[scope.name] = self._make_adapter(
                     scope, context, ConnectionStatus(scope.name, loop, reach)
                 )
         self._adapter = MultiAdapter(of=of, adapters=adapters, reach=reach, events=self._recorder)
@@ -229,7 +229,7 @@ class Closing:
         self._closed_ns: int | None = None
 
     @staticmethod
-    def _joined(
+    def _make_adapter(
         scope: ConnectionScope, context: AdapterContext, post: ConnectionStatus
     ) -> tuple[Adapter, ConnectionStatus]:
         return adapter_of(scope, context, post), post
@@ -243,14 +243,14 @@ class Closing:
         try:
             while not joining.done():
                 now = self._clock.monotonic_ns()
-                if now >= until_ns or self._reached():
+                if now >= until_ns or self._all_reached():
                     until_ns = now
-                    self._interlocks.step(now)
-                    if self._settled(now):
+                    self._interlocks.evaluate_all(now)
+                    if self._is_settled(now):
                         self._recorder.record_event(
                             "watchdog_closed", "", "all is closed", "", good=True
                         )
-                        self._notices.closed()
+                        self._notices.report_closed()
                         return
                 await asyncio.sleep(LOOK_S)
             joining.result()
@@ -258,10 +258,12 @@ class Closing:
             joining.cancel()
             await asyncio.gather(joining, return_exceptions=True)
 
-    def _reached(self) -> bool:
-        return all(self._adapter.latest(command) is not None for command in self._site.guarded())
+    def _all_reached(self) -> bool:
+        return all(
+            self._adapter.latest(command) is not None for command in self._site.safety_signals()
+        )
 
-    def _settled(self, now_ns: int) -> bool:
+    def _is_settled(self, now_ns: int) -> bool:
         """Tell whether all is closed, and the telescopes are parked or had their time."""
         rules = self._site.enclosures
         states = [self._interlocks.enclosures.read_enclosure(name, now_ns) for name in rules]
@@ -292,7 +294,7 @@ class Closing:
             )
             for roof in self._site.enclosures.values():
                 if step.command == roof.close.command:
-                    self._notices.closes(roof.name)
+                    self._notices.report_closing(roof.name)
             self._adapter.act(device, name, fields, partial(self._ended, step.command))
 
     def _ended(self, command: str, outcome: CommandOutcome) -> None:
@@ -307,18 +309,18 @@ def _end_with_input() -> None:
     os._exit(0)
 
 
-async def _run(job: ClosingJob) -> None:
+async def _run_closing(job: ClosingJob) -> None:
     clock = SystemClock()
     site = closing_site(load_site(job.description))
     recorder = _Recorder(job.record, clock)
     notices = WatchdogNotices(job.notices, site.name, clock, recorder)
     recorder.on_enclosure = notices.hear_enclosure
-    notices.begin(job.failures, job.failed)
+    notices.begin_sending(job.failures, job.failed)
     try:
         closing = Closing(job, site, clock=clock, recorder=recorder, notices=notices)
         await closing.run()
     finally:
-        await notices.finish()
+        await notices.send_due()
 
 
 def main() -> int:
@@ -329,7 +331,7 @@ def main() -> int:
     job = msgspec.json.decode(sys.stdin.buffer.readline(), type=ClosingJob)
     threading.Thread(target=_end_with_input, daemon=True).start()
     try:
-        asyncio.run(_run(job))
+        asyncio.run(_run_closing(job))
     except TalaiaError as error:
         log.critical("%s", error)
         return 1

@@ -53,11 +53,13 @@ def closing_site(site: Site) -> Site:
             for name, device in site.devices.items()
         },
     )
-    steps = [step for enclosure in enclosures.values() for step in _steps(enclosure)]
+    steps = [step for enclosure in enclosures.values() for step in _closing_steps(enclosure)]
     commands = {step.command for step in steps} | {
         enclosure.stop for enclosure in enclosures.values()
     }
-    wanted = {address.partition("/")[0] for address in (*site.guarded(), *commands) if address}
+    wanted = {
+        address.partition("/")[0] for address in (*site.safety_signals(), *commands) if address
+    }
     return msgspec.structs.replace(
         site,
         devices={
@@ -66,7 +68,7 @@ def closing_site(site: Site) -> Site:
                 signals={
                     key: signal
                     for key, signal in device.signals.items()
-                    if f"{name}/{key}" in site.guarded()
+                    if f"{name}/{key}" in site.safety_signals()
                 },
                 commands={
                     key: command
@@ -80,7 +82,7 @@ def closing_site(site: Site) -> Site:
     )
 
 
-def _steps(rule: Enclosure) -> list[Step]:
+def _closing_steps(rule: Enclosure) -> list[Step]:
     return [rule.close, *rule.abort, *([rule.park] if rule.park is not None else [])]
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from talaia.gateway.notices.settings import NoticeSettings
     from talaia.model.site import Site
 
-__all__ = ["WatchdogClient", "dismiss", "taken_records"]
+__all__ = ["WatchdogClient", "dismiss_watchdog", "taken_records"]
 
 log = logging.getLogger(__name__)
 # A watchdog that is asked to leave ends what it has begun; after this it is killed.
@@ -40,25 +40,25 @@ AGAIN_S = 5.0
 MOST_UNSENT = 16 * 1024 * 1024
 
 
-def dismiss(lock: Path) -> bool:
+def dismiss_watchdog(lock: Path) -> bool:
     """End the watchdog that an earlier run of this gateway left, and what it is doing.
 
     Blocks until it has ended. Gives whether there was one.
     """
     try:
-        file = _opened(lock)
+        file = _open_lock(lock)
     except OSError:
         return False
     try:
-        if _acquire(file):
+        if _acquire_lock(file):
             return False
-        pid = _holder(file)
+        pid = _lock_holder(file)
         if not pid:
             return False
         with contextlib.suppress(ProcessLookupError):
             process = os.pidfd_open(pid)
             try:
-                if _acquire(file):
+                if _acquire_lock(file):
                     return True
                 for number in (signal.SIGTERM, signal.SIGKILL):
                     signal.pidfd_send_signal(process, number)
@@ -76,7 +76,7 @@ def dismiss(lock: Path) -> bool:
     return True
 
 
-def _opened(lock: Path) -> int:
+def _open_lock(lock: Path) -> int:
     """Open its file; a disk that can only be read keeps no old watchdog alive."""
     try:
         return os.open(lock, os.O_RDWR | os.O_CLOEXEC)
@@ -86,19 +86,19 @@ def _opened(lock: Path) -> int:
         return os.open(lock, os.O_RDONLY | os.O_CLOEXEC)
 
 
-def _holder(file: int) -> int:
+def _lock_holder(file: int) -> int:
     """Give the number of the process that holds the lock; 0 when it has just let go."""
     for _ in range(100):
         # It writes its number a moment after it has the lock, and blanks before that.
         if number := os.pread(file, 20, 0).strip():
             return int(number)
-        if _acquire(file):
+        if _acquire_lock(file):
             return 0
         time.sleep(0.02)
     raise ValueError("it has left no process number")
 
 
-def _acquire(file: int) -> bool:
+def _acquire_lock(file: int) -> bool:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -160,7 +160,7 @@ class WatchdogClient:
         self._after_s = 0.0
         # No start is tried again before this (s, monotonic).
         self._begin_s = 0.0
-        # A start takes a while, and `keep` is called meanwhile.
+        # A start takes a while, and `keep_running` is called meanwhile.
         self._starting = False
 
     @property
@@ -168,7 +168,7 @@ class WatchdogClient:
         """Whether the description has an enclosure that it may close."""
         return self._after_s > 0
 
-    def describe(self, site: Site, said: str) -> None:
+    def watch_site(self, site: Site, said: str) -> None:
         """Watch for this description (and its text) from here on."""
         times = [
             enclosure.watchdog_after
@@ -186,32 +186,32 @@ class WatchdogClient:
         setting = {"after": self._after_s, "job": msgspec.to_builtins(job)}
         self._setting = json.dumps(setting).encode() + b"\n"
         if self._line is not None:
-            self._send(self._setting)
+            self._send_bytes(self._setting)
 
     async def take_over(self) -> list[WatchdogRecord]:
         """End the watchdog of an earlier run; give what it has done."""
-        if await asyncio.to_thread(dismiss, self._lock):
+        if await asyncio.to_thread(dismiss_watchdog, self._lock):
             log.warning("the watchdog of an earlier run has been dismissed")
-        return self.records()
+        return self.take_records()
 
-    def records(self) -> list[WatchdogRecord]:
+    def take_records(self) -> list[WatchdogRecord]:
         """Give what watchdogs have done since this was last asked."""
         return taken_records(self._record)
 
-    async def keep(self, now_s: float) -> None:
+    async def keep_running(self, now_s: float) -> None:
         """Start the process if there should be one and is none (``now_s``: monotonic)."""
         if not self.wanted or self._line is not None or self._starting or now_s < self._begin_s:
             return
         self._starting, self._begin_s = True, now_s + AGAIN_S
         try:
-            problem = await self._start()
+            problem = await self._start_process()
         finally:
             self._starting = False
         if problem and not self._said_trouble:
             self._said_trouble = True
             self._trouble(problem)
 
-    async def _start(self) -> str:
+    async def _start_process(self) -> str:
         ours, theirs = socket.socketpair()
         words = [sys.executable, "-m", "talaia.gateway.watchdog.child", str(self._lock)]
         try:
@@ -236,15 +236,15 @@ class WatchdogClient:
             return f"the watchdog process cannot be started: {why}"
         ours.settimeout(0)
         self._line, self._unsent, self._said_trouble = ours, b"", False
-        self._send(self._setting)
+        self._send_bytes(self._setting)
         return ""
 
-    def beat(self) -> None:
+    def send_beat(self) -> None:
         """Give a sign of life; only after the interlocks have really been judged."""
         # What is under way says as much; a line that is full is not filled further.
-        self._send(b"" if self._unsent else b'"beat"\n')
+        self._send_bytes(b"" if self._unsent else b'"beat"\n')
 
-    def _send(self, data: bytes) -> None:
+    def _send_bytes(self, data: bytes) -> None:
         if self._line is None:
             return
         self._unsent += data
@@ -254,11 +254,11 @@ class WatchdogClient:
                 self._unsent = self._unsent[sent:]
         except BlockingIOError:
             if len(self._unsent) > MOST_UNSENT:
-                self._lose("it does not read")
+                self._close_line("it does not read")
         except OSError as error:
-            self._lose(str(error))
+            self._close_line(str(error))
 
-    def _lose(self, why: str) -> None:
+    def _close_line(self, why: str) -> None:
         if self._line is not None:
             self._line.close()
             self._line = None
@@ -270,10 +270,10 @@ class WatchdogClient:
             self._line.close()
             self._line = None
 
-    async def goodbye(self) -> None:
+    async def end_process(self) -> None:
         """End the process: this gateway ends as it was asked to."""
         if self._line is None:
             return
-        self._send(b'"goodbye"\n')
+        self._send_bytes(b'"goodbye"\n')
         self.let_go()
-        await asyncio.to_thread(dismiss, self._lock)
+        await asyncio.to_thread(dismiss_watchdog, self._lock)

@@ -46,7 +46,7 @@ class WatchdogNotices:
             )
         self._running: asyncio.Task[None] | None = None
 
-    def begin(self, failures: int, failed: str) -> None:
+    def begin_sending(self, failures: int, failed: str) -> None:
         """Begin to send; former tries to close failed so often, the last one in this way.
 
         People are told of the first such failure, the second, the fourth and so on.
@@ -55,7 +55,7 @@ class WatchdogNotices:
             return
         if failures and not failures & (failures - 1):
             times = "once" if failures == 1 else f"{failures} times"
-            self._own.stand(
+            self._own.raise_notice(
                 FAILED,
                 "The gateway is dead or stands still, and the watchdog could not close the roof: "
                 f"closing ended {times} with an error ({failed}); it is tried again. "
@@ -63,31 +63,31 @@ class WatchdogNotices:
             )
         self._running = asyncio.ensure_future(self._own.run())
 
-    def closes(self, roof: str) -> None:
+    def report_closing(self, roof: str) -> None:
         """Tell that a roof, by its name, is being closed."""
         if self._own is not None and roof not in self._roofs:
             self._roofs.append(roof)
             said = f"The gateway is dead or stands still; the watchdog closes the roof ({roof})"
-            self._own.stand(f"{CLOSES} {len(self._roofs)}", said)
+            self._own.raise_notice(f"{CLOSES} {len(self._roofs)}", said)
 
     def hear_enclosure(self, state: EnclosureState) -> None:
         """Take how an enclosure stands: NOT CLOSED, or what its sensors disagree about."""
         if self._own is not None:
             self._own.hear_enclosure(state)
 
-    def closed(self) -> None:
+    def report_closed(self) -> None:
         """Tell whoever knows of the closing that the sensors say *closed*."""
         if self._own is None:
             return
         for index, roof in enumerate(self._roofs):
             said = f"The watchdog has closed the roof ({roof}), as its sensors say"
-            self._own.clear(f"{CLOSES} {index + 1}", f"{said}; the gateway is still away")
+            self._own.clear_notice(f"{CLOSES} {index + 1}", f"{said}; the gateway is still away")
 
-    async def finish(self) -> None:
+    async def send_due(self) -> None:
         """Send what is still to be sent, and wait for it."""
         if self._own is None:
             return
         if self._running is not None:
             self._running.cancel()
             await asyncio.gather(self._running, return_exceptions=True)
-        await self._own.finish()
+        await self._own.send_due()

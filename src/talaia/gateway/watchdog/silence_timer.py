@@ -56,7 +56,7 @@ class SilenceTimer:
         """Take that all is closed, as the sensors say."""
         self._closed = True
 
-    def judge(self, now_s: float) -> WatchdogTask:
+    def judge_silence(self, now_s: float) -> WatchdogTask:
         """Say what to do at a moment (monotonic, s)."""
         self._silent_s += min(LONGEST_LOOK_S, max(0.0, now_s - self._looked_s))
         self._looked_s = now_s

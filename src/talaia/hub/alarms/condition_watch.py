@@ -74,13 +74,13 @@ class ConditionWatch:
         self.known = verdict.truth is not Truth.UNKNOWN
         match verdict.truth:
             case Truth.HOLDS:
-                return self._holds(verdict.why, now_ns)
+                return self._handle_true(verdict.why, now_ns)
             case Truth.FALSE:
-                return self._false(verdict.why, now_ns)
+                return self._handle_false(verdict.why, now_ns)
             case Truth.UNKNOWN:
-                return self._unknown(verdict.why, now_ns)
+                return self._handle_unknown(verdict.why, now_ns)
 
-    def _holds(self, why: str, now_ns: int) -> Edge | None:
+    def _handle_true(self, why: str, now_ns: int) -> Edge | None:
         # Seen true once is enough: the delay to clear begins anew.
         self._false_since = self._unknown_since = None
         if self.on:
@@ -89,9 +89,9 @@ class ConditionWatch:
             self._true_since = now_ns
         if now_ns - self._true_since < self._delay_ns:
             return None
-        return self._turned(ConditionTurn.RAISE, why)
+        return self._make_edge(ConditionTurn.RAISE, why)
 
-    def _false(self, why: str, now_ns: int) -> Edge | None:
+    def _handle_false(self, why: str, now_ns: int) -> Edge | None:
         # Seen false once is enough: the delay to raise begins anew.
         self._true_since = self._unknown_since = None
         if not self.on:
@@ -100,9 +100,9 @@ class ConditionWatch:
             self._false_since = now_ns
         if now_ns - self._false_since < self._clear_ns:
             return None
-        return self._turned(ConditionTurn.CLEAR, why)
+        return self._make_edge(ConditionTurn.CLEAR, why)
 
-    def _unknown(self, why: str, now_ns: int) -> Edge | None:
+    def _handle_unknown(self, why: str, now_ns: int) -> Edge | None:
         # Not seen to be false: what was true goes on counting towards its delay once it is seen
         # again, and what was false has to be seen so anew.
         self._false_since = None
@@ -113,9 +113,9 @@ class ConditionWatch:
             return None
         if now_ns - self._unknown_since < self._unknown_ns:
             return None
-        return self._turned(ConditionTurn.RAISE, f"it cannot be judged: {why}")
+        return self._make_edge(ConditionTurn.RAISE, f"it cannot be judged: {why}")
 
-    def _turned(self, turn: ConditionTurn, why: str) -> Edge:
+    def _make_edge(self, turn: ConditionTurn, why: str) -> Edge:
         self.on = turn is ConditionTurn.RAISE
         self._true_since = self._false_since = None
         return Edge(turn, why)

@@ -94,7 +94,7 @@ class AlarmCondition:
         # An anomaly is unknown once its channel's value is too old; a detection has no value.
         return self.happening is None or self.alarm.kind is AlarmKind.ANOMALY
 
-    def judge(
+    def judge_condition(
         self,
         readings: Mapping[str, ConditionReading],
         seen: tuple[DetectedThing, ...],
@@ -116,17 +116,17 @@ class AlarmCondition:
         """
         match self.alarm.kind:
             case AlarmKind.STALE:
-                return self._stale(readings)
+                return self._judge_staleness(readings)
             case AlarmKind.ANOMALY:
-                return self._anomaly(readings, seen)
+                return self._judge_anomaly(readings, seen)
             case AlarmKind.DETECTION:
-                return self._detection(seen, online=online)
+                return self._judge_detection(seen, online=online)
             case AlarmKind.EXPRESSION:
-                return self._compared(readings)
+                return self._judge_expression(readings)
             case AlarmKind.LIMIT:
-                return self._limit(readings, held=held)
+                return self._judge_limit(readings, held=held)
             case AlarmKind.STATE:
-                return self._state(readings)
+                return self._judge_state(readings)
             case AlarmKind.GATEWAY:
                 # Never unknown: the missing link is what it watches.
                 if online:
@@ -135,9 +135,9 @@ class AlarmCondition:
                     Truth.HOLDS, "its gateway has no link: nothing is known of the site"
                 )
             case AlarmKind.ENCLOSURE:
-                return self._enclosure(enclosures or {}, online=online)
+                return self._judge_enclosure(enclosures or {}, online=online)
 
-    def value(self, address: str, readings: Mapping[str, ConditionReading]) -> Value:
+    def current_value(self, address: str, readings: Mapping[str, ConditionReading]) -> Value:
         """Give what a channel says now: a number, or a state's or a text's words.
 
         None while it is not known, not a number, or too old.
@@ -161,56 +161,60 @@ class AlarmCondition:
         own = self.alarm.max_age
         return self._signals[address].stale_after if own is None else own
 
-    def _unknown(self, address: str, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
+    def _unknown_verdict(
+        self, address: str, readings: Mapping[str, ConditionReading]
+    ) -> ConditionVerdict:
         name, reading = self._signals[address].name, readings.get(address)
         if reading is None:
             return ConditionVerdict(Truth.UNKNOWN, f"{name} has never been heard of")
         if reading.age_s > self.longest_s(address):
-            return ConditionVerdict(Truth.UNKNOWN, f"{name} is {_seconds(reading.age_s)} old")
+            return ConditionVerdict(Truth.UNKNOWN, f"{name} is {_format_age(reading.age_s)} old")
         return ConditionVerdict(Truth.UNKNOWN, f"{name} is not a number")
 
-    def _limit(self, readings: Mapping[str, ConditionReading], *, held: bool) -> ConditionVerdict:
+    def _judge_limit(
+        self, readings: Mapping[str, ConditionReading], *, held: bool
+    ) -> ConditionVerdict:
         alarm, address = self.alarm, self.alarm.signal
-        value = self.value(address, readings)
+        value = self.current_value(address, readings)
         if not isinstance(value, float):
-            return self._unknown(address, readings)
+            return self._unknown_verdict(address, readings)
         # Once on, it clears only when it is back by the hysteresis.
         slack = alarm.hysteresis if held else 0.0
         limits = [limit for limit in (alarm.above, alarm.below) if limit is not None]
         name, unit = self._signals[address].name, self._signals[address].unit
-        said = f"{name} is {_with(unit, format_number(value, limits))}"
+        said = f"{name} is {_with_unit(unit, format_number(value, limits))}"
         if alarm.above is not None and value > alarm.above - slack:
             word = "above" if value > alarm.above else "not yet well below"
             return ConditionVerdict(
-                Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.above:.15g}')}"
+                Truth.HOLDS, f"{said}, {word} {_with_unit(unit, f'{alarm.above:.15g}')}"
             )
         if alarm.below is not None and value < alarm.below + slack:
             word = "below" if value < alarm.below else "not yet well above"
             return ConditionVerdict(
-                Truth.HOLDS, f"{said}, {word} {_with(unit, f'{alarm.below:.15g}')}"
+                Truth.HOLDS, f"{said}, {word} {_with_unit(unit, f'{alarm.below:.15g}')}"
             )
         return ConditionVerdict(Truth.FALSE, said)
 
-    def _state(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
+    def _judge_state(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         alarm, address = self.alarm, self.alarm.signal
-        value = self.value(address, readings)
+        value = self.current_value(address, readings)
         if not isinstance(value, str):
-            return self._unknown(address, readings)
+            return self._unknown_verdict(address, readings)
         holds = value in alarm.is_one_of or bool(alarm.is_not and value not in alarm.is_not)
         said = f"{self._signals[address].name} is {value!r}"
         return ConditionVerdict(Truth.HOLDS if holds else Truth.FALSE, said)
 
-    def _stale(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
+    def _judge_staleness(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
         address = self.alarm.signal
         name, reading = self._signals[address].name, readings.get(address)
         # Never heard of is stale too.
         if reading is None:
             return ConditionVerdict(Truth.HOLDS, f"{name} has never been heard of")
         if reading.age_s > self.longest_s(address):
-            return ConditionVerdict(Truth.HOLDS, f"{name} is {_seconds(reading.age_s)} old")
+            return ConditionVerdict(Truth.HOLDS, f"{name} is {_format_age(reading.age_s)} old")
         return ConditionVerdict(Truth.FALSE, f"{name} is fresh")
 
-    def _anomaly(
+    def _judge_anomaly(
         self, readings: Mapping[str, ConditionReading], seen: tuple[DetectedThing, ...]
     ) -> ConditionVerdict:
         address = self.alarm.signal
@@ -221,11 +225,13 @@ class AlarmCondition:
                 return ConditionVerdict(
                     Truth.HOLDS, f"{name} is unusual: {anomaly.why}".rstrip(": ")
                 )
-        if self.value(address, readings) is None:
-            return self._unknown(address, readings)
+        if self.current_value(address, readings) is None:
+            return self._unknown_verdict(address, readings)
         return ConditionVerdict(Truth.FALSE, f"{name} is as usual")
 
-    def _detection(self, seen: tuple[DetectedThing, ...], *, online: bool) -> ConditionVerdict:
+    def _judge_detection(
+        self, seen: tuple[DetectedThing, ...], *, online: bool
+    ) -> ConditionVerdict:
         alarm = self.alarm
         for sighting in seen:
             if sighting.many >= alarm.count and sighting.confidence >= alarm.confidence:
@@ -238,7 +244,7 @@ class AlarmCondition:
             return ConditionVerdict(Truth.UNKNOWN, "the site is away")
         return ConditionVerdict(Truth.FALSE, f"no {alarm.label} seen")
 
-    def _enclosure(self, enclosures: Mapping[str, str], *, online: bool) -> ConditionVerdict:
+    def _judge_enclosure(self, enclosures: Mapping[str, str], *, online: bool) -> ConditionVerdict:
         if not online:
             return ConditionVerdict(Truth.UNKNOWN, "the site is away")
         of = [why for name, why in enclosures.items() if self.alarm.enclosure in {"", name}]
@@ -249,14 +255,14 @@ class AlarmCondition:
                 return ConditionVerdict(Truth.HOLDS, why)
         return ConditionVerdict(Truth.FALSE, "closed, or allowed to be open")
 
-    def _compared(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
-        values = {address: self.value(address, readings) for address in self.channels}
-        found = self._expression.judge(values) if self._expression else None
+    def _judge_expression(self, readings: Mapping[str, ConditionReading]) -> ConditionVerdict:
+        values = {address: self.current_value(address, readings) for address in self.channels}
+        found = self._expression.evaluate_expression(values) if self._expression else None
         # A channel without a value is the likelier reason, so it is named first.
         if found is None:
             missing = next((channel for channel in self.channels if values[channel] is None), None)
             if missing is not None:
-                return self._unknown(missing, readings)
+                return self._unknown_verdict(missing, readings)
             return ConditionVerdict(Truth.UNKNOWN, "it has no outcome: a division by zero?")
         said = ", ".join(
             f"{self._signals[address].name} is {self._format_value(address, value)}"
@@ -268,7 +274,7 @@ class AlarmCondition:
     def _format_value(self, address: str, value: Value) -> str:
         if not isinstance(value, float):
             return repr(value)
-        return _with(self._signals[address].unit, format_number(value))
+        return _with_unit(self._signals[address].unit, format_number(value))
 
 
 def format_number(value: float, limits: Sequence[float] = ()) -> str:
@@ -286,9 +292,9 @@ def format_number(value: float, limits: Sequence[float] = ()) -> str:
     return text
 
 
-def _with(unit: str, number: str) -> str:
+def _with_unit(unit: str, number: str) -> str:
     return f"{number} {unit}" if unit else number
 
 
-def _seconds(age_s: float) -> str:
+def _format_age(age_s: float) -> str:
     return f"{age_s:.1f} s" if age_s < 60 else f"{age_s / 60:.0f} min"

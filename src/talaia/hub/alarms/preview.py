@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-__all__ = ["Preview", "Span", "Track", "preview"]
+__all__ = ["Preview", "Span", "Track", "preview_alarm"]
 
 # Beyond these they are counted, not listed.
 _MOST_SPANS = 200
@@ -62,7 +62,7 @@ class Preview(NamedTuple):
     unknown_us: int
 
 
-def preview(
+def preview_alarm(
     condition: AlarmCondition, tracks: Mapping[str, Track], from_us: int, to_us: int
 ) -> Preview:
     """Let the samples of a window pass before a condition, with its delays."""
@@ -70,13 +70,13 @@ def preview(
     watch = ConditionWatch(condition.alarm, on=False)
     spans: list[Span] = []
     begun, why, count, unknown, last = 0, "", 0, 0, from_us
-    for now_us, readings in _moments(condition, tracks, from_us, to_us):
+    for now_us, readings in _turning_moments(condition, tracks, from_us, to_us):
         # It could not be judged at the moment before this one, so not until now.
         if not watch.known:
             unknown += now_us - last
         last = now_us
         # Links and detectors are not in a preview: it counts as linked, and nothing is detected.
-        verdict = condition.judge(readings, (), held=watch.on, online=True)
+        verdict = condition.judge_condition(readings, (), held=watch.on, online=True)
         # Times of the history in place of a monotonic clock: only differences count.
         edge = watch.update_verdict(verdict, now_us * 1000)
         if edge is None:
@@ -91,7 +91,7 @@ def preview(
     return Preview(tuple(spans), count, unknown)
 
 
-def _moments(
+def _turning_moments(
     condition: AlarmCondition, tracks: Mapping[str, Track], from_us: int, to_us: int
 ) -> Iterator[tuple[int, dict[str, ConditionReading]]]:
     """Go through the moments at which something may turn, with what was known at each."""

@@ -49,25 +49,27 @@ class Reminding:
             # After a restart nothing was seen yet: what is due by now was told before it.
             fresh = self._seen is not None and self._seen[0] != state.episode
             self._seen, self._told_ns = stands, now_ns
-            self._steps = len(first_told(alarm)) if fresh else len(self._due(alarm, state, now_us))
+            self._steps = (
+                len(first_told(alarm)) if fresh else len(self._due_people(alarm, state, now_us))
+            )
         if not state.on or state.shelved_until_us > now_us:
             return None
         active = state.phase is Phase.ACTIVE
-        due = self._due(alarm, state, now_us)
+        due = self._due_people(alarm, state, now_us)
         if active and len(due) > self._steps:
-            return self._remind(due, now_ns, now_us)
+            return self._make_reminder(due, now_ns, now_us)
         every = alarm.repeat if active else alarm.remind
         # Monotonic: a clock that is set neither hastens nor delays a reminder.
         if every is None or now_ns - self._told_ns < round(every * SECOND):
             return None
-        return self._remind(due, now_ns, now_us)
+        return self._make_reminder(due, now_ns, now_us)
 
-    def _remind(self, due: tuple[str, ...], now_ns: int, now_us: int) -> Remind:
+    def _make_reminder(self, due: tuple[str, ...], now_ns: int, now_us: int) -> Remind:
         self._told_ns, self._steps = now_ns, len(due)
         return Remind(now_us, due)
 
     @staticmethod
-    def _due(alarm: Alarm, state: State, now_us: int) -> tuple[str, ...]:
+    def _due_people(alarm: Alarm, state: State, now_us: int) -> tuple[str, ...]:
         """Name who has been told by now, of those that are listed."""
         if not alarm.escalate:
             return ()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from talaia.hub.alarms.state_machine import Happened
     from talaia.model.alarms.alarm import Severity
 
-__all__ = ["DAY_MIN", "Rule", "due_us", "wants"]
+__all__ = ["DAY_MIN", "Rule", "due_us", "rule_matches"]
 
 DAY_MIN = 24 * 60
 _SECOND_US = 1_000_000
@@ -56,7 +56,7 @@ class Rule:
     group_s: int
 
 
-def wants(rule: Rule, site: str, severity: Severity, happened: Happened) -> bool:
+def rule_matches(rule: Rule, site: str, severity: Severity, happened: Happened) -> bool:
     """Tell whether somebody is to hear of what happened. Their rights are another matter."""
     return (
         happened.tell

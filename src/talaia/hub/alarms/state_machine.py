@@ -8,7 +8,7 @@
                         ▼ │                                             │
                       cleared ───────────── acknowledge ────────────────┘
 
-All passes through `step`. Each time it is raised begins an *episode* with its own number, by
+All passes through `apply_event`. Each time it is raised begins an *episode* with its own number, by
 which a message about it is told from any other, also over a restart.
 
 Long, because every state and event of an alarm is in one place.
@@ -38,7 +38,7 @@ __all__ = [
     "State",
     "Unshelve",
     "What",
-    "step",
+    "apply_event",
 ]
 
 
@@ -208,7 +208,7 @@ class NotNow(TalaiaError):
         return self.problem
 
 
-def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
+def apply_event(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
     """Give the state after ``event``, and what happened; nothing when it changes nothing.
 
     Raises:
@@ -217,39 +217,49 @@ def step(state: State, event: Event) -> tuple[State, tuple[Happened, ...]]:
     """
     match event:
         case Raise():
-            return _raised(state, event)
+            return _apply_raise(state, event)
         case Remind():
             # It may have changed while the reminder waited to be written.
             if not state.on or _is_shelved(state, event.time_us):
                 return state, ()
             seen = f" (acknowledged by {state.acked_by})" if state.acked_by else ""
             why = f"still so{seen}: {state.why}"
-            again = _happened(What.REMINDED, state, event.time_us, who="", message=why, tell=True)
+            again = _make_happened(
+                What.REMINDED, state, event.time_us, who="", message=why, tell=True
+            )
             return state, (again._replace(to=event.to),)
         case Clear():
-            return _cleared(state, event)
+            return _apply_clear(state, event)
         case Acknowledge():
-            return _acknowledged(state, event)
+            return _apply_acknowledge(state, event)
         case Assign():
             message = f"to {event.to}" if event.to else "to nobody"
-            said = _happened(What.ASSIGNED, state, event.time_us, who=event.who, message=message)
+            said = _make_happened(
+                What.ASSIGNED, state, event.time_us, who=event.who, message=message
+            )
             # To whom it is assigned already: nothing to write.
-            return (state, ()) if state.assigned == event.to else (_assigned(state, event), (said,))
+            return (
+                (state, ())
+                if state.assigned == event.to
+                else (_apply_assign(state, event), (said,))
+            )
         case Comment():
             return state, (
-                _happened(What.COMMENTED, state, event.time_us, who=event.who, message=event.text),
+                _make_happened(
+                    What.COMMENTED, state, event.time_us, who=event.who, message=event.text
+                ),
             )
         case Shelve():
-            return _shelved(state, event)
+            return _apply_shelve(state, event)
         case Unshelve():
-            return _unshelved(state, event)
+            return _apply_unshelve(state, event)
         case Retire():
-            return _retired(state, event)
+            return _apply_retire(state, event)
         case _:
             assert_never(event)
 
 
-def _raised(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
+def _apply_raise(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
     # A repeat, for instance after a restart: no new episode.
     if state.on:
         return state, ()
@@ -266,11 +276,11 @@ def _raised(state: State, event: Raise) -> tuple[State, tuple[Happened, ...]]:
         assigned=state.assigned if state.phase is Phase.CLEARED else "",
     )
     tell = not _is_shelved(state, event.time_us)
-    said = _happened(What.RAISED, after, event.time_us, who="", message=event.why, tell=tell)
+    said = _make_happened(What.RAISED, after, event.time_us, who="", message=event.why, tell=tell)
     return after, (said._replace(to=event.to),)
 
 
-def _cleared(state: State, event: Clear) -> tuple[State, tuple[Happened, ...]]:
+def _apply_clear(state: State, event: Clear) -> tuple[State, tuple[Happened, ...]]:
     if not state.on:
         return state, ()
     # Acknowledged while it was on: nobody has to see it again.
@@ -278,11 +288,11 @@ def _cleared(state: State, event: Clear) -> tuple[State, tuple[Happened, ...]]:
     after = replace(state, phase=phase, cleared_us=event.time_us)
     tell = not _is_shelved(state, event.time_us)
     return after, (
-        _happened(What.CLEARED, after, event.time_us, who="", message=event.why, tell=tell),
+        _make_happened(What.CLEARED, after, event.time_us, who="", message=event.why, tell=tell),
     )
 
 
-def _acknowledged(state: State, event: Acknowledge) -> tuple[State, tuple[Happened, ...]]:
+def _apply_acknowledge(state: State, event: Acknowledge) -> tuple[State, tuple[Happened, ...]]:
     if not state.unseen:
         by = f": {state.acked_by} has acknowledged it" if state.acked_by else ""
         raise NotNow(f"there is nothing to acknowledge{by}")
@@ -290,15 +300,17 @@ def _acknowledged(state: State, event: Acknowledge) -> tuple[State, tuple[Happen
     phase = Phase.ACKNOWLEDGED if state.phase is Phase.ACTIVE else Phase.NORMAL
     after = replace(state, phase=phase, acked_us=event.time_us, acked_by=event.who)
     return after, (
-        _happened(What.ACKNOWLEDGED, after, event.time_us, who=event.who, message=event.comment),
+        _make_happened(
+            What.ACKNOWLEDGED, after, event.time_us, who=event.who, message=event.comment
+        ),
     )
 
 
-def _assigned(state: State, event: Assign) -> State:
+def _apply_assign(state: State, event: Assign) -> State:
     return replace(state, assigned=event.to)
 
 
-def _shelved(state: State, event: Shelve) -> tuple[State, tuple[Happened, ...]]:
+def _apply_shelve(state: State, event: Shelve) -> tuple[State, tuple[Happened, ...]]:
     if event.until_us <= event.time_us:
         raise NotNow("the end of the shelving is not in the future")
     after = replace(
@@ -307,10 +319,12 @@ def _shelved(state: State, event: Shelve) -> tuple[State, tuple[Happened, ...]]:
         shelved_by=event.who,
         shelved_why=event.why,
     )
-    return after, (_happened(What.SHELVED, after, event.time_us, who=event.who, message=event.why),)
+    return after, (
+        _make_happened(What.SHELVED, after, event.time_us, who=event.who, message=event.why),
+    )
 
 
-def _unshelved(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ...]]:
+def _apply_unshelve(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ...]]:
     # The automatic end is asked for at each look until it is written; only people are refused.
     if not state.shelved_until_us:
         if event.who:
@@ -321,17 +335,19 @@ def _unshelved(state: State, event: Unshelve) -> tuple[State, tuple[Happened, ..
     tell = state.phase is Phase.ACTIVE
     message = state.why if tell else ""
     return after, (
-        _happened(What.UNSHELVED, after, event.time_us, who=event.who, message=message, tell=tell),
+        _make_happened(
+            What.UNSHELVED, after, event.time_us, who=event.who, message=message, tell=tell
+        ),
     )
 
 
-def _retired(state: State, event: Retire) -> tuple[State, tuple[Happened, ...]]:
+def _apply_retire(state: State, event: Retire) -> tuple[State, tuple[Happened, ...]]:
     # The number stays: an alarm of this name that comes back goes on from it.
     after = State(episode=state.episode)
     if state == after:
         return state, ()
     return after, (
-        _happened(
+        _make_happened(
             What.RETIRED, after, event.time_us, who=event.who, message="it is described no more"
         ),
     )
@@ -341,7 +357,7 @@ def _is_shelved(state: State, time_us: int) -> bool:
     return state.shelved_until_us > time_us
 
 
-def _happened(
+def _make_happened(
     what: What, state: State, time_us: int, *, who: str, message: str, tell: bool = False
 ) -> Happened:
     return Happened(what, state.episode, time_us, who, message, tell)

@@ -1,7 +1,8 @@
 """What all detectors share: they see samples, give a score with a reason, and can be kept.
 
 A detector is a struct of plain numbers and arrays, bounded however long it runs, so that its
-state is the detector itself: `keep` makes bytes of it and `wake` a detector of the bytes.
+state is the detector itself: `dump_detector` makes bytes of it and `load_detector` a detector of
+the bytes.
 """
 
 from __future__ import annotations
@@ -13,7 +14,15 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["AnomalyDetector", "Floats", "keep", "number", "span", "tame", "wake"]
+__all__ = [
+    "AnomalyDetector",
+    "Floats",
+    "clamp_value",
+    "dump_detector",
+    "format_duration",
+    "format_number",
+    "load_detector",
+]
 
 Floats = NDArray[np.float64]
 _NDARRAY = np.ndarray
@@ -51,36 +60,36 @@ class AnomalyDetector(msgspec.Struct, kw_only=True):
 D = TypeVar("D", bound=AnomalyDetector)
 
 
-def _encode(thing: object) -> object:
+def _encode_value(thing: object) -> object:
     if isinstance(thing, _NDARRAY):
         # Little-endian whatever the machine, for the database may move to another one.
         return thing.astype("<f8").tobytes()
     raise TypeError(f"a detector holds a {type(thing).__name__}, which is not kept")
 
 
-def _decode(kind: type, raw: object) -> object:
+def _decode_value(kind: type, raw: object) -> object:
     if (get_origin(kind) or kind) is _NDARRAY and isinstance(raw, bytes):
         # A copy, for an array of bytes cannot be written to.
         return np.frombuffer(raw, "<f8").copy()
     raise TypeError(f"a detector holds a {kind}, which is not kept")
 
 
-def keep(detector: AnomalyDetector) -> bytes:
+def dump_detector(detector: AnomalyDetector) -> bytes:
     """Make bytes of a detector and all it has learned."""
-    return msgspec.msgpack.encode(detector, enc_hook=_encode)
+    return msgspec.msgpack.encode(detector, enc_hook=_encode_value)
 
 
-def wake(kind: type[D], kept: bytes) -> D:
-    """Make a detector of what `keep` gave; ``msgspec.ValidationError`` for anything else."""
-    return msgspec.msgpack.decode(kept, type=kind, dec_hook=_decode)
+def load_detector(kind: type[D], kept: bytes) -> D:
+    """Make a detector of what `dump_detector` gave; ``msgspec.ValidationError`` for other bytes."""
+    return msgspec.msgpack.decode(kept, type=kind, dec_hook=_decode_value)
 
 
-def tame(value: float) -> float:
+def clamp_value(value: float) -> float:
     """Give the value, or the largest whose square is still a number."""
     return min(max(value, -_LARGEST), _LARGEST)
 
 
-def number(value: float) -> str:
+def format_number(value: float) -> str:
     """Write a number as people read it: four digits that say something."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g}"
@@ -89,7 +98,7 @@ def number(value: float) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-def span(seconds: float) -> str:
+def format_duration(seconds: float) -> str:
     """Write a length of time: ``40 s``, ``5 min``, ``2 h``, ``3 days``."""
     for name, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 1.5 * length:

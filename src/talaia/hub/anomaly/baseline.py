@@ -9,7 +9,13 @@ from collections.abc import Sequence  # noqa: TC003 - msgspec reads the annotati
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, span, tame
+from talaia.hub.anomaly.base import (
+    AnomalyDetector,
+    Floats,
+    clamp_value,
+    format_duration,
+    format_number,
+)
 
 __all__ = ["Baseline", "Quartiles", "Sorted"]
 
@@ -40,7 +46,7 @@ class Sorted(msgspec.Struct, kw_only=True):
     # The place of the oldest in `came`, once that is full.
     at: int = 0
 
-    def add(self, value: float) -> None:
+    def add_value(self, value: float) -> None:
         """Take a value in; the oldest leaves when there are too many."""
         if len(self.came) < self.most:
             self.came.append(value)
@@ -55,7 +61,7 @@ class Sorted(msgspec.Struct, kw_only=True):
         """Give the value that ``part`` (0 to 1) of all lie below, between neighbours by share."""
         return _quantile(self.sorted, part)
 
-    def newest(self, count: int) -> list[float]:
+    def newest_values(self, count: int) -> list[float]:
         """Give the newest values, oldest first."""
         if len(self.came) < self.most:
             return self.came[-count:]
@@ -107,9 +113,9 @@ class Baseline(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score one sample against those before it, then take it in."""
-        value = tame(value)
+        value = clamp_value(value)
         slot = (time_us // _SLOT_US) % _SLOTS
-        season = self._season(slot)
+        season = self._seasonal_offset(slot)
         level = value - season
         score = 0.0
         if len(self.recent.came) >= _LEAST:
@@ -122,17 +128,19 @@ class Baseline(AnomalyDetector, kw_only=True):
             # Fades, so that a word of a person means what was just shown.
             self.peak = max(spreads, self.peak * 0.98)
             score = spreads / (spreads + _USUAL)
-            self.offsets.add(abs(value - self.usual))
+            self.offsets.add_value(abs(value - self.usual))
         else:
-            self.offsets.add(abs(level - self.recent.quantile(0.5)) if self.recent.came else 0.0)
-        self._learn(time_us, value, level, slot)
+            self.offsets.add_value(
+                abs(level - self.recent.quantile(0.5)) if self.recent.came else 0.0
+            )
+        self._learn_sample(time_us, value, level, slot)
         return score
 
-    def _season(self, slot: int) -> float:
+    def _seasonal_offset(self, slot: int) -> float:
         # Nothing is taken off before every slot of a day is known.
         return float(self.season[slot]) if self.seasonal else 0.0
 
-    def _learn(self, time_us: int, value: float, level: float, slot: int) -> None:
+    def _learn_sample(self, time_us: int, value: float, level: float, slot: int) -> None:
         if self.counted == 0:
             self.times[0] = time_us
         interval = max((time_us - float(self.times[0])) / 1e6 / max(self.counted, 1), 0.0)
@@ -147,15 +155,15 @@ class Baseline(AnomalyDetector, kw_only=True):
                 self.seasonal = True
                 self.recent, self.offsets = Sorted(most=_WINDOW), Sorted(most=_WINDOW)
                 self.drift = 0.0
-        self.recent.add(level)
+        self.recent.add_value(level)
         self.counted += 1
         # Not with each sample: three parts are sorted for it.
         if self.counted % 25 == 0 and len(self.recent.came) >= _WINDOW:
-            self.drift = self._drift()
+            self.drift = self._estimate_drift()
 
-    def _drift(self) -> float:
+    def _estimate_drift(self) -> float:
         """Give how far the value has gone since the median, if it goes on steadily."""
-        newest, third = self.recent.newest(_WINDOW), _WINDOW // 3
+        newest, third = self.recent.newest_values(_WINDOW), _WINDOW // 3
         parts = (newest[:third], newest[third : 2 * third], newest[2 * third :])
         first, second, last = (_quantile(sorted(part), 0.5) for part in parts)
         # After a step one of the two is nothing, and so the step is no drift.
@@ -170,10 +178,10 @@ class Baseline(AnomalyDetector, kw_only=True):
         off = self.value - self.usual
         way = "above" if off >= 0 else "below"
         return (
-            f"{number(self.value)} {self.unit}".rstrip()
-            + f" is {number(abs(off) / self.spread)} times the usual spread {way} the usual "
-            + f"{number(self.usual)} {self.unit}".rstrip()
-            + f" of the last {span(self.length_s)}"
+            f"{format_number(self.value)} {self.unit}".rstrip()
+            + f" is {format_number(abs(off) / self.spread)} times the usual spread {way} the usual "
+            + f"{format_number(self.usual)} {self.unit}".rstrip()
+            + f" of the last {format_duration(self.length_s)}"
         )
 
     def forgive(self) -> bool:
@@ -202,7 +210,7 @@ class Quartiles(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score one sample against the quartiles of those before it."""
-        value = tame(value)
+        value = clamp_value(value)
         score = 0.0
         if len(self.recent.came) >= _LEAST:
             self.value = value
@@ -212,7 +220,7 @@ class Quartiles(AnomalyDetector, kw_only=True):
             times = out / between if between > 0.0 else (1e6 if out > 0.0 else 0.0)
             self.peak = max(times, self.peak * 0.98)
             score = times / (times + self.k)
-        self.recent.add(value)
+        self.recent.add_value(value)
         return score
 
     def why(self) -> str:
@@ -221,12 +229,14 @@ class Quartiles(AnomalyDetector, kw_only=True):
         way = "above the upper" if self.value > self.high else "below the lower"
         edge = self.high if self.value > self.high else self.low
         if self.low <= self.value <= self.high:
-            return f"{number(self.value)} {self.unit}".rstrip() + " is between the quartiles"
-        times = f"{number(abs(self.value - edge) / between)} times" if between > 0.0 else "far"
+            return f"{format_number(self.value)} {self.unit}".rstrip() + " is between the quartiles"
+        times = (
+            f"{format_number(abs(self.value - edge) / between)} times" if between > 0.0 else "far"
+        )
         return (
-            f"{number(self.value)} {self.unit}".rstrip()
+            f"{format_number(self.value)} {self.unit}".rstrip()
             + f" is {times} the distance of the quartiles {way} one, "
-            + f"{number(edge)} {self.unit}".rstrip()
+            + f"{format_number(edge)} {self.unit}".rstrip()
             + f", of the last {len(self.recent.came)} samples"
         )
 

@@ -11,7 +11,13 @@ import math
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, span, tame
+from talaia.hub.anomaly.base import (
+    AnomalyDetector,
+    Floats,
+    clamp_value,
+    format_duration,
+    format_number,
+)
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["ChangePointDetector"]
@@ -42,20 +48,20 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.times[:_KEPT] = self.times[_KEPT:]
             self.end = _KEPT
-        self.values[self.end], self.times[self.end] = tame(value), time_us
+        self.values[self.end], self.times[self.end] = clamp_value(value), time_us
         self.end += 1
         for at, pace in enumerate(_PACES):
             # With less before it, a signal that drifts changes more with every sample.
             if self.end < (_BEFORE + 1) * pace:
                 break
-            newest, before = self._levels(pace)
+            newest, before = self._mean_levels(pace)
             self.changes[at] = newest - before
-            self.scores[at] = self.rarities[at].see(abs(newest - before))
+            self.scores[at] = self.rarities[at].rate_magnitude(abs(newest - before))
             # What it was forgiven for is the greatest of late.
             self.peak[at] = max(abs(newest - before), self.peak[at] * 0.98)
         return math.sqrt(sum(score * score for score in self.scores) / len(_PACES))
 
-    def _levels(self, pace: int) -> tuple[float, float]:
+    def _mean_levels(self, pace: int) -> tuple[float, float]:
         split = self.end - pace
         first = max(0, split - _BEFORE * pace)
         newest = float(self.values[split : self.end].sum()) / pace
@@ -67,20 +73,24 @@ class ChangePointDetector(AnomalyDetector, kw_only=True):
         pace = _PACES[at]
         if self.end < (_BEFORE + 1) * pace:
             return "too few samples yet"
-        newest, before = self._levels(pace)
+        newest, before = self._mean_levels(pace)
         first = max(0, self.end - pace - _BEFORE * pace)
         while_s = (self.times[self.end - 1] - self.times[first]) / 1e6
-        what = number(newest) if pace == 1 else f"the mean of the newest {pace}, {number(newest)}"
+        what = (
+            format_number(newest)
+            if pace == 1
+            else f"the mean of the newest {pace}, {format_number(newest)}"
+        )
         way = "above" if newest >= before else "below"
         return (
             f"{what} {self.unit}".rstrip()
-            + f" is {number(abs(newest - before))} {self.unit}".rstrip()
-            + f" {way} the {number(before)} {self.unit}".rstrip()
-            + f" of the last {span(while_s)}, a change greater than nearly all before"
+            + f" is {format_number(abs(newest - before))} {self.unit}".rstrip()
+            + f" {way} the {format_number(before)} {self.unit}".rstrip()
+            + f" of the last {format_duration(while_s)}, a change greater than nearly all before"
         )
 
     def forgive(self) -> bool:
         """Count changes like those of late as usual."""
         for rarity, peak in zip(self.rarities, self.peak, strict=True):
-            rarity.learn(peak)
+            rarity.learn_magnitude(peak)
         return True

@@ -12,7 +12,7 @@ import math
 
 import msgspec
 
-from talaia.hub.anomaly.base import AnomalyDetector, number, tame
+from talaia.hub.anomaly.base import AnomalyDetector, clamp_value, format_number
 from talaia.hub.anomaly.baseline import Sorted
 from talaia.hub.anomaly.rarity import Rarity
 
@@ -45,19 +45,19 @@ class Context(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score one sample, then remember what it followed."""
-        self.value = value = tame(value)
-        self._recut(value)
+        self.value = value = clamp_value(value)
+        self._recut_levels(value)
         if not self.edges:
             return 0.0
         level = sum(value > edge for edge in self.edges)
-        surprise = self._surprise(level)
-        self._remember(level)
+        surprise = self._rate_surprise(level)
+        self._count_level(level)
         self.carried = max(surprise, self.carried * _CARRY + surprise * (1.0 - _CARRY))
         self.peak = max(self.carried, self.peak * 0.98)
-        return self.rarity.see(self.carried)
+        return self.rarity.rate_magnitude(self.carried)
 
-    def _recut(self, value: float) -> None:
-        self.recent.add(value)
+    def _recut_levels(self, value: float) -> None:
+        self.recent.add_value(value)
         self.counted += 1
         if self.counted < _LEAST or (self.counted % _AGAIN and self.edges):
             return
@@ -73,13 +73,13 @@ class Context(AnomalyDetector, kw_only=True):
             self.edges = edges
             self.followed = {}
 
-    def _contexts(self) -> list[str]:
+    def _recent_contexts(self) -> list[str]:
         newest = self.before[-_DEPTHS:]
         return ["".join(map(str, newest[-depth:])) for depth in range(1, len(newest) + 1)]
 
-    def _surprise(self, level: int) -> float:
+    def _rate_surprise(self, level: int) -> float:
         total, weight, self.known, self.times = 0.0, 0.0, 0, 0
-        for depth, context in enumerate(self._contexts(), 1):
+        for depth, context in enumerate(self._recent_contexts(), 1):
             after = self.followed.get(context)
             if after is None:
                 # A context never met is a surprise too, the more the shorter it is.
@@ -93,8 +93,8 @@ class Context(AnomalyDetector, kw_only=True):
             weight += 1.0
         return total / weight if weight else 0.0
 
-    def _remember(self, level: int, times: int = 1) -> None:
-        for context in self._contexts():
+    def _count_level(self, level: int, times: int = 1) -> None:
+        for context in self._recent_contexts():
             after = self.followed.setdefault(context, [0] * (_LEVELS + 1))
             after[level] += times
         self.before = [*self.before[-_DEPTHS:], level]
@@ -107,12 +107,12 @@ class Context(AnomalyDetector, kw_only=True):
         """Tell how often such a value has followed before."""
         if not self.edges:
             return "too few samples yet"
-        value = f"{number(self.value)} {self.unit}".rstrip()
+        value = f"{format_number(self.value)} {self.unit}".rstrip()
         if self.known == 0:
             return f"{value} follows a sequence of values that has not been met before"
         return f"such a value as {value} followed {self.times} of {self.known} times before"
 
     def forgive(self) -> bool:
         """Take such a surprise as usual."""
-        self.rarity.learn(self.peak)
+        self.rarity.learn_magnitude(self.peak)
         return True

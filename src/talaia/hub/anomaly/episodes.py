@@ -50,11 +50,11 @@ class Episodes(msgspec.Struct, kw_only=True):
 
     def update_score(self, time_us: int, score: float) -> EpisodeTurn | None:
         """Take the next score; say whether an anomaly begins or ends with it."""
-        turn = self._turn(time_us, score)
+        turn = self._find_turn(time_us, score)
         self.quiet, self.learning = max(0, self.quiet - 1), max(0, self.learning - 1)
         return turn
 
-    def _turn(self, time_us: int, score: float) -> EpisodeTurn | None:
+    def _find_turn(self, time_us: int, score: float) -> EpisodeTurn | None:
         self.since += 1
         high = score >= self.bar
         if self.began_us >= 0:
@@ -65,19 +65,19 @@ class Episodes(msgspec.Struct, kw_only=True):
             if self.below >= self.calm:
                 return EpisodeTurn.ENDED
             return None
-        if high and self.since >= self.rest and score >= self._beginning():
+        if high and self.since >= self.rest and score >= self._start_score():
             self.began_us = self.last_us = time_us
             self.top, self.below, self.since = score, 0, 0
             return EpisodeTurn.BEGAN
         return None
 
-    def _beginning(self) -> float:
+    def _start_score(self) -> float:
         """Give the score from which one begins now."""
         if self.quiet > 0:
             return math.inf
         return self.bar + _STRICTER if self.learning > 0 else self.bar
 
-    def close(self) -> tuple[int, int, float]:
+    def end_episode(self) -> tuple[int, int, float]:
         """End the anomaly that is on: when it began, its last high sample, its greatest score."""
         # It ended when it was last high, not when that was noticed.
         told = (self.began_us, self.last_us, self.top)

@@ -44,18 +44,18 @@ class GuardedDetector:
 
     def see(self, time_us: int, value: float) -> float:
         """See `AnomalyDetector.see`; 0 while it cannot say."""
-        return self._score(lambda: self.detector.see(time_us, value))
+        return self._guarded_score(lambda: self.detector.see(time_us, value))
 
     def idle(self, time_us: int) -> float:
         """See `AnomalyDetector.idle`; 0 while it cannot say."""
-        return self._score(lambda: self.detector.idle(time_us))
+        return self._guarded_score(lambda: self.detector.idle(time_us))
 
     def why(self) -> str:
         """See `AnomalyDetector.why`."""
         try:
             return str(self.detector.why())[:500]
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
-            self.failed(f"it fails to say why: {type(error).__name__}: {error}")
+            self.record_failure(f"it fails to say why: {type(error).__name__}: {error}")
             return "the detector does not say why"
 
     def forgive(self) -> bool:
@@ -63,15 +63,15 @@ class GuardedDetector:
         try:
             return bool(self.detector.forgive())
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
-            self.failed(f"it fails to learn: {type(error).__name__}: {error}")
+            self.record_failure(f"it fails to learn: {type(error).__name__}: {error}")
             return False
 
-    def took(self, seconds: float) -> None:
+    def record_duration(self, seconds: float) -> None:
         """Take note how long it looked at one sample (s)."""
         if seconds > SLOW_S:
-            self.failed(f"it took more than {SLOW_S * 1000:.0f} ms for one sample")
+            self.record_failure(f"it took more than {SLOW_S * 1000:.0f} ms for one sample")
 
-    def failed(self, problem: str) -> None:
+    def record_failure(self, problem: str) -> None:
         """Count a failure; the last one that is borne ends it."""
         self._failures += 1
         self._fail(problem)
@@ -79,17 +79,17 @@ class GuardedDetector:
             self.off = problem
             self._fail(f"it is asked no more after {MOST_FAILURES} failures")
 
-    def _score(self, ask: Callable[[], float]) -> float:
+    def _guarded_score(self, ask: Callable[[], float]) -> float:
         if self.off:
             return 0.0
         try:
             score = float(ask())
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
             # One that fails counts as calm: an extension must not raise alarms by its faults.
-            self.failed(f"it fails: {type(error).__name__}: {error}")
+            self.record_failure(f"it fails: {type(error).__name__}: {error}")
             return 0.0
         if math.isnan(score):
-            self.failed("its score is no number")
+            self.record_failure("its score is no number")
             return 0.0
         return min(1.0, max(0.0, score))
 

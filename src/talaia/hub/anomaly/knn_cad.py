@@ -15,7 +15,7 @@ import math
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, tame
+from talaia.hub.anomaly.base import AnomalyDetector, Floats, clamp_value, format_number
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Nearest"]
@@ -47,29 +47,29 @@ class Nearest(AnomalyDetector, kw_only=True):
         if self.end == len(self.values):
             self.values[:_KEPT] = self.values[_KEPT:]
             self.end = _KEPT
-        self.values[self.end] = tame(value)
+        self.values[self.end] = clamp_value(value)
         self.end += 1
         self.score = 0.0
         # Neighbours do not overlap the stretch itself.
         have = min(self.end - 2 * _LENGTH + 1, _STRETCHES)
         if have < _LEAST - _LENGTH:
             return 0.0
-        self.distance = self._strangeness(have)
-        self.score = self.rarity.see(self.distance)
+        self.distance = self._nearest_distance(have)
+        self.score = self.rarity.rate_magnitude(self.distance)
         self.strangest *= 0.98
         if self.distance >= self.strangest:
             self.strangest = self.distance
             self.strange = self.values[self.end - _LENGTH : self.end].copy()
         return self.score
 
-    def _strangeness(self, have: int) -> float:
+    def _nearest_distance(self, have: int) -> float:
         newest = self.values[self.end - _LENGTH : self.end]
         last = self.end - _LENGTH
         before = self.values[last - have - _LENGTH + 1 : last]
         stretches = np.lib.stride_tricks.sliding_window_view(before, _LENGTH)
-        apart = _squares(stretches, newest)
+        apart = _squared_distances(stretches, newest)
         if len(self.forgiven):
-            apart = np.append(apart, _squares(self.forgiven.reshape(-1, _LENGTH), newest))
+            apart = np.append(apart, _squared_distances(self.forgiven.reshape(-1, _LENGTH), newest))
         near = min(_NEIGHBOURS, len(apart))
         nearest = np.sqrt(np.partition(apart, near - 1)[:near])
         # A stretch that was called usual is usual by itself, without two others like it.
@@ -82,7 +82,7 @@ class Nearest(AnomalyDetector, kw_only=True):
         off = self.distance / math.sqrt(_LENGTH)
         return (
             f"the newest {_LENGTH} samples look like none of before: even the nearest "
-            f"{_NEIGHBOURS} stretches are {number(off)} {self.unit}".rstrip()
+            f"{_NEIGHBOURS} stretches are {format_number(off)} {self.unit}".rstrip()
             + " off in the mean, rarely so far"
         )
 
@@ -90,11 +90,11 @@ class Nearest(AnomalyDetector, kw_only=True):
         """Take the strangest stretch of late among the usual ones."""
         kept = self.forgiven[-_LENGTH * (_MOST_FORGIVEN - 1) :]
         self.forgiven = np.concatenate([kept, self.strange])
-        self.rarity.learn(self.strangest)
+        self.rarity.learn_magnitude(self.strangest)
         return True
 
 
-def _squares(stretches: Floats, newest: Floats) -> Floats:
+def _squared_distances(stretches: Floats, newest: Floats) -> Floats:
     off = stretches - newest
     squares: Floats = np.einsum("ij,ij->i", off, off)
     return squares

@@ -41,10 +41,10 @@ class Rarity(msgspec.Struct, kw_only=True):
     weight: float = 1.0
     seen: int = 0
 
-    def see(self, magnitude: float) -> float:
+    def rate_magnitude(self, magnitude: float) -> float:
         """Take a magnitude (0 or more); give its rarity, 0 to 1."""
-        at = _bin(magnitude)
-        rarity = self._rarity(at) if self.seen >= self.least else 0.0
+        at = _bin_index(magnitude)
+        rarity = self._bin_rarity(at) if self.seen >= self.least else 0.0
         self.bins[at] += self.weight
         self.seen += 1
         self.weight *= math.exp(1.0 / self.memory)
@@ -54,11 +54,11 @@ class Rarity(msgspec.Struct, kw_only=True):
             self.weight = 1.0
         return rarity
 
-    def learn(self, magnitude: float, times: float = 50.0) -> None:
+    def learn_magnitude(self, magnitude: float, times: float = 50.0) -> None:
         """Count a magnitude as if it had come so many times: it is not rare any more."""
-        self.bins[_bin(magnitude)] += self.weight * times
+        self.bins[_bin_index(magnitude)] += self.weight * times
 
-    def _rarity(self, at: int) -> float:
+    def _bin_rarity(self, at: int) -> float:
         same = float(self.bins[at])
         # Half of those in the same step: they count as neither greater nor less.
         above = float(self.bins[at + 1 :].sum()) + 0.5 * same
@@ -66,7 +66,7 @@ class Rarity(msgspec.Struct, kw_only=True):
         return math.log((total + 1.0) / (above / self.weight + 1.0)) / math.log(total + 1.0)
 
 
-def _bin(magnitude: float) -> int:
+def _bin_index(magnitude: float) -> int:
     if magnitude < 1e-15:
         return 0
     # A magnitude beyond all numbers is the greatest.

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from talaia.extensions.declarations import DetectorExtension
-from talaia.extensions.installed import installed
-from talaia.hub.anomaly.base import AnomalyDetector, keep, wake
+from talaia.extensions.installed import installed_extensions
+from talaia.hub.anomaly.base import AnomalyDetector, dump_detector, load_detector
 from talaia.hub.anomaly.baseline import Quartiles
 from talaia.hub.anomaly.episodes import Episodes, EpisodeTurn
 from talaia.hub.anomaly.guarded import GuardedDetector, extension_detector
@@ -75,9 +75,9 @@ def detector_of(watch: Watch, unit: str) -> AnomalyDetector | GuardedDetector:
 
 def _of_extension(watch: Watch, unit: str) -> GuardedDetector:
     def fail(problem: str) -> None:
-        installed().note_failure(DetectorExtension, watch.extension, problem)
+        installed_extensions().note_failure(DetectorExtension, watch.extension, problem)
 
-    found = installed().detectors().get(watch.extension)
+    found = installed_extensions().detectors_by_name().get(watch.extension)
     guarded = GuardedDetector(AnomalyDetector(unit=unit), fail)
     if found is None:
         guarded.off = "it is not installed at this hub"
@@ -131,9 +131,9 @@ class DetectorRunner:
     def __init__(self, address: str, unit: str, watch: Watch, kept: bytes | None = None) -> None:
         """Go on with what was ``kept``; begin anew where there is nothing, or it does not fit."""
         self.address, self.unit, self.watch = address, unit, watch
-        self.word = watch.word()
+        self.word = watch.detector_name()
         self.detector = detector_of(watch, unit)
-        self.kind = kind = kind_of(watch, installed().detectors()) or _MISSING
+        self.kind = kind = kind_of(watch, installed_extensions().detectors_by_name()) or _MISSING
         self.episodes = Episodes(
             bar=watch.bar or kind.bar,
             rest=watch.rest,
@@ -149,38 +149,38 @@ class DetectorRunner:
         # The last score that was written; -1 differs from every score.
         self._written = -1.0
         if kept is not None:
-            self._wake(kept)
+            self._restore_detector(kept)
 
-    def _wake(self, kept: bytes) -> None:
+    def _restore_detector(self, kept: bytes) -> None:
         try:
             asked, state, counts = msgspec.msgpack.decode(kept, type=_KEPT)
             # Only for the same watch: by other settings it has learned something else.
             if asked == msgspec.msgpack.encode(self.watch):
                 if isinstance(self.detector, GuardedDetector):
                     inner = self.detector.detector
-                    self.detector.detector = wake(type(inner), state)
+                    self.detector.detector = load_detector(type(inner), state)
                 else:
-                    self.detector = wake(type(self.detector), state)
+                    self.detector = load_detector(type(self.detector), state)
                 episodes = self.episodes
                 episodes.since, episodes.quiet, episodes.learning = counts
         except (msgspec.MsgspecError, ValueError):
             # Of another version: it learns anew.
             return
 
-    def keep(self) -> bytes:
+    def dump_state(self) -> bytes:
         """Give what is to be kept over a restart."""
         self.changed = False
         asked = msgspec.msgpack.encode(self.watch)
         counts = (self.episodes.since, self.episodes.quiet, self.episodes.learning)
-        return msgspec.msgpack.encode((asked, self._state(), counts))
+        return msgspec.msgpack.encode((asked, self._detector_state(), counts))
 
-    def _state(self) -> bytes:
+    def _detector_state(self) -> bytes:
         if not isinstance(self.detector, GuardedDetector):
-            return keep(self.detector)
+            return dump_detector(self.detector)
         try:
-            return keep(self.detector.detector)
+            return dump_detector(self.detector.detector)
         except Exception as error:  # noqa: BLE001 - whatever it raises, it is named
-            self.detector.failed(f"what it has learned cannot be kept: {error}")
+            self.detector.record_failure(f"what it has learned cannot be kept: {error}")
             return b""
 
     @property
@@ -188,7 +188,7 @@ class DetectorRunner:
         """So many samples until it has learned; before, it tells of what is clear at the most."""
         return self.episodes.learning
 
-    def see(self, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
+    def score_sample(self, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
         """Look at one sample; those that are not numbers or not newer are passed over."""
         if time_us <= self._newest_us:
             self.late += 1
@@ -200,7 +200,7 @@ class DetectorRunner:
         self.changed = True
         return self._update_score(time_us, self.detector.see(time_us, value))
 
-    def idle(self, time_us: int) -> AnomalyBegan | AnomalyEnded | None:
+    def score_silence(self, time_us: int) -> AnomalyBegan | AnomalyEnded | None:
         """Look at the clock: some detectors are about what does not come."""
         score = self.detector.idle(time_us)
         # Silence tells something only if it is an anomaly: other scores stay those of samples.
@@ -208,7 +208,7 @@ class DetectorRunner:
             return None
         return self._update_score(time_us, score)
 
-    def forgive(self) -> bool:
+    def dismiss_peak(self) -> bool:
         """Learn that the newest peak was no anomaly; false where nothing can be learned."""
         self.changed = True
         self.forgiven = self.detector.forgive()
@@ -229,14 +229,14 @@ class DetectorRunner:
             self.why = self.detector.why()
             self.from_us, self.to_us, self.forgiven = time_us, 0, False
             return AnomalyBegan(time_us, score, self.why)
-        return self._close() if turn is EpisodeTurn.ENDED else None
+        return self._close_episode() if turn is EpisodeTurn.ENDED else None
 
-    def end(self) -> AnomalyEnded | None:
+    def end_anomaly(self) -> AnomalyEnded | None:
         """End an anomaly that is on, because its signal is no longer watched."""
-        return None if self.episodes.began_us < 0 else self._close()
+        return None if self.episodes.began_us < 0 else self._close_episode()
 
-    def _close(self) -> AnomalyEnded:
-        ended = AnomalyEnded(*self.episodes.close(), self.why)
+    def _close_episode(self) -> AnomalyEnded:
+        ended = AnomalyEnded(*self.episodes.end_episode(), self.why)
         self.to_us = ended.ended_us
         return ended
 

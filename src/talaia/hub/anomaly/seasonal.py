@@ -10,7 +10,7 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from talaia.hub.anomaly.base import AnomalyDetector, Floats, number, tame
+from talaia.hub.anomaly.base import AnomalyDetector, Floats, clamp_value, format_number
 from talaia.hub.anomaly.rarity import Rarity
 
 __all__ = ["Season"]
@@ -29,7 +29,7 @@ _KEPT = (_DAYS + 1) * _DAY
 _LEAST = 2
 
 
-def _nothing() -> Floats:
+def _empty_slots() -> Floats:
     return np.full(_KEPT, np.nan)
 
 
@@ -38,7 +38,7 @@ class Season(AnomalyDetector, kw_only=True):
 
     rarity: Rarity = msgspec.field(default_factory=Rarity)
     # The mean of each slot, in a ring; NaN where nothing came.
-    means: Floats = msgspec.field(default_factory=_nothing)
+    means: Floats = msgspec.field(default_factory=_empty_slots)
     # Samples in each slot.
     counts: Floats = msgspec.field(default_factory=lambda: np.zeros(_KEPT))
     # The newest slot, counted since 1970; -1: none yet.
@@ -53,20 +53,20 @@ class Season(AnomalyDetector, kw_only=True):
 
     def see(self, time_us: int, value: float) -> float:
         """Score the newest hours with this sample in them."""
-        value = tame(value)
+        value = clamp_value(value)
         slot = time_us // _SLOT_US
-        self._move(slot)
+        self._move_slot(slot)
         at = self.slot % _KEPT
         self.counts[at] += 1.0
         mean = self.means[at]
         self.means[at] = value if np.isnan(mean) else mean + (value - mean) / self.counts[at]
-        self._compare()
+        self._compare_days()
         if self.off < 0.0:
             return 0.0
         self.peak = max(self.off, self.peak * 0.98)
-        return self.rarity.see(self.off)
+        return self.rarity.rate_magnitude(self.off)
 
-    def _move(self, slot: int) -> None:
+    def _move_slot(self, slot: int) -> None:
         """Go on to a slot; those in between had no samples. Times that go back stay where it is."""
         if self.slot < 0:
             self.slot = slot
@@ -75,7 +75,7 @@ class Season(AnomalyDetector, kw_only=True):
             self.means[index % _KEPT], self.counts[index % _KEPT] = np.nan, 0.0
         self.slot = max(self.slot, slot)
 
-    def _compare(self) -> None:
+    def _compare_days(self) -> None:
         slots = np.arange(self.slot - _WINDOW + 1, self.slot + 1)
         now = self.means[slots % _KEPT]
         self.off = -1.0
@@ -93,14 +93,14 @@ class Season(AnomalyDetector, kw_only=True):
         if self.off < 0.0:
             return "no earlier day to compare with yet"
         return (
-            f"the mean of the last {_HOURS} h, {number(self.now)} {self.unit}".rstrip()
-            + f", is {number(self.off)} {self.unit}".rstrip()
+            f"the mean of the last {_HOURS} h, {format_number(self.now)} {self.unit}".rstrip()
+            + f", is {format_number(self.off)} {self.unit}".rstrip()
             + f" away from the same hours of the nearest of the last {_DAYS} days"
-            + f" ({number(self.then)} {self.unit}".rstrip()
+            + f" ({format_number(self.then)} {self.unit}".rstrip()
             + ")"
         )
 
     def forgive(self) -> bool:
         """Count such a distance as usual."""
-        self.rarity.learn(self.peak)
+        self.rarity.learn_magnitude(self.peak)
         return True

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Site
 
-__all__ = ["MOST_BY_DEFAULT", "Wish", "score_channels", "wanted"]
+__all__ = ["MOST_BY_DEFAULT", "Wish", "score_channels", "wanted_detectors"]
 
 # What `services.anomaly_detection` of a site sets to work, on how many of its signals at the most:
 # each takes 96 kB, and up to a hundred microseconds a second.
@@ -32,7 +32,7 @@ class Wish(NamedTuple):
     thin: bool
 
 
-def wanted(site: Site) -> tuple[list[Wish], int]:
+def wanted_detectors(site: Site) -> tuple[list[Wish], int]:
     """List what is described at signals, and what `services.anomaly_detection` adds to it.
 
     Returns:
@@ -61,9 +61,9 @@ def score_channels(site: Site, beside: int) -> tuple[Channel, ...]:
 
     """
     found = []
-    for wish in wanted(site)[0]:
+    for wish in wanted_detectors(site)[0]:
         device, _, signal = wish.address.partition("/")
         for watch in wish.watches:
-            address = score_address(wish.address, watch.word())
+            address = score_address(wish.address, watch.detector_name())
             found.append(Channel(address, device, signal, "", text=False))
     return tuple(found[: max(0, _MOST_CHANNELS - beside)])

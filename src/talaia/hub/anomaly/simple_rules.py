@@ -6,7 +6,7 @@ import math
 
 import msgspec
 
-from talaia.hub.anomaly.base import AnomalyDetector, number, span, tame
+from talaia.hub.anomaly.base import AnomalyDetector, clamp_value, format_duration, format_number
 from talaia.hub.anomaly.baseline import Sorted
 
 __all__ = ["LimitsDetector", "Missing", "RateOfChange", "Still"]
@@ -50,9 +50,9 @@ class Still(AnomalyDetector, kw_only=True):
                 self.longest_s = max(self.longest_s * 0.999, (time_us - self.since_us) / 1e6)
             self.held, self.since_us = value, time_us
         self.now_us = time_us
-        return self._score()
+        return self._rate_standstill()
 
-    def _score(self) -> float:
+    def _rate_standstill(self) -> float:
         still = (self.now_us - self.since_us) / 1e6
         usual = self.after_s or (_TIMES * self.longest_s if self.changes >= _LEAST else 0.0)
         return still / (still + usual) if usual > 0.0 and still > 0.0 else 0.0
@@ -61,11 +61,14 @@ class Still(AnomalyDetector, kw_only=True):
         """Say for how long."""
         still = (self.now_us - self.since_us) / 1e6
         usual = (
-            f"{span(self.after_s)} are allowed"
+            f"{format_duration(self.after_s)} are allowed"
             if self.after_s
-            else f"the longest usual standstill is {span(self.longest_s)}"
+            else f"the longest usual standstill is {format_duration(self.longest_s)}"
         )
-        return f"{number(self.held)} {self.unit}".rstrip() + f" for {span(still)}; {usual}"
+        return (
+            f"{format_number(self.held)} {self.unit}".rstrip()
+            + f" for {format_duration(still)}; {usual}"
+        )
 
     def forgive(self) -> bool:
         """Take such a standstill as usual."""
@@ -99,7 +102,7 @@ class Missing(AnomalyDetector, kw_only=True):
             self.last_us = time_us
             return 0.0
         score = self.idle(time_us)
-        self.pauses.add(max(time_us - self.last_us, 0) / 1e6)
+        self.pauses.add_value(max(time_us - self.last_us, 0) / 1e6)
         self.last_us = max(time_us, self.last_us)
         return score
 
@@ -108,10 +111,10 @@ class Missing(AnomalyDetector, kw_only=True):
         if self.last_us < 0:
             return 0.0
         self.pause_s = max(time_us - self.last_us, 0) / 1e6
-        usual = self._usual()
+        usual = self._usual_pause()
         return self.pause_s / (self.pause_s + usual) if usual > 0.0 else 0.0
 
-    def _usual(self) -> float:
+    def _usual_pause(self) -> float:
         if self.after_s:
             return self.after_s
         return _TIMES * self.pauses.quantile(0.98) if len(self.pauses.came) >= _LEAST else 0.0
@@ -119,11 +122,11 @@ class Missing(AnomalyDetector, kw_only=True):
     def why(self) -> str:
         """Say for how long."""
         usual = (
-            f"{span(self.after_s)} are allowed"
+            f"{format_duration(self.after_s)} are allowed"
             if self.after_s or len(self.pauses.came) < _LEAST
-            else f"usually one comes every {span(self.pauses.quantile(0.5))}"
+            else f"usually one comes every {format_duration(self.pauses.quantile(0.5))}"
         )
-        return f"no sample for {span(self.pause_s)}; {usual}"
+        return f"no sample for {format_duration(self.pause_s)}; {usual}"
 
     def forgive(self) -> bool:
         """Take such a pause as usual."""
@@ -131,7 +134,7 @@ class Missing(AnomalyDetector, kw_only=True):
             self.after_s = max(self.after_s, 1.1 * self.pause_s)
         # Enough of them to move the quantile of 0.98 that is taken as usual.
         for _ in range(len(self.pauses.came) // 20 + 1):
-            self.pauses.add(self.pause_s)
+            self.pauses.add_value(self.pause_s)
         return True
 
 
@@ -159,31 +162,31 @@ class RateOfChange(AnomalyDetector, kw_only=True):
         """Score the change since the sample before."""
         score = 0.0
         if 0 <= self.last_us < time_us:
-            self.rate = abs(tame(value) - self.last) / ((time_us - self.last_us) / 1e6)
-            usual = self._usual()
+            self.rate = abs(clamp_value(value) - self.last) / ((time_us - self.last_us) / 1e6)
+            usual = self._usual_change()
             score = self.rate / (self.rate + usual) if usual > 0.0 else 0.0
-            self.rates.add(self.rate)
+            self.rates.add_value(self.rate)
             self.peak = max(self.rate, self.peak * 0.98)
         if time_us > self.last_us:
-            self.last_us, self.last = time_us, tame(value)
+            self.last_us, self.last = time_us, clamp_value(value)
         return score
 
-    def _usual(self) -> float:
+    def _usual_change(self) -> float:
         if self.most:
             return self.most
         return _TIMES * self.rates.quantile(0.98) if len(self.rates.came) >= _LEAST else 0.0
 
     def why(self) -> str:
         """Say how fast."""
-        usual = f"up to {number(self._usual())} {self.unit}/s are allowed"
-        return f"it changes by {number(self.rate)} {self.unit}/s; {usual}"
+        usual = f"up to {format_number(self._usual_change())} {self.unit}/s are allowed"
+        return f"it changes by {format_number(self.rate)} {self.unit}/s; {usual}"
 
     def forgive(self) -> bool:
         """Take such a change as usual."""
         if self.most:
             self.most = max(self.most, 1.1 * self.peak)
         for _ in range(len(self.rates.came) // 20 + 1):
-            self.rates.add(self.peak)
+            self.rates.add_value(self.peak)
         self.peak = 0.0
         return True
 
@@ -203,17 +206,19 @@ class LimitsDetector(AnomalyDetector, kw_only=True):
     def see(self, time_us: int, value: float) -> float:
         """Score 1 outside, 0 inside."""
         self.value = value
-        return 1.0 if self._beyond() else 0.0
+        return 1.0 if self._exceeded_limit() else 0.0
 
-    def _beyond(self) -> str:
+    def _exceeded_limit(self) -> str:
         if self.minimum is not None and self.value < self.minimum:
-            return f"below the least of {number(self.minimum)}"
+            return f"below the least of {format_number(self.minimum)}"
         if self.maximum is not None and self.value > self.maximum:
-            return f"above the most of {number(self.maximum)}"
+            return f"above the most of {format_number(self.maximum)}"
         return ""
 
     def why(self) -> str:
         """Name the limit."""
-        beyond = self._beyond() or "within its limits"
+        beyond = self._exceeded_limit() or "within its limits"
         unit = f" {self.unit}" if self.unit else ""
-        return f"{number(self.value)}{unit} is {beyond}" + (unit if self._beyond() else "")
+        return f"{format_number(self.value)}{unit} is {beyond}" + (
+            unit if self._exceeded_limit() else ""
+        )

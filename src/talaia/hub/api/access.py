@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import Request  # noqa: TC002 - FastAPI reads it at run time
 
-from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem
+from talaia.hub.api.problems import STORE_DOWN, ApiProblem, problem_response
 from talaia.hub.errors import HubBusy, StoreDown
 from talaia.hub.policy import BY_SCRIPT, SOCKETS, AccessNeed, allows, need_of_route
 from talaia.hub.store.accounts.known_browsers import KNOWN_S
@@ -29,7 +29,7 @@ __all__ = [
     "Access",
     "address_of",
     "alive_of",
-    "deny",
+    "deny_socket",
     "known_live_of",
     "live_of",
     "number_of",
@@ -93,7 +93,7 @@ class Access:
             self.cookie, path="/", secure=self._tls, httponly=True, samesite="strict"
         )
 
-    async def who(self, connection: HTTPConnection) -> LiveSession | None:
+    async def identify_caller(self, connection: HTTPConnection) -> LiveSession | None:
         """Tell who is asking: by the token where one is sent, else by the cookie.
 
         Raises:
@@ -107,7 +107,7 @@ class Access:
         token = connection.cookies.get(self.cookie)
         # Only what a person does keeps a session alive; sockets report their use by themselves.
         used = connection.headers.get(_BACKGROUND) != "1" and connection.scope["type"] == "http"
-        return await self._sessions.who(token, used=used) if token else None
+        return await self._sessions.find_session(token, used=used) if token else None
 
     async def who_of_token(self, token: str) -> LiveSession | None:
         """Tell for whom a token speaks; None when it is none of ours, or not good any more.
@@ -116,9 +116,9 @@ class Access:
             StoreDown: it cannot be told now.
 
         """
-        return await self._tokens.who(token) if token.startswith(MARK) else None
+        return await self._tokens.find_session(token) if token.startswith(MARK) else None
 
-    async def guard(self, request: Request) -> None:
+    async def guard_request(self, request: Request) -> None:
         """Let a request pass by the policy table's line of its route.
 
         Raises:
@@ -135,7 +135,7 @@ class Access:
         # PostgreSQL takes no NUL in a text; it would come out as an error of ours.
         if b"%00" in request.scope["query_string"]:
             raise ApiProblem(422, "invalid", "the query holds the character NUL")
-        alive = await self.who(request)
+        alive = await self.identify_caller(request)
         if alive is None:
             raise ApiProblem(401, "unauthorized", "sign in first")
         who = alive.who
@@ -146,7 +146,7 @@ class Access:
             raise ApiProblem(403, "forbidden", "a token may not do this; sign in yourself")
         site = request.path_params.get("site")
         # None also for a site that is not known; `allows` then lets only admins of everything pass.
-        live = self._sites.get(site) if site else None
+        live = self._sites.find_site(site) if site else None
         described = live.description if live else None
         if allows(need, who.grants, described):
             request.state.live = live
@@ -156,18 +156,18 @@ class Access:
             raise ApiProblem(404, "unknown", "there is no such site")
         raise ApiProblem(403, "forbidden", "you do not have the right to do this")
 
-    async def admit(self, socket: WebSocket) -> Who | None:
+    async def admit_socket(self, socket: WebSocket) -> Who | None:
         """Tell who opens a socket; None when they were sent away before the upgrade."""
         # A socket that has no line in the policy table lets nobody in.
         need = SOCKETS.get(socket.scope["path"], AccessNeed.NEVER)
         try:
-            alive = await self.who(socket)
+            alive = await self.identify_caller(socket)
         except StoreDown:
-            await deny(socket, status=503, code="store", message=STORE_DOWN)
+            await deny_socket(socket, status=503, code="store", message=STORE_DOWN)
             return None
         # Of a stream, which site it is of is not known here; its own route looks.
         if alive is None or need not in {AccessNeed.SESSION, AccessNeed.SEE}:
-            await deny(socket, status=401, code="unauthorized", message="sign in first")
+            await deny_socket(socket, status=401, code="unauthorized", message="sign in first")
             return None
         return alive.who
 
@@ -179,11 +179,11 @@ class Access:
         try:
             if need is AccessNeed.GATEWAY and kind.lower() == "bearer" and key:
                 # Only the look-up is in the turn, not the life of the link.
-                async with self._admission.turn():
+                async with self._admission.wait_turn():
                     found = await self._registry.gateway_of(key.strip())
         except HubBusy as error:
             # No fault of the key: a 401 would say that it is void.
-            await deny(
+            await deny_socket(
                 socket,
                 status=503,
                 code="busy",
@@ -192,10 +192,10 @@ class Access:
             )
             return None
         except StoreDown:
-            await deny(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
+            await deny_socket(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
             return None
         if found is None:
-            await deny(
+            await deny_socket(
                 socket,
                 status=401,
                 code="unauthorized",
@@ -264,8 +264,8 @@ def number_of(text: str, what: str) -> int:
     return int(text)
 
 
-async def deny(
+async def deny_socket(
     socket: WebSocket, *, status: int, code: str, message: str, retry_s: int = 0
 ) -> None:
     """Send a socket away before the upgrade; ``retry_s`` says when to come back."""
-    await socket.send_denial_response(problem(status, code, message, retry_s))
+    await socket.send_denial_response(problem_response(status, code, message, retry_s))

@@ -98,7 +98,7 @@ class ApiDescription:
         # Made once, and the same for all: the routes do not change while the hub runs.
         self._said: dict[str, Any] | None = None
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the route."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/openapi.json")(self.description)
@@ -129,7 +129,7 @@ def describe_api(app: FastAPI) -> dict[str, Any]:
     said["components"]["securitySchemes"] = _SCHEMES
     for path, methods in said["paths"].items():
         for method, operation in methods.items():
-            _complete(operation, method.upper(), path)
+            _complete_operation(operation, method.upper(), path)
     return said
 
 
@@ -138,7 +138,7 @@ def needs_in_words(method: str, path: str) -> str:
     return _NEEDS[need_of_route(method, path)]
 
 
-def _complete(operation: dict[str, Any], method: str, path: str) -> None:
+def _complete_operation(operation: dict[str, Any], method: str, path: str) -> None:
     need = need_of_route(method, path)
     operation["x-talaia-need"] = need.name.lower()
     operation["description"] = (
@@ -149,12 +149,12 @@ def _complete(operation: dict[str, Any], method: str, path: str) -> None:
     else:
         schemes = [_SESSION, _TOKEN] if need in BY_SCRIPT else [_SESSION]
         operation["security"] = [{scheme: []} for scheme in schemes]
-    for status in sorted(_answers(need, method, path, body="requestBody" in operation)):
-        operation["responses"][str(status)] = _answer(status)
+    for status in sorted(_error_statuses(need, method, path, body="requestBody" in operation)):
+        operation["responses"][str(status)] = _error_answer(status)
     operation["responses"] = dict(sorted(operation["responses"].items()))
 
 
-def _answers(need: AccessNeed, method: str, path: str, *, body: bool) -> frozenset[int]:
+def _error_statuses(need: AccessNeed, method: str, path: str, *, body: bool) -> frozenset[int]:
     """Give the statuses by which a route may say no."""
     statuses = set(_ANYONE)
     if need is not AccessNeed.OPEN:
@@ -171,7 +171,7 @@ def _answers(need: AccessNeed, method: str, path: str, *, body: bool) -> frozens
     return frozenset(statuses) | _BESIDES.get((method, path), frozenset())
 
 
-def _answer(status: int) -> dict[str, Any]:
+def _error_answer(status: int) -> dict[str, Any]:
     answer: dict[str, Any] = {
         "description": _SAID[status],
         "content": {

@@ -16,7 +16,7 @@ from talaia.hub.errors import StoreDown
 if TYPE_CHECKING:
     from fastapi import FastAPI, Request, Response
 
-__all__ = ["STORE_DOWN", "ApiProblem", "answer_problems", "problem"]
+__all__ = ["STORE_DOWN", "ApiProblem", "answer_problems", "problem_response"]
 
 _LOG = logging.getLogger(__name__)
 # For what the framework itself refuses.
@@ -43,7 +43,7 @@ class ApiProblem(TalaiaError):
         return self.message
 
 
-def problem(status: int, code: str, message: str, retry_s: int = 0) -> Response:
+def problem_response(status: int, code: str, message: str, retry_s: int = 0) -> Response:
     """Make the answer that says no."""
     headers = {"Retry-After": str(retry_s)} if retry_s else None
     return JSONResponse(
@@ -56,26 +56,26 @@ def problem(status: int, code: str, message: str, retry_s: int = 0) -> Response:
 
 def answer_problems(app: FastAPI) -> None:
     """Let every error of ``app`` end in the same form."""
-    app.add_exception_handler(ApiProblem, _ours)
+    app.add_exception_handler(ApiProblem, _handle_problem)
     # Of the framework itself: an unknown path, a method that is not there, a body that is no JSON.
-    app.add_exception_handler(HTTPException, _starlette)
-    app.add_exception_handler(RequestValidationError, _invalid)
-    app.add_exception_handler(StoreDown, _down)
-    app.add_exception_handler(Exception, _failed)
+    app.add_exception_handler(HTTPException, _handle_http)
+    app.add_exception_handler(RequestValidationError, _handle_invalid)
+    app.add_exception_handler(StoreDown, _handle_store)
+    app.add_exception_handler(Exception, _handle_failure)
 
 
-async def _ours(_request: Request, error: Exception) -> Response:
+async def _handle_problem(_request: Request, error: Exception) -> Response:
     if not isinstance(error, ApiProblem):
         raise error
-    return problem(error.status, error.code, error.message, error.retry_s)
+    return problem_response(error.status, error.code, error.message, error.retry_s)
 
 
-async def _starlette(_request: Request, error: Exception) -> Response:
+async def _handle_http(_request: Request, error: Exception) -> Response:
     status = error.status_code if isinstance(error, HTTPException) else 500
-    return problem(status, _CODES.get(status, "failed"), HTTPStatus(status).phrase)
+    return problem_response(status, _CODES.get(status, "failed"), HTTPStatus(status).phrase)
 
 
-async def _invalid(_request: Request, error: Exception) -> Response:
+async def _handle_invalid(_request: Request, error: Exception) -> Response:
     if not isinstance(error, RequestValidationError):
         raise error
     # Only where and what: the input itself may be a password.
@@ -84,16 +84,16 @@ async def _invalid(_request: Request, error: Exception) -> Response:
         for problem in error.errors()
     ]
     # Cut: a list of a thousand items can be wrong at every one of them.
-    return problem(422, "invalid", "; ".join(said)[:1000])
+    return problem_response(422, "invalid", "; ".join(said)[:1000])
 
 
-async def _down(request: Request, error: Exception) -> Response:
+async def _handle_store(request: Request, error: Exception) -> Response:
     # Nobody's rights are known now, so nothing is done for anyone.
     _LOG.error("%s %s is refused: %s", request.method, request.url.path, error)
-    return problem(503, "store", STORE_DOWN, 2)
+    return problem_response(503, "store", STORE_DOWN, 2)
 
 
-async def _failed(request: Request, error: Exception) -> Response:
+async def _handle_failure(request: Request, error: Exception) -> Response:
     _LOG.error("%s %s failed", request.method, request.url.path, exc_info=error)
     # Not to the asker: a traceback can hold what is not theirs to see.
-    return problem(500, "failed", "the hub failed; its log says more")
+    return problem_response(500, "failed", "the hub failed; its log says more")

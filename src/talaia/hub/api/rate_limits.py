@@ -71,7 +71,7 @@ class RateLimits:
         # Sockets that are open now, by person; an entry goes with the last of them.
         self._open: Counter[int] = Counter()
 
-    async def ask(self, request: Request) -> None:
+    async def check_request(self, request: Request) -> None:
         """Let a request of a person pass the guard has let in.
 
         Raises:
@@ -92,7 +92,7 @@ class RateLimits:
             )
 
     @contextmanager
-    def socket(self, who: Who) -> Iterator[bool]:
+    def count_socket(self, who: Who) -> Iterator[bool]:
         """Count a socket while it is open; gives False when it is one too many."""
         allowed = (
             # How many, so that memory is bounded; how often, so that opening and closing is.

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 
 from talaia.hub.api.guarded_routes import GuardedRoute
-from talaia.hub.api.problems import problem
+from talaia.hub.api.problems import problem_response
 
 __all__ = ["Pages"]
 
@@ -54,7 +54,7 @@ class Pages:
         # Without links, so that what is found can be held against it.
         self._folder = folder.resolve()
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the route; it takes every path that no other route took."""
         router = APIRouter(route_class=GuardedRoute)
         # Files for browsers are no part of the API's description.
@@ -67,20 +67,20 @@ class Pages:
         """Give a file, or the one page for every path that is no file's."""
         # A program that mistypes an address must get no page with status 200.
         if path.startswith(("api/", "gateway/")) or path in {"api", "ws", "ws/media"}:
-            return problem(404, "unknown", "there is nothing here")
-        found = self._find(path)
+            return problem_response(404, "unknown", "there is nothing here")
+        found = self._find_file(path)
         if found is not None and found.name != "index.html":
             headers = _FOREVER if path.startswith("assets/") else _FRESH
-            return self._file(request, found, headers)
+            return self._file_response(request, found, headers)
         # A file of a former version: the page in its place would be run as a script.
         if path.startswith("assets/") or (found is None and Path(path).suffix in _KINDS):
-            return problem(404, "unknown", "there is no such file")
+            return problem_response(404, "unknown", "there is no such file")
         index = self._folder / "index.html"
         if not index.is_file():
             return HTMLResponse(_NOT_BUILT, 503)
-        return self._file(request, index, _FRESH)
+        return self._file_response(request, index, _FRESH)
 
-    def _find(self, path: str) -> Path | None:
+    def _find_file(self, path: str) -> Path | None:
         # The system raises at a NUL, and a backslash parts folders on some.
         if "\0" in path or "\\" in path:
             return None
@@ -90,7 +90,7 @@ class Pages:
             return None
         return found if found.is_file() else None
 
-    def _file(self, request: Request, found: Path, headers: Mapping[str, str]) -> Response:
+    def _file_response(self, request: Request, found: Path, headers: Mapping[str, str]) -> Response:
         kind = _KINDS[found.suffix]
         # Packed when the pages were built; nothing is packed while somebody waits.
         zipped = found.with_name(found.name + ".gz")

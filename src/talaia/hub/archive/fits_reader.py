@@ -102,21 +102,21 @@ def facts_of(path: Path) -> Facts:
 
     """
     said: list[str] = []
-    with _opened(path, said) as hdus:
+    with _open_fits(path, said) as hdus:
         # Kept with the file, which is taken all the same: it may be all that there is of a night.
-        problems = (*said, *_verified(hdus))[:20]
-        hdu = _picture(hdus)
+        problems = (*said, *_verify_fits(hdus))[:20]
+        hdu = _find_picture(hdus)
         first, header = hdus[0].header, hdu.header
 
         def word(*keys: str) -> str:
             # The picture's own header goes before the primary one.
-            found = (_get(part, key) for key in keys for part in (header, first))
+            found = (_header_value(part, key) for key in keys for part in (header, first))
             return next((str(text).strip()[:200] for text in found if text not in (None, "")), "")
 
         def number(*keys: str) -> float:
             for key in keys:
                 for part in (header, first):
-                    value = _get(part, key)
+                    value = _header_value(part, key)
                     # A text in the place of a number is as if it were not said.
                     if isinstance(value, int | float) and math.isfinite(value):
                         return float(value)
@@ -145,9 +145,9 @@ def looks_of(path: Path) -> Looks:
         NotKept: it cannot be read any more.
 
     """
-    with _opened(path) as hdus:
-        hdu = _picture(hdus)
-        values = _sample(_plane(hdu))
+    with _open_fits(path) as hdus:
+        hdu = _find_picture(hdus)
+        values = _sample_pixels(_read_plane(hdu))
         cards = [
             card
             for unit in ([hdu] if hdu is hdus[0] else [hdus[0], hdu])
@@ -185,12 +185,12 @@ def preview_of(path: Path, stretch: str, most_px: int = PREVIEW_PX) -> bytes:
         NotKept: it cannot be read any more.
 
     """
-    with _opened(path) as hdus:
-        plane = _plane(_picture(hdus))
+    with _open_fits(path) as hdus:
+        plane = _read_plane(_find_picture(hdus))
         step = max(1, math.ceil(max(plane.shape) / most_px))
         # Made small first: limits and curve then go over far fewer pixels.
-        small = _binned(plane, step)
-    low, high = _limits(small, stretch)
+        small = _bin_pixels(plane, step)
+    low, high = _stretch_limits(small, stretch)
     with np.errstate(invalid="ignore"):
         part = np.clip((small - low) / (high - low), 0.0, 1.0)
     # The curves of astropy's AsinhStretch(0.1) and LogStretch(1000), which are its defaults.
@@ -200,14 +200,14 @@ def preview_of(path: Path, stretch: str, most_px: int = PREVIEW_PX) -> bytes:
         part = np.log1p(part * 1000.0) / math.log1p(1000.0)
     # Pixels without a value are black.
     grey = np.nan_to_num(part * 255.0).astype(np.uint8)
-    return _png(grey[::-1])
+    return _encode_png(grey[::-1])
 
 
 # ── inside ──
 
 
 @contextmanager
-def _opened(path: Path, said: list[str] | None = None) -> Iterator[Any]:
+def _open_fits(path: Path, said: list[str] | None = None) -> Iterator[Any]:
     """Open a file; what a hostile one makes astropy raise, anywhere, becomes `NotKept`.
 
     Warnings at opening go to ``said``.
@@ -226,7 +226,7 @@ def _opened(path: Path, said: list[str] | None = None) -> Iterator[Any]:
         # A damaged or hostile header can raise nearly anything in astropy.
         raise NotKept(f"it is not a FITS file: {error}") from error
     if said is not None:
-        said += _sentences(caught)
+        said += _warning_texts(caught)
     with hdus, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -237,7 +237,7 @@ def _opened(path: Path, said: list[str] | None = None) -> Iterator[Any]:
             raise NotKept(f"it cannot be read: {type(error).__name__}: {error}"[:500]) from error
 
 
-def _verified(hdus: Any) -> list[str]:  # noqa: ANN401 - astropy ships no types
+def _verify_fits(hdus: Any) -> list[str]:  # noqa: ANN401 - astropy ships no types
     """Give what `astropy.io.fits` finds against the standard."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -245,16 +245,16 @@ def _verified(hdus: Any) -> list[str]:  # noqa: ANN401 - astropy ships no types
             hdus.verify("warn")
         except Exception as error:  # noqa: BLE001 - a hostile header can raise anything there
             return [f"{type(error).__name__}: {error}"[:300]]
-    return _sentences(caught)
+    return _warning_texts(caught)
 
 
-def _sentences(caught: list[warnings.WarningMessage]) -> list[str]:
+def _warning_texts(caught: list[warnings.WarningMessage]) -> list[str]:
     said = [" ".join(str(warning.message).split())[:300] for warning in caught]
     # astropy's own frame round the list of what it found.
     return [line for line in said if not line.startswith(("Verification reported", "Note:"))]
 
 
-def _get(header: Any, key: str) -> object:  # noqa: ANN401
+def _header_value(header: Any, key: str) -> object:  # noqa: ANN401
     """Give a value; one that cannot be read is as if it were not there."""
     try:
         return header.get(key)
@@ -262,7 +262,7 @@ def _get(header: Any, key: str) -> object:  # noqa: ANN401
         return None
 
 
-def _picture(hdus: Any) -> Any:  # noqa: ANN401
+def _find_picture(hdus: Any) -> Any:  # noqa: ANN401
     """Find the first picture, and see that it is one before its data are touched."""
     for hdu in hdus:
         shape = getattr(hdu, "shape", ())
@@ -275,7 +275,7 @@ def _picture(hdus: Any) -> Any:  # noqa: ANN401
     raise NotKept("there is no picture in it")
 
 
-def _plane(hdu: Any) -> NDArray[np.float64]:  # noqa: ANN401
+def _read_plane(hdu: Any) -> NDArray[np.float64]:  # noqa: ANN401
     try:
         data = hdu.data
     except Exception as error:
@@ -287,7 +287,7 @@ def _plane(hdu: Any) -> NDArray[np.float64]:  # noqa: ANN401
     return np.asarray(data)
 
 
-def _sample(plane: NDArray[Any]) -> NDArray[np.float64]:
+def _sample_pixels(plane: NDArray[Any]) -> NDArray[np.float64]:
     # The same step along both axes.
     step = max(1, math.isqrt(plane.size // _SAMPLE))
     values = plane[::step, ::step].astype(np.float64).ravel()
@@ -295,7 +295,7 @@ def _sample(plane: NDArray[Any]) -> NDArray[np.float64]:
     return values[np.isfinite(values)]
 
 
-def _binned(plane: NDArray[Any], step: int) -> NDArray[np.float64]:
+def _bin_pixels(plane: NDArray[Any], step: int) -> NDArray[np.float64]:
     """Average blocks, so that noise does not hide what is faint."""
     if step == 1:
         return plane.astype(np.float64)
@@ -309,7 +309,7 @@ def _binned(plane: NDArray[Any], step: int) -> NDArray[np.float64]:
     return np.asarray(blocks.mean(axis=(1, 3), dtype=np.float64))
 
 
-def _limits(values: NDArray[np.float64], stretch: str) -> tuple[float, float]:
+def _stretch_limits(values: NDArray[np.float64], stretch: str) -> tuple[float, float]:
     finite = values[np.isfinite(values)]
     if not finite.size:
         return 0.0, 1.0
@@ -323,13 +323,13 @@ def _limits(values: NDArray[np.float64], stretch: str) -> tuple[float, float]:
     return low, (high if high > low else low + 1.0)
 
 
-def _png(grey: NDArray[np.uint8]) -> bytes:
+def _encode_png(grey: NDArray[np.uint8]) -> bytes:
     """Write an 8-bit grey PNG (W3C PNG, third edition), which needs no library."""
     height, width = grey.shape
     rows = np.zeros((height, width + 1), np.uint8)  # each row begins with its filter: none
     rows[:, 1:] = grey
 
-    def chunk(kind: bytes, body: bytes) -> bytes:
+    def png_chunk(kind: bytes, body: bytes) -> bytes:
         whole = kind + body
         # Length of the body; the checksum is over kind and body.
         return struct.pack(">I", len(body)) + whole + struct.pack(">I", zlib.crc32(whole))
@@ -337,7 +337,12 @@ def _png(grey: NDArray[np.uint8]) -> bytes:
     # 8 bits of grey (colour type 0), the only compression and filter method, not interlaced.
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
     data = zlib.compress(rows.tobytes(), 4)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + png_chunk(b"IHDR", head)
+        + png_chunk(b"IDAT", data)
+        + png_chunk(b"IEND", b"")
+    )
 
 
 def _time_us(text: str) -> int:

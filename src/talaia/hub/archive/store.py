@@ -122,9 +122,9 @@ class Archive:
         time_us = facts.time_us or offer.time_us
         facts = facts._replace(time_us=time_us)
         night = night_of(time_us, zone)
-        name = _name(facts, offer)
+        name = _file_name(facts, offer)
         place = self._folder / site / night / name
-        await asyncio.to_thread(_move, path, place)  # before its row: no row without a file
+        await asyncio.to_thread(_move_durably, path, place)  # before its row: no row without a file
         row = {
             "site": site,
             "device": offer.device,
@@ -135,9 +135,9 @@ class Archive:
             "target_key": facts.target.casefold(),
             "filter": facts.filter,
             "kind": facts.kind,
-            "exposure_s": _stored(facts.exposure_s),
-            "ra_deg": _stored(facts.ra_deg),
-            "dec_deg": _stored(facts.dec_deg),
+            "exposure_s": _nan_to_null(facts.exposure_s),
+            "ra_deg": _nan_to_null(facts.ra_deg),
+            "dec_deg": _nan_to_null(facts.dec_deg),
             "width": facts.width,
             "height": facts.height,
             "bytes": offer.size,
@@ -150,7 +150,7 @@ class Archive:
         assert kept is not None  # noqa: S101 - it was just written
         return kept
 
-    async def nights(self, site: str, devices: Collection[str]) -> list[Night]:
+    async def list_nights(self, site: str, devices: Collection[str]) -> list[Night]:
         """List nights, newest first, with what these cameras brought."""
         async with self._database.read() as connection:
             rows = await connection.execute(
@@ -161,7 +161,7 @@ class Archive:
             )
             return [Night(night, int(count), int(size)) for night, count, size in rows]
 
-    async def find(
+    async def find_frames(
         self, site: str, devices: Collection[str], wanted: Wanted, limit: int
     ) -> tuple[list[ArchivedFrame], bool]:
         """Find pictures of these cameras, newest first, and tell whether there are more."""
@@ -202,7 +202,7 @@ class Archive:
         while True:
             # SQL narrows by declination only, so any number of rows may come before one that fits.
             batch = await self._read_frames(rest.limit(self._most_rows))
-            found += [frame for frame in batch if _within(frame, cone)]
+            found += [frame for frame in batch if _in_cone(frame, cone)]
             if len(found) >= most or len(batch) < self._most_rows:
                 return found
             last = batch[-1]
@@ -216,18 +216,18 @@ class Archive:
         async with self._database.read() as connection:
             return [_frame(row) for row in (await connection.execute(query)).mappings()]
 
-    async def get(self, site: str, frame: int) -> ArchivedFrame | None:
+    async def find_frame(self, site: str, frame: int) -> ArchivedFrame | None:
         """Find one picture."""
         query = select(table).where(table.c.site == site, table.c.id == frame)
         async with self._database.read() as connection:
             row = (await connection.execute(query)).mappings().first()
         return None if row is None else _frame(row)
 
-    def path(self, frame: ArchivedFrame) -> Path:
+    def frame_path(self, frame: ArchivedFrame) -> Path:
         """Say where its file is."""
         return self._folder / frame.site / frame.night / frame.name
 
-    async def looks(self, frame: ArchivedFrame) -> Looks:
+    async def frame_looks(self, frame: ArchivedFrame) -> Looks:
         """Give statistics, histogram and header.
 
         Raises:
@@ -237,11 +237,11 @@ class Archive:
         found = self._cached.get((frame.id, ""))
         if not isinstance(found, Looks):
             async with self._looking:
-                found = await asyncio.to_thread(looks_of, self.path(frame))
-            self._cache(frame.id, "", found)
+                found = await asyncio.to_thread(looks_of, self.frame_path(frame))
+            self._cache_result(frame.id, "", found)
         return found
 
-    async def preview(self, frame: ArchivedFrame, stretch: str, px: int) -> bytes:
+    async def render_preview(self, frame: ArchivedFrame, stretch: str, px: int) -> bytes:
         """Draw it as PNG.
 
         Raises:
@@ -252,11 +252,11 @@ class Archive:
         found = self._cached.get((frame.id, what))
         if not isinstance(found, bytes):
             async with self._looking:
-                found = await asyncio.to_thread(preview_of, self.path(frame), stretch, px)
-            self._cache(frame.id, what, found)
+                found = await asyncio.to_thread(preview_of, self.frame_path(frame), stretch, px)
+            self._cache_result(frame.id, what, found)
         return found
 
-    def _cache(self, frame: int, what: str, value: bytes | Looks) -> None:
+    def _cache_result(self, frame: int, what: str, value: bytes | Looks) -> None:
         while len(self._cached) >= _MOST_CACHED:
             del self._cached[next(iter(self._cached))]
         self._cached[frame, what] = value
@@ -268,31 +268,31 @@ class Archive:
         return None if row is None else _frame(row)
 
 
-def _move(path: Path, place: Path) -> None:
+def _move_durably(path: Path, place: Path) -> None:
     place.parent.mkdir(parents=True, exist_ok=True)
     with path.open("rb") as file:
         os.fsync(file.fileno())  # before a row says that it is here
     path.replace(place)
 
 
-def _name(facts: Facts, offer: ArchiveOffer) -> str:
+def _file_name(facts: Facts, offer: ArchiveOffer) -> str:
     """Make a file's name of safe characters only, unique by its digest."""
     from datetime import UTC, datetime
 
     at = datetime.fromtimestamp(facts.time_us / 1e6, UTC).strftime("%Y%m%dT%H%M%S")
-    words = [_safe(offer.device), _safe(facts.target), _safe(facts.filter)]
+    words = [_safe_word(offer.device), _safe_word(facts.target), _safe_word(facts.filter)]
     return "_".join([at, *filter(None, words), offer.digest[:8]]) + ".fits"
 
 
-def _safe(word: str) -> str:
+def _safe_word(word: str) -> str:
     return re.sub(r"[^A-Za-z0-9+-]+", "-", word).strip("-")[:40]  # no slash and no dot gets in
 
 
-def _stored(value: float) -> float | None:
+def _nan_to_null(value: float) -> float | None:
     return None if math.isnan(value) else value  # SQLite keeps no NaN
 
 
-def _within(frame: ArchivedFrame, cone: Cone) -> bool:
+def _in_cone(frame: ArchivedFrame, cone: Cone) -> bool:
     if math.isnan(frame.ra_deg) or math.isnan(frame.dec_deg):
         return False
     a1, d1, a2, d2 = map(math.radians, (frame.ra_deg, frame.dec_deg, cone.ra_deg, cone.dec_deg))

@@ -45,7 +45,7 @@ def check_password(password: str, name: str = "") -> None:
         )
     if len(password) > LONGEST:
         raise WeakPassword("the password is too long", f"take at most {LONGEST} characters")
-    if name_key(password) in _common():
+    if name_key(password) in _common_passwords():
         raise WeakPassword(
             "the password is one of the commonest", "take another; three unrelated words are good"
         )
@@ -81,7 +81,7 @@ def name_key(name: str) -> str:
 
 
 @functools.cache
-def _common() -> frozenset[str]:
+def _common_passwords() -> frozenset[str]:
     # Read at the first password that is set, and kept.
     lines = _COMMON.read_text(encoding="utf-8").splitlines()
     return frozenset(line for line in lines if not line.startswith("#"))
@@ -99,12 +99,12 @@ class Passwords:
         # A hash that no password is checked against but those of unknown people; made when needed.
         self._nobody: str | None = None
 
-    async def hash(self, password: str) -> str:
+    async def hash_password(self, password: str) -> str:
         """Give the hash to keep."""
         async with self._gate:
-            return await asyncio.to_thread(_hash, password, self._cost)
+            return await asyncio.to_thread(_bcrypt_hash, password, self._cost)
 
-    async def verify(self, password: str, kept: str | None) -> bool:
+    async def verify_password(self, password: str, kept: str | None) -> bool:
         """Tell whether ``password`` is the one that was hashed to ``kept``.
 
         Without ``kept`` (there is no such person) the answer is no, and takes as long.
@@ -113,24 +113,24 @@ class Passwords:
         if len(password) > LONGEST:
             password, kept = "", None
         if kept is None and self._nobody is None:
-            self._nobody = await self.hash("nobody")
+            self._nobody = await self.hash_password("nobody")
         async with self._gate:
-            fits = await asyncio.to_thread(_verify, password, kept or self._nobody or "")
+            fits = await asyncio.to_thread(_bcrypt_verify, password, kept or self._nobody or "")
         # Only after the check: whoever measures must not learn whether there is such a person.
         return fits and kept is not None
 
 
-def _digest(password: str) -> bytes:
+def _password_digest(password: str) -> bytes:
     # NFC: keyboards differ in how they type an accent. JSON can hold a lone surrogate.
     text = unicodedata.normalize("NFC", password).encode("utf-8", "surrogatepass")
     # 48 bytes make 64 characters: below bcrypt's 72, and none of them is NUL.
     return base64.b64encode(hmac.digest(_DOMAIN, text, "sha384"))
 
 
-def _hash(password: str, cost: int) -> str:
-    return bcrypt.hashpw(_digest(password), bcrypt.gensalt(cost)).decode()
+def _bcrypt_hash(password: str, cost: int) -> str:
+    return bcrypt.hashpw(_password_digest(password), bcrypt.gensalt(cost)).decode()
 
 
-def _verify(password: str, kept: str) -> bool:
+def _bcrypt_verify(password: str, kept: str) -> bool:
     # bcrypt compares in constant time.
-    return bcrypt.checkpw(_digest(password), kept.encode())
+    return bcrypt.checkpw(_password_digest(password), kept.encode())

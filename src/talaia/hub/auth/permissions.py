@@ -82,17 +82,17 @@ class Grants:
 
     permissions: frozenset[Permission] = frozenset()
 
-    def may(self, right: Right, site: str, device: str = ANY) -> bool:
+    def has_right(self, right: Right, site: str, device: str = ANY) -> bool:
         """Tell whether a person has ``right`` on one device, or (``*``) on the whole site."""
         return any(permission.covers(right, site, device) for permission in self.permissions)
 
     def covers(self, asked: Permission) -> bool:
         """Tell whether a person could give ``asked`` away, since they have all of it."""
-        return self.may(asked.right, asked.site, asked.device)
+        return self.has_right(asked.right, asked.site, asked.device)
 
-    def limited(self, to: frozenset[Permission]) -> Grants:
+    def limited_to(self, to: frozenset[Permission]) -> Grants:
         """Give what of these ``to`` leaves: never more than either."""
-        met = (_meet(ours, theirs) for ours in self.permissions for theirs in to)
+        met = (_intersect_permissions(ours, theirs) for ours in self.permissions for theirs in to)
         found = {match for match in met if match is not None}
         # What another one includes is left out, so that people read as few as there are.
         return Grants(
@@ -113,7 +113,7 @@ class Grants:
         Those of former descriptions are among them, since a permission outlives what it is for.
         """
         # None instead of a list: devices that the description will have later are in it, too.
-        if self.may(right, site):
+        if self.has_right(right, site):
             return None
         return frozenset(
             permission.device
@@ -121,10 +121,10 @@ class Grants:
             if permission.covers(right, site, permission.device)
         )
 
-    def rights(self, site: str, device: str) -> list[Right]:
+    def rights_on(self, site: str, device: str) -> list[Right]:
         """List the rights on a device, of those that include one another."""
         ladder = (Right.VIEW, Right.USE, Right.ADMIN)
-        return [right for right in ladder if self.may(right, site, device)]
+        return [right for right in ladder if self.has_right(right, site, device)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,9 +148,12 @@ class Who:
     script: bool = False
 
 
-def _meet(ours: Permission, theirs: Permission) -> Permission | None:
+def _intersect_permissions(ours: Permission, theirs: Permission) -> Permission | None:
     """Give what both allow; None when they have nothing in common."""
-    site, device = _narrower(ours.site, theirs.site), _narrower(ours.device, theirs.device)
+    site, device = (
+        _narrower_name(ours.site, theirs.site),
+        _narrower_name(ours.device, theirs.device),
+    )
     # Each is for another place: there is nothing that both allow.
     if site is None or device is None:
         return None
@@ -162,7 +165,7 @@ def _meet(ours: Permission, theirs: Permission) -> Permission | None:
     return None
 
 
-def _narrower(one: str, other: str) -> str | None:
+def _narrower_name(one: str, other: str) -> str | None:
     # Of "everything" and a name the name is left; of two names only the same one.
     if ANY in {one, other}:
         return other if one == ANY else one
@@ -176,7 +179,7 @@ def sees_signal(grants: Grants, site: Site, device: str, signal: str) -> bool:
     # What is not there looks like what may not be seen.
     if found is None:
         return False
-    return found.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device)
+    return found.visibility is Visibility.PUBLIC or grants.has_right(Right.VIEW, site.site, device)
 
 
 def sees_stream(grants: Grants, site: Site, device: str, stream: str) -> bool:
@@ -185,7 +188,7 @@ def sees_stream(grants: Grants, site: Site, device: str, stream: str) -> bool:
     found = described.streams.get(stream) if described else None
     if found is None:
         return False
-    return found.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device)
+    return found.visibility is Visibility.PUBLIC or grants.has_right(Right.VIEW, site.site, device)
 
 
 def may_tap(grants: Grants, site: Site, topic: str) -> bool:
@@ -195,11 +198,11 @@ def may_tap(grants: Grants, site: Site, topic: str) -> bool:
     """
     rule = rule_of(site.topics, topic)
     if rule is None:
-        return grants.may(Right.TAP, site.site)
+        return grants.has_right(Right.TAP, site.site)
     device = rule.device or ANY
-    if grants.may(Right(rule.right.value), site.site, device):
+    if grants.has_right(Right(rule.right.value), site.site, device):
         return True
-    return rule.right is not TopicRight.ADMIN and grants.may(Right.TAP, site.site, device)
+    return rule.right is not TopicRight.ADMIN and grants.has_right(Right.TAP, site.site, device)
 
 
 def sees_device(grants: Grants, site: Site, device: str) -> bool:
@@ -207,7 +210,7 @@ def sees_device(grants: Grants, site: Site, device: str) -> bool:
     described = site.devices.get(device)
     if described is None:
         return False
-    if described.visibility is Visibility.PUBLIC or grants.may(Right.VIEW, site.site, device):
+    if described.visibility is Visibility.PUBLIC or grants.has_right(Right.VIEW, site.site, device):
         return True
     # A public signal or picture makes its device known, but not the rest of it.
     signals = (signal.visibility for signal in described.signals.values())

@@ -30,7 +30,7 @@ class Seal:
         """Take a key of 32 bytes."""
         self._cipher = AESGCM(key)
 
-    def close(self, text: str, about: str) -> str:
+    def seal_text(self, text: str, about: str) -> str:
         """Seal ``text``."""
         # New each time: GCM loses its secrecy where one key meets a nonce twice.
         nonce = os.urandom(_NONCE_BYTES)
@@ -38,7 +38,7 @@ class Seal:
         sealed = nonce + self._cipher.encrypt(nonce, text.encode(), about.encode())
         return base64.urlsafe_b64encode(sealed).decode()
 
-    def open(self, sealed: str, about: str) -> str | None:
+    def open_text(self, sealed: str, about: str) -> str | None:
         """Give the text; None when it was sealed by another key, or about something else."""
         try:
             raw = base64.urlsafe_b64decode(sealed.encode())

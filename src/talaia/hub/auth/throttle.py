@@ -74,19 +74,19 @@ class Throttle:
         """Start with a clean slate."""
         # By kind and by the hash of what is counted, in the order of the last try.
         self._tries: dict[AttemptKind, dict[str, _Tries]] = {kind: {} for kind in AttemptKind}
-        # What is not written down yet; taken, and cleared, by `changes`.
+        # What is not written down yet; taken, and cleared, by `changed_attempts`.
         self._changed: set[tuple[AttemptKind, str]] = set()
 
     def wait_ns(self, user: str, address: str, now_ns: int, browser: str = "") -> int:
         """Tell how long this person at this address must wait; 0 when they may try now."""
         return max(
-            _wait(self._tries[kind].get(key), _RULES[kind], now_ns)
-            for kind, key in _keys(user, address, browser)
+            _wait_time(self._tries[kind].get(key), _RULES[kind], now_ns)
+            for kind, key in _attempt_keys(user, address, browser)
         )
 
-    def tried(self, user: str, address: str, now_ns: int, browser: str = "") -> None:
+    def count_attempt(self, user: str, address: str, now_ns: int, browser: str = "") -> None:
         """Count a try as wrong, before it is looked at: many at once must not slip through."""
-        for kind, key in _keys(user, address, browser):
+        for kind, key in _attempt_keys(user, address, browser):
             table = self._tries[kind]
             tries = table.pop(key, None)
             # One from the future counts as old, too: a clock that was set back leaves it behind.
@@ -101,19 +101,19 @@ class Throttle:
                 # Its row in the database goes by age, not by this.
                 del table[next(iter(table))]
 
-    def succeeded(self, user: str, address: str, browser: str = "") -> None:
+    def clear_attempts(self, user: str, address: str, browser: str = "") -> None:
         """Forget the person's wrong tries, and take this one off the address's count."""
-        for kind, key in _keys(user, address, browser):
+        for kind, key in _attempt_keys(user, address, browser):
             # One who knows one account's password must not wipe out tries at the others.
             if kind is AttemptKind.ADDRESS:
-                self._less(kind, key)
+                self._decrement_count(kind, key)
             elif self._tries[kind].pop(key, None) is not None:
                 self._changed.add((kind, key))
 
-    def unfinished(self, user: str, address: str, browser: str = "") -> None:
+    def uncount_attempt(self, user: str, address: str, browser: str = "") -> None:
         """Take this one try off every count: it was not wrong, and not all that is needed."""
-        for kind, key in _keys(user, address, browser):
-            self._less(kind, key)
+        for kind, key in _attempt_keys(user, address, browser):
+            self._decrement_count(kind, key)
 
     def bring_back(self, counts: Iterable[CountedAttempts]) -> None:
         """Remember what was counted before, the oldest first."""
@@ -121,7 +121,7 @@ class Throttle:
             # The oldest first keeps the table in the order of the last try.
             self._tries[kind][key] = _Tries(wrong, last_ns)
 
-    def changes(self) -> list[CountedAttempts]:
+    def changed_attempts(self) -> list[CountedAttempts]:
         """Give what changed since this was last asked, to be kept."""
         changed, self._changed = self._changed, set()
         return [
@@ -130,26 +130,26 @@ class Throttle:
             for tries in (self._tries[kind].get(key),)
         ]
 
-    def _less(self, kind: AttemptKind, key: str) -> None:
+    def _decrement_count(self, kind: AttemptKind, key: str) -> None:
         tries = self._tries[kind].get(key)
         if tries is not None:
             tries.wrong = max(0, tries.wrong - 1)
             self._changed.add((kind, key))
 
 
-def _keys(user: str, address: str, browser: str) -> list[tuple[AttemptKind, str]]:
+def _attempt_keys(user: str, address: str, browser: str) -> list[tuple[AttemptKind, str]]:
     # A known browser: what others do to this account or from this network is no matter.
     if browser:
-        return [(AttemptKind.BROWSER, _hash(browser))]
-    return [(AttemptKind.USER, _hash(user)), (AttemptKind.ADDRESS, _hash(address))]
+        return [(AttemptKind.BROWSER, _hash_key(browser))]
+    return [(AttemptKind.USER, _hash_key(user)), (AttemptKind.ADDRESS, _hash_key(address))]
 
 
-def _hash(text: str) -> str:
+def _hash_key(text: str) -> str:
     # People type passwords where the name belongs; these are not kept.
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def _wait(tries: _Tries | None, rule: _Rule, now_ns: int) -> int:
+def _wait_time(tries: _Tries | None, rule: _Rule, now_ns: int) -> int:
     if tries is None or tries.wrong < rule.free or abs(now_ns - tries.last_ns) > FORGET_NS:
         return 0
     # Bounded, so that a long flood makes no huge number.

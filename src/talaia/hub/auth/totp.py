@@ -78,7 +78,7 @@ def step_of(secret: str, code: str, now_s: float) -> int | None:
 
 def new_recovery() -> list[str]:
     """Make the recovery codes; each opens once in place of a code of time."""
-    return [_recovery() for _ in range(RECOVERY_CODES)]
+    return [_recovery_code() for _ in range(RECOVERY_CODES)]
 
 
 def hash_recovery(code: str) -> str:
@@ -87,6 +87,6 @@ def hash_recovery(code: str) -> str:
     return hash_token("".join(character for character in code.lower() if character.isalnum()))
 
 
-def _recovery() -> str:
+def _recovery_code() -> str:
     text = base64.b32encode(secrets.token_bytes(_RECOVERY_BYTES)).decode().lower()
     return "-".join(text[at : at + _GROUP] for at in range(0, len(text), _GROUP))

@@ -80,12 +80,10 @@ class ClientConnection:
         clock: Clock,
     ) -> None:
         """Connect through ``service``; ``may_drive`` says it of each device, at each message."""
-        # A change of rights ends the connection, as a page's.
         self.who = who
         self.live = live
         self._service = service
         self._clock = clock
-        # Set as it is served; before that nothing is written.
         self._session: ClientSession | None = None
         self._browser: Browser = service.connect(self, who)
         self._driving = ClientDriving(live.name, ask=self.request, permits=may_drive)
@@ -104,7 +102,7 @@ class ClientConnection:
 
     def has_right(self, right: Right, device: str) -> bool:
         """Tell whether the account has a right on a device."""
-        return self.who.grants.may(right, self.live.name, device)
+        return self.who.grants.has_right(right, self.live.name, device)
 
     def request(self, message: FromBrowser) -> RequestError | None:
         """Ask the hub; give the refusal if the account may not.

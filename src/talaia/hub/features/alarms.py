@@ -51,7 +51,7 @@ class AlarmsFeature(Feature):
             audit=audit,
             clock=core.clock,
         )
-        self.routers = [pages.router()]
+        self.routers = [pages.make_router()]
         self.tasks = [
             # Told to end instead of cancelled: what was judged is still to be written.
             BackgroundTask(name="judge", run=self.engine.run, stop=self.engine.stop),

@@ -47,10 +47,10 @@ class AnomaliesFeature(Feature):
             clock=core.clock,
         )
         # In this order: an anomaly is in the log before an alarm is raised by it.
-        self.detectors.listen(reporting)
-        self.detectors.listen(alarms)
-        self.detectors.show(reporting)
-        self.routers = [AnomalyPages(watching=self.detectors, audit=audit).router()]
+        self.detectors.add_listener(reporting)
+        self.detectors.add_listener(alarms)
+        self.detectors.add_display(reporting)
+        self.routers = [AnomalyPages(watching=self.detectors, audit=audit).make_router()]
         self.tasks = [BackgroundTask(name="detect", run=self.detectors.run)]
 
     async def close(self) -> None:

@@ -37,4 +37,4 @@ class ArchiveFeature(Feature):
         # By the kind that a gateway's offer names; what has no keeper is refused.
         keepers = {"fits": FitsArchiver(core.sites, self.frames, audit)}
         self.uploads = Uploads(settings.data / "uploads", keepers, settings.file_bytes)
-        self.routers = [ArchivePages(self.frames).router(), SkyPages().router()]
+        self.routers = [ArchivePages(self.frames).make_router(), SkyPages().make_router()]

@@ -27,15 +27,17 @@ class AuditFeature(Feature):
     def __init__(self, core: Core) -> None:
         """Keep the log in the hub's database."""
         self.log = Audit(core.database, core.clock)
-        self.routers = [AuditPages(self.log).router()]
+        self.routers = [AuditPages(self.log).make_router()]
         # Rows are chained, so one task writes them, one after the other.
-        self.tasks = [BackgroundTask(name="write", run=self._write, stop=self._stop)]
+        self.tasks = [
+            BackgroundTask(name="write", run=self._write_records, stop=self._stop_writing)
+        ]
 
-    async def _write(self) -> None:
+    async def _write_records(self) -> None:
         self.log.append_record("hub started")
         await self.log.run()
 
-    def _stop(self) -> None:
+    def _stop_writing(self) -> None:
         # Before the stop, which lets what waits be written once more.
         self.log.append_record("hub stopped")
         self.log.stop()

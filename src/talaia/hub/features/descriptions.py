@@ -62,4 +62,4 @@ class DescriptionsFeature(Feature):
             changes=changes,
         )
         pages = DescriptionPages(versions=versions, changes=changes, audit=audit)
-        self.routers = [pages.router()]
+        self.routers = [pages.make_router()]

@@ -33,7 +33,7 @@ class ExtensionsFeature(Feature):
 
         """
         folder = tiles_of(core.settings)
-        self.routers = [ExtensionPages(folder).router(), TilePages(folder).router()]
+        self.routers = [ExtensionPages(folder).make_router(), TilePages(folder).make_router()]
 
 
 def tiles_of(settings: Settings) -> TileFolder:

@@ -61,7 +61,7 @@ class Core:
         # Read once: a file that is replaced meanwhile must not change what this hub seals by.
         self._seal = functools.cache(lambda: seal_of(settings.data / SEAL_FILE))
 
-    def seal(self) -> Seal:
+    def secret_box(self) -> Seal:
         """Give what seals secrets; its key is read from the data folder the first time.
 
         Raises:
@@ -79,7 +79,7 @@ class Core:
 
         """
         # Before the database: a key that cannot be read is told before anything is migrated.
-        self.seal()
+        self.secret_box()
         await self.database.migrate()
 
     async def close(self) -> None:

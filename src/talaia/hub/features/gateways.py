@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia.hub.api.sites.gateways import GatewayPages, Proof
-from talaia.hub.certificate import certificate_of, fingerprint, key_hash
+from talaia.hub.certificate import certificate_fingerprint, certificate_of, key_hash
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.live.gateways.open_links import OpenLinks
 from talaia.hub.store.sites.enrolment import Enrolment
@@ -41,10 +41,10 @@ class GatewaysFeature(Feature):
             links=self.links,
             audit=audit,
             clock=core.clock,
-            proof=self._proof,
+            proof=self._make_proof,
         )
         attendance = self.registry.attendance
-        self.routers = [pages.router()]
+        self.routers = [pages.make_router()]
         self.tasks = [
             BackgroundTask(name="keep attendance", run=attendance.run, stop=attendance.stop),
             # A key may be made void from the command line, past this process.
@@ -52,11 +52,11 @@ class GatewaysFeature(Feature):
         ]
 
     async def _check_keys(self) -> None:
-        await self.links.watch(self._settings.check_s)
+        await self.links.watch_keys(self._settings.check_s)
 
-    def _proof(self) -> Proof:
+    def _make_proof(self) -> Proof:
         if self._settings.plain:
             return Proof()
         # Read each time: the hub renews it while it runs.
         cert = certificate_of(self._settings).cert
-        return Proof(fingerprint(cert), key_hash(cert))
+        return Proof(certificate_fingerprint(cert), key_hash(cert))

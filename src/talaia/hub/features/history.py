@@ -37,12 +37,12 @@ class HistoryFeature(Feature):
         self._known_sites = OfflineSites(
             sites=core.sites, registry=registry, history=self.store, clock=core.clock
         )
-        self.routers = [HistoryPages(self.store).router()]
+        self.routers = [HistoryPages(self.store).make_router()]
 
     async def open(self) -> None:
         """Open it, and know the sites of before with their last values."""
         await self.store.open()
-        await self._known_sites.remember()
+        await self._known_sites.restore_sites()
 
     async def close(self) -> None:
         """Close it; what it was given is written first."""

@@ -38,5 +38,5 @@ class ImportsFeature(Feature):
             sites=core.sites, registry=registry, history=history, alarms=alarms, audit=audit
         )
         # A folder in which ``talaia import`` leaves what it has read, for the hub to store.
-        inbox = ImportInbox(history, core.settings.data / FOLDER, imported.imported)
+        inbox = ImportInbox(history, core.settings.data / FOLDER, imported.record_import)
         self.tasks = [BackgroundTask(name="take imports", run=inbox.run)]

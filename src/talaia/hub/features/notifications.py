@@ -34,7 +34,7 @@ class NotificationsFeature(Feature):
     ) -> None:
         """Deliver what ``alarms`` puts into ``outbox``, and show there what cannot be."""
         # The seal as a function: it is read when the core opens, which is later.
-        store = NotifyStore(core.database, core.seal)
+        store = NotifyStore(core.database, core.secret_box)
         self._alarms = alarms
         self.sender = Sender(core.settings.notify_networks)
         self._delivering = DeliveryWorker(
@@ -45,12 +45,12 @@ class NotificationsFeature(Feature):
             told=alarms.refresh_troubles,
         )
         # So a message goes out at once, and not at the next look at the outbox.
-        alarms.on_notice(self._delivering.wake)
+        alarms.on_notice(self._delivering.wake_up)
         pages = NotifyPages(store=store, sender=self.sender, audit=audit, clock=core.clock)
-        self.routers = [pages.router()]
+        self.routers = [pages.make_router()]
         self.tasks = [BackgroundTask(name="deliver", run=self._delivering.run)]
 
     async def open(self) -> None:
         """See what became of messages that were under way; the alarms show it."""
-        await self._delivering.recover()
+        await self._delivering.recover_unsent()
         await self._alarms.refresh_troubles()

@@ -41,4 +41,8 @@ class PagesFeature(Feature):
         )
         self.sockets = [PageSockets(admission=admission, service=service).router()]
         # `Pages` last: it takes every path.
-        self.routers = [sites.router(), ApiDescription().router(), Pages(static_dir()).router()]
+        self.routers = [
+            sites.make_router(),
+            ApiDescription().make_router(),
+            Pages(static_dir()).make_router(),
+        ]

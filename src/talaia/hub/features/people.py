@@ -77,7 +77,7 @@ class PeopleFeature(Feature):
         self.admission = SocketAdmission(access=self.access, limits=self.limits)
         # Brought back at the start: a restart must give nobody new tries.
         self._tries = FailedLogins(database, clock, Throttle())
-        factors = SecondFactors(database, clock, core.seal)
+        factors = SecondFactors(database, clock, core.secret_box)
         passwords = Passwords(settings.password_cost)
         sessions = BrowserSessions(
             access=self.access,
@@ -120,7 +120,7 @@ class PeopleFeature(Feature):
             ),
             RolePages(roles=Roles(database), seats=self.seats, audit=audit),
         )
-        self.routers = [page.router() for page in pages]
+        self.routers = [page.make_router() for page in pages]
         self.tasks = [BackgroundTask(name="check sessions", run=self._check_sessions)]
 
     async def open(self) -> None:

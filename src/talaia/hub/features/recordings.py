@@ -53,7 +53,7 @@ class RecordingsFeature(Feature):
             server=FileLinks(links=links, recordings=self.files, uploads=uploads),
         )
         self.sockets = [gateways.router()]
-        self.routers = [RecordingPages(self.files, audit).router()]
+        self.routers = [RecordingPages(self.files, audit).make_router()]
 
     async def open(self) -> None:
         """Bring files and their list together."""

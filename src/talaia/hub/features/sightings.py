@@ -39,8 +39,8 @@ class SightingsFeature(Feature):
             most=core.settings.sightings_most,
         )
         # The journal tells each sighting once, also where a gateway reports it again.
-        self.journal.listen(alarms)
-        self.routers = [SightingPages(self.store).router()]
+        self.journal.add_listener(alarms)
+        self.routers = [SightingPages(self.store).make_router()]
         self.tasks = [BackgroundTask(name="keep", run=self.journal.run, stop=self.journal.stop)]
 
     async def open(self) -> None:

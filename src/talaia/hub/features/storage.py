@@ -22,4 +22,4 @@ class StorageFeature(Feature):
     def __init__(self, core: Core, *, history: History) -> None:
         """Answer from ``history``."""
         pages = StoragePages(history=history, sites=core.sites, clock=core.clock)
-        self.routers = [pages.router()]
+        self.routers = [pages.make_router()]

@@ -10,7 +10,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from talaia.hub.errors import StoreError
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.store.database_url import reach
+from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def open_engine(url: str, *, writes: bool) -> Engine:
         HistoryError: the URL cannot be read, or its driver is not installed.
 
     """
-    found = _reach(url)
+    found = _parse_url(url)
     try:
         engine = create_engine(
             found.url,
@@ -47,7 +47,7 @@ def open_engine(url: str, *, writes: bool) -> Engine:
             pool_pre_ping=found.dialect.is_server,
         )
     except ImportError as error:
-        missing = found.missing(error)
+        missing = found.missing_driver(error)
         raise HistoryError(missing.problem, missing.remedy) from error
     found.dialect.prepare_history(engine, writes=writes)
     return engine
@@ -55,7 +55,7 @@ def open_engine(url: str, *, writes: bool) -> Engine:
 
 def address_of(url: str) -> str:
     """Give the URL without its password, for messages."""
-    return _reach(url).url.render_as_string(hide_password=True)
+    return _parse_url(url).url.render_as_string(hide_password=True)
 
 
 class Checkpoints:
@@ -98,9 +98,9 @@ class Checkpoints:
         self._thread.shutdown()
 
 
-def _reach(url: str) -> Reach:
+def _parse_url(url: str) -> Reach:
     try:
-        return reach(url, blocking=True)
+        return parse_database_url(url, blocking=True)
     except StoreError as error:
         raise HistoryError(error.problem, error.remedy) from error
 

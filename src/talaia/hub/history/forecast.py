@@ -20,7 +20,7 @@ __all__ = [
     "Growth",
     "StorageRoom",
     "Warn",
-    "forecast",
+    "forecast_storage",
     "growth_of",
 ]
 
@@ -110,20 +110,20 @@ def growth_of(week_bytes: int, first_us: int, keep_us: int, now_us: int) -> Grow
     return Growth(week_bytes / age_us, first_us, keep_us)
 
 
-def forecast(room: StorageRoom, growing: Sequence[Growth], now_us: int) -> Forecast:
+def forecast_storage(room: StorageRoom, growing: Sequence[Growth], now_us: int) -> Forecast:
     """Say when the room is used up if all goes on as in the last week."""
     to_limit = to_disk = None
     if room.limit:
-        to_limit = _reached(room.limit - room.blocks, _left(growing, now_us))
+        to_limit = _time_to_fill(room.limit - room.blocks, _channel_growth(growing, now_us))
     if room.free is not None:
-        to_disk = _reached(room.free / room.share, _left(growing, now_us))
+        to_disk = _time_to_fill(room.free / room.share, _channel_growth(growing, now_us))
     by_limit = to_limit is not None and (to_disk is None or to_limit <= to_disk)
     until = to_limit if by_limit else to_disk
     full_us = None if until is None else now_us + round(until)
     kept_us = None
     if room.limit:
         # In the long run every channel has as much as it keeps, or as the limit leaves it.
-        reach = _reached(
+        reach = _time_to_fill(
             room.limit, [(channel.rate, channel.keep_us or None) for channel in growing]
         )
         kept_us = None if reach is None else round(reach)
@@ -131,13 +131,13 @@ def forecast(room: StorageRoom, growing: Sequence[Growth], now_us: int) -> Forec
         round(sum(channel.rate for channel in growing) * DAY_US * room.share),
         full_us,
         by_limit,
-        None if full_us is None else _oldest(growing, full_us),
+        None if full_us is None else _oldest_time(growing, full_us),
         kept_us,
-        _warn(room, until, by_limit=by_limit),
+        _storage_warning(room, until, by_limit=by_limit),
     )
 
 
-def _left(growing: Iterable[Growth], now_us: int) -> list[tuple[float, int | None]]:
+def _channel_growth(growing: Iterable[Growth], now_us: int) -> list[tuple[float, int | None]]:
     """Give each channel's rate, and for how long (µs) it goes on growing."""
     return [
         (
@@ -148,7 +148,7 @@ def _left(growing: Iterable[Growth], now_us: int) -> list[tuple[float, int | Non
     ]
 
 
-def _reached(size: float, pieces: Sequence[tuple[float, int | None]]) -> float | None:
+def _time_to_fill(size: float, pieces: Sequence[tuple[float, int | None]]) -> float | None:
     """Give after how long (µs) the sum of all has grown by ``size`` (bytes); None: never."""
     if size <= 0:
         return 0.0
@@ -167,7 +167,7 @@ def _reached(size: float, pieces: Sequence[tuple[float, int | None]]) -> float |
     return at + size / steep
 
 
-def _oldest(growing: Iterable[Growth], at_us: int) -> int | None:
+def _oldest_time(growing: Iterable[Growth], at_us: int) -> int | None:
     return min(
         (
             max(channel.first_us, at_us - channel.keep_us) if channel.keep_us else channel.first_us
@@ -177,7 +177,7 @@ def _oldest(growing: Iterable[Growth], at_us: int) -> int | None:
     )
 
 
-def _warn(room: StorageRoom, until: float | None, *, by_limit: bool) -> Warn:
+def _storage_warning(room: StorageRoom, until: float | None, *, by_limit: bool) -> Warn:
     scarce = min(_SCARCE_BYTES, room.disk * _SCARCE_SHARE)
     if room.free is not None and room.free < scarce:
         return Warn.FULL

@@ -41,7 +41,7 @@ __all__ = [
     "ParcelWriter",
     "boot_of",
     "read_parcel",
-    "sweep",
+    "remove_abandoned",
 ]
 
 FOLDER = "import"
@@ -100,7 +100,7 @@ def boot_of(digest: str, address: str) -> str:
 
 
 class ParcelWriter:
-    """Writes one parcel. Leaving the block without `publish` leaves nothing behind."""
+    """Writes one parcel. Leaving the block without `publish_file` leaves nothing behind."""
 
     def __init__(self, folder: Path, head: Head) -> None:
         """Begin a file in ``folder``, which is made if need be.
@@ -114,7 +114,7 @@ class ParcelWriter:
         self._part = folder / (name + PART)
         self._ready = folder / (name + READY)
         number = os.open(self._part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-        # Held while it is written, so that `sweep` knows it from one that was left behind.
+        # Held while it is written, so that `remove_abandoned` knows it from one left behind.
         fcntl.flock(number, fcntl.LOCK_EX)
         self._file: BinaryIO = os.fdopen(number, "wb")
         self._file.write(_MAGIC)
@@ -134,7 +134,7 @@ class ParcelWriter:
         self._file.close()
         self._part.unlink(missing_ok=True)
 
-    def add(self, stretch: ImportChunk) -> None:
+    def add_chunk(self, stretch: ImportChunk) -> None:
         """Write samples.
 
         Raises:
@@ -144,7 +144,7 @@ class ParcelWriter:
         body = write_row(stretch.columns)
         self._write_body(msgspec.msgpack.encode(_Row(stretch.address, stretch.first, body)))
 
-    def publish(self) -> Path:
+    def publish_file(self) -> Path:
         """Force it to the disk, and let the hub see it.
 
         Raises:
@@ -171,7 +171,7 @@ def read_parcel(path: Path) -> tuple[Head, Iterator[ImportChunk]]:
         OSError: it cannot be read.
 
     """
-    bodies = _bodies(path)
+    bodies = _read_bodies(path)
     try:
         head = msgspec.msgpack.decode(next(bodies), type=Head)
     except (StopIteration, msgspec.MsgspecError) as error:
@@ -188,7 +188,7 @@ def read_parcel(path: Path) -> tuple[Head, Iterator[ImportChunk]]:
     return head, stretches()
 
 
-def sweep(folder: Path) -> None:
+def remove_abandoned(folder: Path) -> None:
     """Remove parcels whose writers were killed."""
     for path in folder.glob(f"*{PART}"):
         # Whoever still writes a file holds its lock, and it stays.
@@ -197,7 +197,7 @@ def sweep(folder: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def _bodies(path: Path) -> Iterator[bytes]:
+def _read_bodies(path: Path) -> Iterator[bytes]:
     with path.open("rb") as file:
         if file.read(len(_MAGIC)) != _MAGIC:
             raise ParcelDamaged(f"{path} is not a parcel of this version")

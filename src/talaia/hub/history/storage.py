@@ -84,26 +84,26 @@ def read_storage(engine: Engine, now_us: int) -> Storage:
     with engine.begin() as connection:
         rows = connection.execute(query).all()
         total, spare = dialect_of(connection).measure_size(connection)
-        kind = _kind(connection)
+        kind = _database_kind(connection)
     # MariaDB and PostgreSQL give sums as decimals.
     channels = [
         ChannelStorage(site, address, *(int(number) for number in numbers))
         for site, address, *numbers in rows
     ]
     blocks = sum(channel.bytes for channel in channels)
-    place = _place(engine)
-    free, size = _disk(engine)
+    place = _database_place(engine)
+    free, size = _disk_space(engine)
     return Storage(kind, place, total, spare, free, size, blocks, channels)
 
 
-def _kind(connection: Connection) -> str:
+def _database_kind(connection: Connection) -> str:
     name = dialect_of(connection).product_name(connection)
     version = connection.dialect.server_version_info or ()
     # PostgreSQL and SQLite say more than anybody wants to know.
     return f"{name} {'.'.join(str(part) for part in version[:3])}".strip()
 
 
-def _place(engine: Engine) -> str:
+def _database_place(engine: Engine) -> str:
     url = engine.url
     if not dialect_of(engine).is_server:
         return str(url.database or "")
@@ -111,7 +111,7 @@ def _place(engine: Engine) -> str:
     return f"{url.database} on {url.host or 'this machine'}{port}"
 
 
-def _disk(engine: Engine) -> tuple[int | None, int]:
+def _disk_space(engine: Engine) -> tuple[int | None, int]:
     file = dialect_of(engine).file_of(engine.url)
     if file is None:
         return None, 0

@@ -126,10 +126,13 @@ class HistoryStore:
 
         """
         await self._writer.start()
-        await self._sensors.open()
-        for every_s, work in ((self._limits.show_s, self.show), (self._limits.tidy_s, self.tidy)):
+        await self._sensors.load_sensors()
+        for every_s, work in (
+            (self._limits.show_s, self.write_plain_rows),
+            (self._limits.tidy_s, self.apply_retention),
+        ):
             if every_s:
-                self._tasks.append(asyncio.create_task(_every(every_s, work)))
+                self._tasks.append(asyncio.create_task(_repeat_forever(every_s, work)))
 
     async def close(self) -> None:
         """Store what waits, and let go of the database."""
@@ -139,9 +142,9 @@ class HistoryStore:
         await self._sensors.close()
         # Last, so that what the others asked it for is stored.
         await self._writer.stop()
-        await asyncio.to_thread(self._end)
+        await asyncio.to_thread(self._end_threads)
 
-    async def append(
+    async def append_samples(
         self, site: str, boot: str, first: int, *, addresses: Sequence[str], columns: Columns
     ) -> None:
         """Store samples; durable on return.
@@ -176,7 +179,7 @@ class HistoryStore:
         """Give the first sequence number of a boot that is neither stored nor in a gap."""
         return await self._writer.complete_job(Below(site, boot))
 
-    async def describe(self, site: Site) -> None:
+    async def describe_site(self, site: Site) -> None:
         """Make a place for every signal of a description at once, and a view named after it.
 
         Raises:
@@ -188,8 +191,8 @@ class HistoryStore:
         self._periods.describe_site(site)
         await self._sensors.describe_site(site, self._ledger.names.channels)
 
-    async def rename(self, site: str, moves: Mapping[str, str]) -> None:
-        """Let channels go on under other addresses; see `History.rename`.
+    async def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
+        """Let channels go on under other addresses; see `History.rename_channels`.
 
         Raises:
             HistoryError: nothing is renamed.
@@ -200,7 +203,7 @@ class HistoryStore:
         await self._writer.complete_job(Rename(site, moves))
         await self._sensors.rename_channels(site, moves)
 
-    async def show(self) -> None:
+    async def write_plain_rows(self) -> None:
         """Write the newest reading of each channel where the views show it.
 
         Raises:
@@ -209,7 +212,7 @@ class HistoryStore:
         """
         await self._writer.complete_job(Show())
 
-    async def tidy(self) -> int:
+    async def apply_retention(self) -> int:
         """Drop what is too old, and the oldest if all is too much; give how many blocks went.
 
         Raises:
@@ -218,7 +221,7 @@ class HistoryStore:
         """
         return await self._tidier.drop_old_blocks()
 
-    async def storage(self) -> Storage:
+    async def measure_storage(self) -> Storage:
         """Tell how much room the history takes, by channel.
 
         Raises:
@@ -248,7 +251,7 @@ class HistoryStore:
         """Give how long a channel is kept (µs), scores as long as their signal; 0 is for good."""
         return self._periods.kept_us(site, address)
 
-    def knows(self, site: str, address: str) -> bool:
+    def has_channel(self, site: str, address: str) -> bool:
         """Tell whether a channel has ever had a sample."""
         return (site, address) in self._ledger.names.channels
 
@@ -256,7 +259,7 @@ class HistoryStore:
         """Give what a channel's signal is, or was when it was last described; None: not known."""
         return self._sensors.kind_of(site, address)
 
-    async def read(
+    async def read_series(
         self,
         site: str,
         addresses: Sequence[str],
@@ -266,7 +269,7 @@ class HistoryStore:
         width: int,
         steps: Collection[str] = (),
     ) -> list[Series]:
-        """Read a window, both ends included, for a chart of so many pixels; see `History.read`.
+        """Read a window, both ends included, for a chart; see `History.read_series`.
 
         Raises:
             HistoryError: the database cannot be read.
@@ -274,23 +277,23 @@ class HistoryStore:
         """
         if width < 1:
             raise HistoryError(f"a chart of {width} pixels cannot be drawn", "ask for 1 or more")
-        reading = self._reader.read
+        reading = self._reader.read_series
         return await self._threads.run_query(
             reading, site, addresses, from_us=from_us, to_us=to_us, width=width, steps=steps
         )
 
-    async def last(
+    async def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
     ) -> dict[str, tuple[int, float, str]]:
-        """Give the newest sample up to ``to_us`` of each address that has one; see `History.last`.
+        """Give the newest sample up to ``to_us`` of each address; see `History.last_readings`.
 
         Raises:
             HistoryError: the database cannot be read.
 
         """
-        return await self._threads.run_query(self._reader.last, site, addresses, to_us)
+        return await self._threads.run_query(self._reader.last_readings, site, addresses, to_us)
 
-    async def statistics(
+    async def read_statistics(
         self, site: str, addresses: Sequence[str], from_us: int, to_us: int
     ) -> list[Statistics]:
         """Sum up a window, both ends included, of each address.
@@ -310,10 +313,10 @@ class HistoryStore:
             to_us=to_us,
         )
 
-    def outliers(
+    def count_outliers(
         self, site: str, address: str, from_us: int, to_us: int, *, k: float
     ) -> AsyncGenerator[Outliers | None]:
-        """Find how many samples are far outside a window's quartiles; see `History.outliers`.
+        """Find how many samples are far outside a window's quartiles; see `History.count_outliers`.
 
         Raises:
             HistoryError: the database cannot be read.
@@ -321,7 +324,7 @@ class HistoryStore:
         """
         return self._long_reads.find_outliers(site, address, from_us, to_us, k=k)
 
-    async def channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
+    async def list_channels(self, site: str, without: Collection[str] = ()) -> list[StoredChannel]:
         """List every channel of a site that has history, but for those in ``without``.
 
         Raises:
@@ -332,7 +335,7 @@ class HistoryStore:
             stored_channels, self._reading, self._ledger, site, without
         )
 
-    def export(
+    def export_samples(
         self,
         site: str,
         columns: Sequence[ExportColumn],
@@ -342,7 +345,7 @@ class HistoryStore:
         form: FileForm,
         width: int = 0,
     ) -> AsyncIterator[bytes]:
-        """Give the bytes of a file with a window of some channels; see `History.export`.
+        """Give the bytes of a file with a window of some channels; see `History.export_samples`.
 
         Raises:
             HistoryBusy: too many exports go on already.
@@ -351,7 +354,7 @@ class HistoryStore:
         """
         return self._long_reads.export_file(site, columns, from_us, to_us, form=form, width=width)
 
-    def _end(self) -> None:
+    def _end_threads(self) -> None:
         self._threads.close()
         self._long_reads.close()
         self._checkpoints.close()
@@ -359,7 +362,7 @@ class HistoryStore:
         self._writing.dispose()
 
 
-async def _every(period_s: float, work: Callable[[], Awaitable[object]]) -> None:
+async def _repeat_forever(period_s: float, work: Callable[[], Awaitable[object]]) -> None:
     while True:
         await asyncio.sleep(period_s)
         # The writing thread logs what goes wrong, once; the next time comes anyway.

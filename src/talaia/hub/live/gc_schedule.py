@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["collect_at_rest", "wants"]
+__all__ = ["collect_at_rest", "wants_collection"]
 
 # How often it is asked whether one is due (s).
 _LOOK_S = 1.0
@@ -26,7 +26,7 @@ _NEVER = 1_000_000
 _DUE, _OVERDUE = 10, 100
 
 
-def wants(young: int, *, driven: bool) -> bool:
+def wants_collection(young: int, *, driven: bool) -> bool:
     """Tell whether a full collection is to be made now. Pure."""
     return young >= (_OVERDUE if driven else _DUE)
 
@@ -43,7 +43,7 @@ async def collect_at_rest(driven: Callable[[], bool]) -> None:
         while True:
             await asyncio.sleep(_LOOK_S)
             # The third count: collections of the middle generation since the last full one.
-            if wants(gc.get_count()[2], driven=driven()):
+            if wants_collection(gc.get_count()[2], driven=driven()):
                 gc.collect()
     # As it was, for whoever goes on in this process, such as tests.
     finally:

@@ -42,7 +42,7 @@ class Latest:
         # Numbers of runs by their names, from 1 on, for arrays hold no names; 0: no run.
         self._runs: dict[str, int] = {}
 
-    def update(self, columns: Columns, now_ns: int, boot: str = "", end: int = 0) -> None:
+    def update_values(self, columns: Columns, now_ns: int, boot: str = "", end: int = 0) -> None:
         """Take a live batch; of several samples of a channel the last in the batch counts.
 
         Args:
@@ -54,7 +54,7 @@ class Latest:
         """
         channel = columns.channel
         # Of a channel that comes twice numpy keeps the last value that is assigned.
-        self._run[channel] = self._number(boot)
+        self._run[channel] = self._run_number(boot)
         self._end[channel] = end
         self.value[channel] = columns.value
         self.time_us[channel] = columns.time_us
@@ -62,7 +62,7 @@ class Latest:
         for at, text in columns.texts.items():
             self.texts[int(channel[at])] = text
 
-    def newer(
+    def newer_samples(
         self, told: NewestSamples, boot: str, now_ns: int, *, current: bool
     ) -> NDArray[np.bool_]:
         """Tell which samples that a gateway says are its newest are newer than what is known.
@@ -83,7 +83,7 @@ class Latest:
         channel = told.columns.channel
         run, arrived = self._run[channel], self.arrived_ns[channel]
         # Without a run there are no numbers to compare.
-        same = (run == self._number(boot)) & (run != 0)
+        same = (run == self._run_number(boot)) & (run != 0)
         if current:
             heard = now_ns - told.age_ms * 1e6
             other = (run == 0) | (heard >= arrived - _SLACK_NS)
@@ -93,10 +93,10 @@ class Latest:
         newer |= arrived == _NEVER
         return newer
 
-    def correct(self, told: NewestSamples, boot: str, now_ns: int) -> None:
+    def correct_values(self, told: NewestSamples, boot: str, now_ns: int) -> None:
         """Take samples that are newer than what is known, each with its age."""
         columns, channel = told.columns, told.columns.channel
-        self.update(columns, now_ns, boot)
+        self.update_values(columns, now_ns, boot)
         self._end[channel] = told.sequence + 1
         self.arrived_ns[channel] = (now_ns - told.age_ms * 1e6).astype(np.int64)
 
@@ -110,10 +110,10 @@ class Latest:
         if here in self.texts:
             other.texts[there] = self.texts[here]
 
-    def _number(self, boot: str) -> int:
+    def _run_number(self, boot: str) -> int:
         return self._runs.setdefault(boot, len(self._runs) + 1) if boot else 0
 
-    def remember(
+    def remember_value(
         self, channel: int, *, time_us: int, value: float, text: str, arrived_ns: int
     ) -> None:
         """Take a sample from the history, unless one is there."""
@@ -124,7 +124,7 @@ class Latest:
             if text:
                 self.texts[channel] = text
 
-    def of(self, channels: NDArray[np.int64], now_ns: int) -> tuple[Columns, list[float]]:
+    def values_of(self, channels: NDArray[np.int64], now_ns: int) -> tuple[Columns, list[float]]:
         """Give what is known of ``channels``, numbered by their place in it, and its age (ms)."""
         known = np.flatnonzero(self.arrived_ns[channels] != _NEVER)
         at = channels[known]

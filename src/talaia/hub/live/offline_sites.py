@@ -41,17 +41,17 @@ class OfflineSites:
         self._history = history
         self._clock = clock
 
-    async def remember(self) -> None:
+    async def restore_sites(self) -> None:
         """Know the sites of before, with their last values, though none is connected yet."""
-        for known in await self._registry.all():
+        for known in await self._registry.list_sites():
             try:
                 description = load_site(known.description)
             except DescriptionError as error:
                 # One that this version cannot read must not keep the others away.
                 _LOG.warning("the kept description of %s is set aside: %s", known.site, error)
                 continue
-            await self._history.describe(description)
-            live = self._sites.describe(description, known.catalogue)
+            await self._history.describe_site(description)
+            live = self._sites.describe_site(description, known.catalogue)
             # A gateway that says the same again need not have it read a second time.
             live.gateway.fingerprint = fingerprint_of(known.description, known.catalogue)
             # UTC, for no monotonic time outlives the process that took it.
@@ -64,13 +64,13 @@ class OfflineSites:
         addresses = [channel.address for channel in live.every]
         # Of another process, so their ages can only be told by the wall clock.
         wall, monotonic = self._clock.wall_ns(), self._clock.monotonic_ns()
-        last = await self._history.last(site, addresses)
+        last = await self._history.last_readings(site, addresses)
         for at, address in enumerate(addresses):
             if address in last:
                 time_us, value, text = last[address]
                 # A gateway's clock may be ahead of ours; no age is below 0.
                 age_ns = max(0, wall - time_us * 1000)
-                live.latest.remember(
+                live.latest.remember_value(
                     at, time_us=time_us, value=value, text=text, arrived_ns=monotonic - age_ns
                 )
 
@@ -94,14 +94,14 @@ class ImportedSites:
         self._alarms = alarms
         self._audit = audit
 
-    async def imported(self, head: Head, how: ImportResult) -> None:
+    async def record_import(self, head: Head, how: ImportResult) -> None:
         """Write an import down, and know a site of which only recordings came."""
         # What a gateway said is newer than the head of a recording: it stays.
-        if self._sites.get(head.site) is None:
+        if self._sites.find_site(head.site) is None:
             description = load_site(head.description)
-            await self._history.describe(description)
+            await self._history.describe_site(description)
             await self._registry.said_hello(head.site, head.description, "", "")
-            live = self._sites.describe(description, "")
+            live = self._sites.describe_site(description, "")
             live.presence.why = "only recordings of it were imported"
             self._alarms.redescribe(live)
         message = f"{head.file}: {how.stored} samples, {how.there} were there already"

@@ -46,7 +46,7 @@ class SiteLink(Protocol):
         """Queue a message; never waits. STOP and driving overtake the rest."""
         ...
 
-    def dismiss(self, reason: str) -> None:
+    def dismiss_gateway(self, reason: str) -> None:
         """Say good-bye and close."""
         ...
 
@@ -83,11 +83,11 @@ class SitePresence:
     loop_ms: float = 0.0
     skew_ms: float = 0.0
 
-    def attach(self, link: SiteLink, now_us: int) -> None:
+    def mark_online(self, link: SiteLink, now_us: int) -> None:
         """Be online by ``link`` from ``now_us`` on (UTC)."""
         self.link, self.since_us, self.why = link, now_us, ""
 
-    def detach(self, now_us: int) -> None:
+    def mark_offline(self, now_us: int) -> None:
         """Be away from ``now_us`` on (UTC)."""
         self.link, self.why = None, "the connection to its gateway was lost"
         self.since_us = self.last_seen_us = now_us

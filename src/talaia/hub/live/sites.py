@@ -29,7 +29,7 @@ class LiveSite:
     """One site, now: what is described, and what is known, in parts by how long each holds.
 
     Attributes:
-        description: the site as it is described; written by `Sites.describe` alone, as are the
+        description: the site as it is described; written by `Sites.describe_site` alone, as are the
             next four, so that they always fit each other.
         catalogue: the name of its list of channels.
         channels: the description's own, in the order by which batches number them.
@@ -80,17 +80,17 @@ class LiveSite:
         """The way down to its gateway; None while it is away."""
         return self.presence.link
 
-    def attach(self, link: SiteLink, gateway: LinkedGateway, now_us: int) -> None:
+    def attach_link(self, link: SiteLink, gateway: LinkedGateway, now_us: int) -> None:
         """Begin a link from ``now_us`` on (UTC); nothing said over an earlier one counts."""
-        self.presence.attach(link, now_us)
+        self.presence.mark_online(link, now_us)
         self.gateway = gateway
         # It is no rival any more, so people are told again if it is kept out later.
         self.rivals.boots.discard(gateway.boot)
         self.retained = RetainedState()
 
-    def detach(self, now_us: int) -> None:
+    def detach_link(self, now_us: int) -> None:
         """End the link at ``now_us`` (UTC)."""
-        self.presence.detach(now_us)
+        self.presence.mark_offline(now_us)
         # Nobody is kept out while no link stands.
         self.rivals.seen_us = 0
 
@@ -116,11 +116,11 @@ class Sites:
         # A copy: a site may be added meanwhile.
         return iter([self._sites[name] for name in sorted(self._sites)])
 
-    def get(self, name: str) -> LiveSite | None:
+    def find_site(self, name: str) -> LiveSite | None:
         """Find a site by its short name."""
         return self._sites.get(name)
 
-    def describe(
+    def describe_site(
         self, description: Site, catalogue: str, renamed: Mapping[str, str] | None = None
     ) -> LiveSite:
         """Add a site or take its new description; newest values stay if the channels do.
@@ -137,13 +137,13 @@ class Sites:
             return live
         # Most descriptions leave the list as it is, and values in their places.
         if every != live.every:
-            live.latest = _moved(live.latest, live.every, every, renamed or {})
+            live.latest = _carry_values(live.latest, live.every, every, renamed or {})
         live.description, live.catalogue = description, catalogue
         live.channels, live.every = channels, every
         return live
 
 
-def _moved(
+def _carry_values(
     latest: Latest,
     before: tuple[Channel, ...],
     channels: tuple[Channel, ...],

@@ -38,7 +38,7 @@ def may_reach(text: str, networks: Iterable[Network]) -> bool:
     """Tell whether an IP address may be spoken to; one that cannot be read may not."""
     try:
         # Without its scope (``fe80::1%eth0``).
-        address = _plain(ipaddress.ip_address(text.partition("%")[0]))
+        address = _unmap_ipv4(ipaddress.ip_address(text.partition("%")[0]))
     except ValueError:
         return False
     if any(address.version == network.version and address in network for network in networks):
@@ -47,7 +47,7 @@ def may_reach(text: str, networks: Iterable[Network]) -> bool:
     return address.is_global and not address.is_multicast
 
 
-def _plain(address: Address) -> Address:
+def _unmap_ipv4(address: Address) -> Address:
     """Give the IPv4 address that is written as an IPv6 one."""
     if isinstance(address, ipaddress.IPv4Address):
         return address

@@ -37,7 +37,7 @@ __all__ = ["main"]
 
 # For each answer of a server (s).
 _PATIENCE_S = 15.0
-Job = dict[str, Any]  # what `Sender.send` writes
+Job = dict[str, Any]  # what `Sender.send_message` writes
 Outcome = dict[str, str]
 # Services that apprise may speak to for us.
 # Others would speak to this machine itself (syslog, dbus), not to a person elsewhere.
@@ -50,7 +50,7 @@ class _Left:
     """Whether a word of the message may have left this machine, and what was not let through."""
 
     def __init__(self) -> None:
-        # Set by `_watch`; reset where only now the message itself begins.
+        # Set by `_watch_output`; reset where only now the message itself begins.
         self.yes = False
         # The last address that was not let through; another try would not be, either.
         self.refused: AddressRefused | None = None
@@ -60,19 +60,19 @@ def main() -> None:
     """Do the job that stands on the input."""
     job: Job = json.load(sys.stdin)
     # Both before any library of a way is imported, which could keep the functions of before.
-    left = _watch(_words_of(job))
+    left = _watch_output(_words_of(job))
     _guard([ipaddress.ip_network(network) for network in job["networks"]], left)
     try:
         outcome = _WAYS[job["kind"]](job, left)
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
-        outcome = _went("unsure" if left.yes else "again", _describe_error(error))
+        outcome = _make_outcome("unsure" if left.yes else "again", _describe_error(error))
     # Libraries say in words of their own that nothing answered; the refusal is the reason.
     if left.refused is not None and outcome["outcome"] == "again":
-        outcome = _went("failed", str(left.refused))
+        outcome = _make_outcome("failed", str(left.refused))
     json.dump(outcome, sys.stdout)
 
 
-def _went(outcome: str, problem: str = "") -> Outcome:
+def _make_outcome(outcome: str, problem: str = "") -> Outcome:
     """Say how it went.
 
     ``sent``; ``again``: it has certainly not arrived, another try may do; ``failed``: it has not,
@@ -132,7 +132,7 @@ def _words_of(job: Job) -> bytes:
     return b"/send/" if job["kind"] == "chat" and job["url"].lower().startswith("matrix") else b""
 
 
-def _watch(words: bytes) -> _Left:
+def _watch_output(words: bytes) -> _Left:
     """Notice the first word of the message that goes out over any connection."""
     left = _Left()
     # smtplib and http.client write by `sendall`; a TLS handshake does not go through it.
@@ -152,7 +152,7 @@ def _describe_error(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
 
 
-def _mail(job: Job, left: _Left) -> Outcome:
+def _send_mail(job: Job, left: _Left) -> Outcome:
     message = EmailMessage()
     message["From"] = job["sender"]
     message["To"] = job["target"]
@@ -166,7 +166,7 @@ def _mail(job: Job, left: _Left) -> Outcome:
     # Until the text itself goes out, nothing of the message has left.
     accepted = False
     try:
-        with _server(job) as server:
+        with _connect_smtp(job) as server:
             if job.get("user"):
                 server.login(job["user"], job["password"])
             # One address, and nothing else may hide in it.
@@ -174,25 +174,33 @@ def _mail(job: Job, left: _Left) -> Outcome:
             code, said = server.rcpt(job["target"])
             # 251: not a local user, and it will forward (RFC 5321, 4.2.3).
             if code not in {250, 251}:
-                return _went(_by_code(code), f"{job['target']} is refused: {code} {_line(said)}")
+                return _make_outcome(
+                    _by_code(code), f"{job['target']} is refused: {code} {_decode_reply(said)}"
+                )
             # What went out until here was the sign-in and the addresses.
             left.yes = False
             accepted = True
             # smtplib mends the line ends of texts only, not of bytes.
             code, said = server.data(message.as_bytes(policy=message.policy.clone(linesep="\r\n")))
             if code != 250:
-                return _went(_by_code(code), f"the message is refused: {code} {_line(said)}")
-            return _went("sent")
+                return _make_outcome(
+                    _by_code(code), f"the message is refused: {code} {_decode_reply(said)}"
+                )
+            return _make_outcome("sent")
     except smtplib.SMTPDataError as error:
-        return _went(_by_code(error.smtp_code), f"{error.smtp_code} {_line(error.smtp_error)}")
+        return _make_outcome(
+            _by_code(error.smtp_code), f"{error.smtp_code} {_decode_reply(error.smtp_error)}"
+        )
     except smtplib.SMTPResponseException as error:
-        return _went(_by_code(error.smtp_code), f"{error.smtp_code} {_line(error.smtp_error)}")
+        return _make_outcome(
+            _by_code(error.smtp_code), f"{error.smtp_code} {_decode_reply(error.smtp_error)}"
+        )
     except (OSError, smtplib.SMTPException) as error:
-        return _went("unsure" if accepted else "again", _describe_error(error))
+        return _make_outcome("unsure" if accepted else "again", _describe_error(error))
 
 
 @contextlib.contextmanager
-def _server(job: Job) -> Iterator[smtplib.SMTP]:
+def _connect_smtp(job: Job) -> Iterator[smtplib.SMTP]:
     """Connect; TLS unless the admin chose otherwise, and never a password without it."""
     security, host, port = job["security"], job["host"], int(job["port"])
     # Checks the server's certificate and name.
@@ -220,20 +228,20 @@ def _by_code(code: int) -> str:
     return "again" if 400 <= code < 500 or code < 0 else "failed"
 
 
-def _line(said: bytes | str) -> str:
+def _decode_reply(said: bytes | str) -> str:
     return said.decode("utf-8", "replace") if isinstance(said, bytes) else said
 
 
-def _webhook(job: Job, left: _Left) -> Outcome:
+def _send_webhook(job: Job, left: _Left) -> Outcome:
     try:
         parts = urlsplit(job["url"])
         # Read here: a port is checked only when it is asked for.
         port = parts.port
     except ValueError as error:
         # No other try would read it.
-        return _went("failed", f"the address is not valid: {error}")
+        return _make_outcome("failed", f"the address is not valid: {error}")
     if parts.scheme not in {"http", "https"} or not parts.hostname:
-        return _went("failed", "the address does not begin with https:// or http://")
+        return _make_outcome("failed", "the address does not begin with https:// or http://")
     body = json.dumps(
         {key: job[key] for key in ("key", "title", "body", "severity", "sites")}
     ).encode()
@@ -255,25 +263,25 @@ def _webhook(job: Job, left: _Left) -> Outcome:
         # Enough for its reason, whatever it sends.
         said = answer.read(300).decode("utf-8", "replace")
     except (OSError, http.client.HTTPException) as error:
-        return _went("unsure" if left.yes else "again", _describe_error(error))
+        return _make_outcome("unsure" if left.yes else "again", _describe_error(error))
     finally:
         connection.close()
     # A redirect is none of these.
     if 200 <= answer.status < 300:
-        return _went("sent")
+        return _make_outcome("sent")
     # Not followed: it could lead anywhere.
-    return _went(
+    return _make_outcome(
         "again" if answer.status >= 500 or answer.status == 429 else "failed",
         f"it answered {answer.status} {answer.reason}: {said}",
     )
 
 
-def _chat(job: Job, left: _Left) -> Outcome:
+def _send_chat(job: Job, left: _Left) -> Outcome:
     import apprise
 
     scheme = job["url"].partition("://")[0].lower()
     if scheme not in _CHATS:
-        return _went("failed", f"{scheme!r} is none of {', '.join(_CHATS)}")
+        return _make_outcome("failed", f"{scheme!r} is none of {', '.join(_CHATS)}")
     # apprise tells why only in its log, so that is listened to.
     said: list[str] = []
     handler = logging.Handler(logging.WARNING)
@@ -283,11 +291,11 @@ def _chat(job: Job, left: _Left) -> Outcome:
     logger.setLevel(logging.INFO)
     service = apprise.Apprise(asset=apprise.AppriseAsset(secure_logging=True, app_id="Talaia"))
     if not service.add(job["url"]):
-        return _went("failed", "; ".join(said) or "the address is not understood")
+        return _make_outcome("failed", "; ".join(said) or "the address is not understood")
     targets = len(service[0])
     if targets > 1:
         # Of a part that failed could not be told which, and the rest would come twice.
-        return _went("failed", f"it names {targets} targets; make a way for each of them")
+        return _make_outcome("failed", f"it names {targets} targets; make a way for each of them")
     kinds = {"critical": apprise.NotifyType.FAILURE, "warning": apprise.NotifyType.WARNING}
     done = service.notify(
         title=job["title"],
@@ -296,14 +304,14 @@ def _chat(job: Job, left: _Left) -> Outcome:
         body_format=apprise.NotifyFormat.TEXT,
     )
     if done:
-        return _went("sent")
+        return _make_outcome("sent")
     problem = "; ".join(said) or "the service did not take it"
     if left.yes and not _ANSWERED.search(problem):
-        return _went("unsure", problem)
-    return _went("again", problem)
+        return _make_outcome("unsure", problem)
+    return _make_outcome("again", problem)
 
 
-def _push(job: Job, left: _Left) -> Outcome:
+def _send_push(job: Job, left: _Left) -> Outcome:
     """Send to every browser of the person; one that has gone away is named for removal."""
     # Only this way needs it.
     from pywebpush import (  # type: ignore[import-untyped]
@@ -349,21 +357,25 @@ def _push(job: Job, left: _Left) -> Outcome:
         (outcome for outcome in ("sent", "unsure", "again") if outcome in outcomes), "failed"
     )
     problem = "; ".join(problems) or "no browser of yours takes messages yet"
-    outcome = _went(best, "" if best == "sent" else problem)
+    outcome = _make_outcome(best, "" if best == "sent" else problem)
     return {**outcome, "gone": ",".join(str(number) for number in gone)}
 
 
-def _extension(job: Job, left: _Left) -> Outcome:
+def _send_extension(job: Job, left: _Left) -> Outcome:
     from talaia.extensions.declarations import NotDelivered, NotifierMessage
-    from talaia.extensions.installed import installed
+    from talaia.extensions.installed import installed_extensions
 
     name = job["extension"]
-    known = installed().notifiers().get(name)
+    known = installed_extensions().notifiers_by_name().get(name)
     if known is None:
         said = "; ".join(
-            str(extension) for extension in installed().broken() if extension.name == name
+            str(extension)
+            for extension in installed_extensions().list_broken()
+            if extension.name == name
         )
-        return _went("failed", said or f"the extension {name!r} is not installed at this hub")
+        return _make_outcome(
+            "failed", said or f"the extension {name!r} is not installed at this hub"
+        )
     message = NotifierMessage(
         job["key"], job["title"], job["body"], job["severity"], tuple(job["sites"]), job["open"]
     )
@@ -371,27 +383,27 @@ def _extension(job: Job, left: _Left) -> Outcome:
         # Checked again: the extension may be another version than when they were set.
         keys = msgspec.convert(json.loads(job.get("keys", "{}")), known.keys, strict=False)
     except msgspec.ValidationError as error:
-        return _went("failed", f"the keys of {name!r} do not fit: {error}")
+        return _make_outcome("failed", f"the keys of {name!r} do not fit: {error}")
     try:
         # What it prints is no answer of ours.
         with contextlib.redirect_stdout(sys.stderr):
             known.send(keys, message)
     except NotDelivered as error:
-        return _went("again" if error.again else "failed", str(error))
+        return _make_outcome("again" if error.again else "failed", str(error))
     except Exception as error:  # noqa: BLE001 - said to whoever asked, whatever it is
         if left.refused is not None:
-            return _went("failed", str(left.refused))
+            return _make_outcome("failed", str(left.refused))
         # Not sent again: nobody knows how far it came.
-        return _went("unsure", f"the extension {name!r} failed: {_describe_error(error)}")
-    return _went("sent")
+        return _make_outcome("unsure", f"the extension {name!r} failed: {_describe_error(error)}")
+    return _make_outcome("sent")
 
 
 _WAYS: dict[str, Callable[[Job, _Left], Outcome]] = {
-    "mail": _mail,
-    "webhook": _webhook,
-    "chat": _chat,
-    "push": _push,
-    "extension": _extension,
+    "mail": _send_mail,
+    "webhook": _send_webhook,
+    "chat": _send_chat,
+    "push": _send_push,
+    "extension": _send_extension,
 }
 
 if __name__ == "__main__":

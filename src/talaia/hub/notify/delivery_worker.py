@@ -7,7 +7,7 @@ import logging
 from typing import TYPE_CHECKING, Protocol
 
 from talaia.hub.errors import StoreDown
-from talaia.hub.notify.message import compose
+from talaia.hub.notify.message import compose_message
 from talaia.hub.notify.senders import DeliveryResult, Outcome
 from talaia.hub.store.alarms.notification_channels import WayKind
 
@@ -36,7 +36,7 @@ _RETRY_S = 1.0
 class Sends(Protocol):
     """Whoever can send a message."""
 
-    async def send(
+    async def send_message(
         self,
         way: Way,
         secrets: Mapping[str, str],
@@ -75,15 +75,15 @@ class DeliveryWorker:
         # A slow server of one channel takes one turn, never all of them.
         self._turns = asyncio.Semaphore(_AT_ONCE)
 
-    def wake(self) -> None:
+    def wake_up(self) -> None:
         """Look again: something was put into the outbox."""
         self._news.set()
 
-    async def recover(self) -> None:
+    async def recover_unsent(self) -> None:
         """See to what was under way when the hub ended last."""
         # Sent twice these do no harm; of the others nobody knows, and people are told so.
-        again = [way.id for way in await self._store.ways() if _repeatable(way.kind)]
-        unsure = await self._notices.recover(again, self._now_us())
+        again = [way.id for way in await self._store.list_ways() if _is_repeatable(way.kind)]
+        unsure = await self._notices.recover_unsent(again, self._now_us())
         if unsure:
             _LOG.warning("%s messages about alarms may or may not have been delivered", unsure)
 
@@ -123,21 +123,21 @@ class DeliveryWorker:
             if parcel is None:
                 self._turns.release()
                 break
-            group.create_task(self._deliver(parcel))
+            group.create_task(self._deliver_message(parcel))
         due = await self._notices.next_due_us()
         if due is None:
             return _LONGEST_NAP_S
         # Not at once again, even if something is due: else a loop that claims nothing would spin.
         return min(_LONGEST_NAP_S, max(0.05, (due - self._now_us()) / _SECOND_US))
 
-    async def _deliver(self, parcel: OutboxMessage) -> None:
+    async def _deliver_message(self, parcel: OutboxMessage) -> None:
         try:
             if parcel.notices:
-                found = await self._store.way(parcel.way)
+                found = await self._store.find_way(parcel.way)
                 # Asked before: while it is under way its rule may change and the way be removed.
-                same = found is not None and _repeatable(found[0].kind)
-                went = await self._send(parcel, found)
-                await self._settled(parcel, went, same=same)
+                same = found is not None and _is_repeatable(found[0].kind)
+                went = await self._send_once(parcel, found)
+                await self._record_result(parcel, went, same=same)
                 # After it was written down: alarms look there for what could not be delivered.
                 await self._told()
         except StoreDown:
@@ -151,45 +151,47 @@ class DeliveryWorker:
             # There is a turn now, and perhaps something was put back.
             self._news.set()
 
-    async def _send(
+    async def _send_once(
         self, parcel: OutboxMessage, found: tuple[Way, dict[str, str]] | None
     ) -> DeliveryResult:
         if found is None:
             return DeliveryResult(Outcome.FAILED, "the way it was to go is there no more")
         way, secrets = found
         push = way.kind is WayKind.PUSH
-        browsers = await self._store.browsers(parcel.user) if push else []
-        message = compose(parcel.key, parcel.notices, parcel.zone)
-        went = await self._sender.send(
+        browsers = await self._store.browsers_of(parcel.user) if push else []
+        message = compose_message(parcel.key, parcel.notices, parcel.zone)
+        went = await self._sender.send_message(
             way, secrets, target=parcel.target, message=message, browsers=browsers
         )
         # A subscription that ended never comes back; the browser makes a new one.
         for number in went.gone:
             await self._store.remove_browser(parcel.user, number)
         # The other side knows it by its key: it may have it twice.
-        if went.outcome is Outcome.UNSURE and _repeatable(way.kind):
+        if went.outcome is Outcome.UNSURE and _is_repeatable(way.kind):
             return DeliveryResult(Outcome.AGAIN, went.problem)
         return went
 
-    async def _settled(self, parcel: OutboxMessage, went: DeliveryResult, *, same: bool) -> None:
+    async def _record_result(
+        self, parcel: OutboxMessage, went: DeliveryResult, *, same: bool
+    ) -> None:
         now = self._now_us()
         match went.outcome:
             case Outcome.SENT:
-                await self._notices.sent(parcel, now)
+                await self._notices.mark_sent(parcel, now)
                 if parcel.tries > 1:
                     _LOG.info("a message about an alarm was delivered at try %s", parcel.tries)
                 return
             case Outcome.FAILED:
-                await self._notices.failed(parcel, now, went.problem)
+                await self._notices.mark_failed(parcel, now, went.problem)
             case Outcome.UNSURE:
                 problem = f"it may have been delivered: {went.problem}"
-                await self._notices.unsure(parcel, now, problem)
+                await self._notices.mark_unsure(parcel, now, problem)
             case Outcome.AGAIN if parcel.tries > len(_AGAIN_S):
-                await self._notices.failed(parcel, now, went.problem)
+                await self._notices.mark_failed(parcel, now, went.problem)
             case Outcome.AGAIN:
                 # ``tries`` counts the one that was just made.
                 due = now + _AGAIN_S[parcel.tries - 1] * _SECOND_US
-                await self._notices.again(parcel, due, went.problem, same=same)
+                await self._notices.retry_later(parcel, due, went.problem, same=same)
                 if parcel.tries > 1:
                     # It was said at the first try, and is said once more when it has failed.
                     return
@@ -199,6 +201,6 @@ class DeliveryWorker:
         return self._clock.wall_ns() // 1000
 
 
-def _repeatable(kind: WayKind) -> bool:
+def _is_repeatable(kind: WayKind) -> bool:
     """Tell whether the other side can see that a message is the same one once more."""
     return kind is WayKind.WEBHOOK

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.alarms.notification_outbox import OutboxNotice
 
-__all__ = ["AlarmMessage", "compose", "trial"]
+__all__ = ["AlarmMessage", "compose_message", "compose_test_message"]
 
 _ALARMS = "/alarms"  # path of the page of all alarms
 _WORDS = {What.CLEARED: "over: ", What.REMINDED: "still: "}
@@ -38,7 +38,7 @@ class AlarmMessage(NamedTuple):
     open: str = _ALARMS
 
 
-def compose(key: str, notices: Sequence[OutboxNotice], zone: str) -> AlarmMessage:
+def compose_message(key: str, notices: Sequence[OutboxNotice], zone: str) -> AlarmMessage:
     """Write one message of one or more things that happened; times in the person's zone."""
     local = ZoneInfo(zone)
     # By rank, since words do not sort by how bad they are.
@@ -60,7 +60,7 @@ def compose(key: str, notices: Sequence[OutboxNotice], zone: str) -> AlarmMessag
     return AlarmMessage(key, title, body, worst.severity.value, sites, shown)
 
 
-def trial(key: str, who: str) -> AlarmMessage:
+def compose_test_message(key: str, who: str) -> AlarmMessage:
     """Write a message that only shows that one arrives."""
     return AlarmMessage(
         key,

@@ -64,7 +64,7 @@ class Sender:
         """Reach public addresses, and those in ``networks``."""
         self._networks = [str(network) for network in networks]
 
-    async def send(
+    async def send_message(
         self,
         way: Way,
         secrets: Mapping[str, str],
@@ -85,10 +85,10 @@ class Sender:
             "networks": list(_NETWORKS_OF_PUSH) if push else self._networks,
             "browsers": [(browser.id, dict(browser.subscription)) for browser in browsers],
         }
-        return await _run(json.dumps(job).encode())
+        return await _run_child(json.dumps(job).encode())
 
 
-async def _run(job: bytes) -> DeliveryResult:
+async def _run_child(job: bytes) -> DeliveryResult:
     kept = {name: os.environ[name] for name in _SURROUNDINGS if name in os.environ}
     try:
         child = await asyncio.create_subprocess_exec(

@@ -5,6 +5,8 @@ behind a disk. One task writes what has gathered, many rows in one transaction.
 
 The hash of the newest row stands in a table of its own besides. Whoever appends locks that row, so
 that two hubs on one database make one chain; and rows that were cut off at the end show.
+
+Long, because one chain holds what is written, read and verified here.
 """
 
 from __future__ import annotations
@@ -32,7 +34,15 @@ if TYPE_CHECKING:
     from talaia.clock import Clock
     from talaia.hub.store.database import Database
 
-__all__ = ["Audit", "AuditEntry", "AuditFilter", "AuditRecord", "Chain", "append", "chain_hash"]
+__all__ = [
+    "Audit",
+    "AuditEntry",
+    "AuditFilter",
+    "AuditRecord",
+    "Chain",
+    "append_entries",
+    "chain_hash",
+]
 
 _LOG = logging.getLogger(__name__)
 # More are lost while the database is away: memory is bounded.
@@ -90,7 +100,7 @@ class AuditFilter:
     devices: Collection[str] | None = None
     text: str | None = None
 
-    def conditions(self) -> list[ColumnElement[bool]]:
+    def sql_conditions(self) -> list[ColumnElement[bool]]:
         """Say it in SQL."""
         said = [
             audit.c[field.name] == getattr(self, field.name)
@@ -192,7 +202,7 @@ class Audit:
             await self._news.wait()
             self._news.clear()
             try:
-                await self._flush()
+                await self._flush_entries()
             except StoreDown:
                 if not self._failing:
                     _LOG.exception("the audit log cannot be written; notes are kept in memory")
@@ -211,27 +221,27 @@ class Audit:
         self._stopping = True
         self._news.set()
 
-    async def _flush(self) -> None:
+    async def _flush_entries(self) -> None:
         batch = list(self._waiting)
         if batch:
             async with self._database.write() as connection:
-                await append(connection, batch)
+                await append_entries(connection, batch)
             # They are still in front: others were only appended meanwhile.
             for _ in batch:
                 self._waiting.popleft()
         if not self._waiting:
             self._written.set()
 
-    async def written(self) -> None:
+    async def wait_written(self) -> None:
         """Wait until everything noted so far is in the database."""
         await self._written.wait()
 
-    async def find(self, wanted: AuditFilter, limit: int) -> tuple[list[AuditRecord], bool]:
+    async def find_records(self, wanted: AuditFilter, limit: int) -> tuple[list[AuditRecord], bool]:
         """List the newest rows that are meant, newest first; tell whether there are more."""
         async with self._database.read() as connection:
             rows = await connection.execute(
                 select(audit.c.id, *_COLUMNS)
-                .where(*wanted.conditions())
+                .where(*wanted.sql_conditions())
                 .order_by(audit.c.id.desc())
                 # One more than asked for tells whether there are more.
                 .limit(limit + 1)
@@ -239,18 +249,18 @@ class Audit:
             found = [AuditRecord(row[0], AuditEntry(*row[1:])) for row in rows]
         return found[:limit], len(found) > limit
 
-    async def every(self, wanted: AuditFilter) -> AsyncIterator[AuditRecord]:
+    async def iterate_records(self, wanted: AuditFilter) -> AsyncIterator[AuditRecord]:
         """Go through all rows that are meant, newest first, with few of them in memory."""
         more = True
         while more:
-            rows, more = await self.find(wanted, _PAGE)
+            rows, more = await self.find_records(wanted, _PAGE)
             for row in rows:
                 yield row
             if rows:
                 # By number, not by offset: what is added meanwhile shifts nothing.
                 wanted = replace(wanted, before=rows[-1].id)
 
-    async def verify(self) -> Chain:
+    async def verify_chain(self) -> Chain:
         """Walk the chain from its beginning to its end, with few rows in memory."""
         before, last, count = "", 0, 0
         async with self._database.read() as connection:
@@ -283,7 +293,7 @@ class Audit:
 _COLUMNS = tuple(audit.c[name] for name in AuditEntry._fields)
 
 
-async def append(connection: AsyncConnection, batch: Sequence[AuditEntry]) -> None:
+async def append_entries(connection: AsyncConnection, batch: Sequence[AuditEntry]) -> None:
     """Write rows in a transaction that writes; their texts must have passed `safe_text`."""
     # Locked before it is read, or two hubs would build on the same row.
     head = select(audit_head.c.hash).where(audit_head.c.id == _HEAD).with_for_update()

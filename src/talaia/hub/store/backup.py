@@ -31,7 +31,14 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
 
-__all__ = ["DATABASE", "WAITING", "backup", "restore_folder", "restore_server", "take_restored"]
+__all__ = [
+    "DATABASE",
+    "WAITING",
+    "restore_folder",
+    "restore_server",
+    "take_restored",
+    "write_backup",
+]
 
 _LOG = logging.getLogger(__name__)
 DATABASE = "talaia.db"
@@ -43,7 +50,7 @@ _NOT_KEPT = frozenset((LOCK, "import"))
 _FORM = 1
 
 
-def backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
+def write_backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
     """Write a backup into the folder ``target``, which must not be there yet.
 
     Args:
@@ -69,7 +76,7 @@ def backup(url: str, data: Path, target: Path, clock: Clock) -> Path:
         about = {"form": _FORM, "time_us": clock.wall_ns() // 1000, "database": version}
         (partial / _MANIFEST).write_text(json.dumps(about) + "\n")
         # On disk before it gets that name.
-        _sync(partial)
+        _sync_folder(partial)
         partial.rename(target)
     except (OSError, sqlite3.Error, SQLAlchemyError) as error:
         reason = getattr(error, "orig", None) or error
@@ -84,7 +91,7 @@ def restore_folder(source: Path, data: Path) -> Path:
         StoreError: it is no backup, is damaged, or cannot be copied.
 
     """
-    _check(source)
+    _check_backup(source)
     waiting = data / WAITING
     partial = data / f"{WAITING}.partial"
     try:
@@ -92,7 +99,7 @@ def restore_folder(source: Path, data: Path) -> Path:
             if folder.exists():
                 shutil.rmtree(folder)
         shutil.copytree(source, partial)
-        _sync(partial)
+        _sync_folder(partial)
         partial.rename(waiting)
     except OSError as error:
         raise StoreError(f"the backup cannot be copied into {data}: {error}") from error
@@ -141,12 +148,12 @@ def restore_server(source: Path, url: str) -> int:
         StoreError: it is no backup, of another version, or the database is in use.
 
     """
-    _check(source)
+    _check_backup(source)
     origin = open_plain(f"sqlite:///{source / DATABASE}")
     target = open_plain(url)
     try:
         with origin.connect() as reading, target.begin() as writing:
-            theirs, ours = _version(reading), _version(writing)
+            theirs, ours = _schema_version(reading), _schema_version(writing)
             if theirs != ours:
                 raise StoreError(
                     f"the backup's tables are of version {theirs}, this program's of {ours}",
@@ -184,13 +191,13 @@ def _copy_database(url: str, file: Path) -> str:
             metadata.create_all(writing)
             VERSION_TABLE.create(writing)
             copy_tables(reading, writing)
-            return _version(reading)
+            return _schema_version(reading)
     finally:
         source.dispose()
         target.dispose()
 
 
-def _version(connection: Connection) -> str:
+def _schema_version(connection: Connection) -> str:
     if not inspect(connection).has_table(VERSION_TABLE.name):
         raise StoreError("the database has no tables of ours", "start the hub with it once")
     return str(connection.scalar(select(VERSION_TABLE.c.version_num)) or "")
@@ -204,12 +211,12 @@ def _copy_rest(data: Path, target: Path) -> None:
         if ours or path.resolve() in {target.resolve(), *target.resolve().parents}:
             continue
         if path.is_dir():
-            shutil.copytree(path, target / path.name, copy_function=_copy)
+            shutil.copytree(path, target / path.name, copy_function=_copy_file)
         elif path.is_file():
             shutil.copy2(path, target / path.name)
 
 
-def _copy(source: str, target: str) -> str:
+def _copy_file(source: str, target: str) -> str:
     try:
         return shutil.copy2(source, target)
     except FileNotFoundError:
@@ -217,7 +224,7 @@ def _copy(source: str, target: str) -> str:
         return target
 
 
-def _check(source: Path) -> None:
+def _check_backup(source: Path) -> None:
     try:
         about = json.loads((source / _MANIFEST).read_text())
         form = about["form"]
@@ -237,7 +244,7 @@ def _check(source: Path) -> None:
         raise StoreError(f"the backup's database is damaged: {said}")
 
 
-def _sync(folder: Path) -> None:
+def _sync_folder(folder: Path) -> None:
     for path in [*folder.rglob("*"), folder]:
         number = os.open(path, os.O_RDONLY)
         try:

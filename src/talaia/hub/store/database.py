@@ -12,7 +12,7 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, SQLAlchemyErro
 from sqlalchemy.ext.asyncio import create_async_engine
 
 from talaia.hub.errors import StoreDown, StoreError
-from talaia.hub.store.database_url import reach
+from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
 from talaia.hub.store.dialects.dialect import WRITES
 
@@ -41,9 +41,9 @@ class Database:
 
         """
         # The URL, and what the driver needs beside it.
-        self._reach = reach(url)
+        self._reach = parse_database_url(url)
         # Connections that only read, as far as it knows.
-        self._engine = _engine(self._reach)
+        self._engine = _make_engine(self._reach)
         # The same connections; their transactions begin by waiting for the turn to write.
         self._writer = self._engine.execution_options(**{WRITES: True})
         # What the engine raises when it does not do what it is asked.
@@ -62,7 +62,7 @@ class Database:
             StoreDown: the database does not answer.
 
         """
-        async with self._translated(), self._engine.begin() as connection:
+        async with self._translate_errors(), self._engine.begin() as connection:
             yield connection
 
     @asynccontextmanager
@@ -76,7 +76,7 @@ class Database:
             StoreDown: the database does not answer, or has no room.
 
         """
-        async with self._translated(), self._writer.begin() as connection:
+        async with self._translate_errors(), self._writer.begin() as connection:
             await connection.run_sync(_await_turn)
             yield connection
 
@@ -92,7 +92,7 @@ class Database:
         """
         try:
             async with self._writer.begin() as connection:
-                await connection.run_sync(_upgrade)
+                await connection.run_sync(_upgrade_schema)
         except self._failures as error:
             reason = getattr(error, "orig", None) or error
             raise StoreError(
@@ -110,7 +110,7 @@ class Database:
         return self._reach.url.render_as_string(hide_password=True)
 
     @asynccontextmanager
-    async def _translated(self) -> AsyncIterator[None]:
+    async def _translate_errors(self) -> AsyncIterator[None]:
         try:
             yield
         except (IntegrityError, DataError):
@@ -121,7 +121,7 @@ class Database:
             raise StoreDown(f"the database does not answer: {reason}", "try again soon") from error
 
 
-def _engine(found: Reach) -> AsyncEngine:
+def _make_engine(found: Reach) -> AsyncEngine:
     # What was open when a server was restarted is found out before it is used. A file needs none
     # of that, and has as many connections as are asked for.
     is_server = found.dialect.is_server
@@ -129,7 +129,7 @@ def _engine(found: Reach) -> AsyncEngine:
     try:
         engine = create_async_engine(found.url, connect_args=found.arguments, **more)
     except ImportError as error:
-        raise found.missing(error) from error
+        raise found.missing_driver(error) from error
     found.dialect.prepare_accounts(engine.sync_engine)
     return engine
 
@@ -138,7 +138,7 @@ def _await_turn(connection: Connection) -> None:
     dialect_of(connection).await_write_turn(connection)
 
 
-def _upgrade(connection: Connection) -> None:
+def _upgrade_schema(connection: Connection) -> None:
     with dialect_of(connection).hold_migrations(connection):
         _run_migrations(connection)
 

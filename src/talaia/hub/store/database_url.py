@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.store.dialects.dialect import Dialect
 
-__all__ = ["Reach", "reach"]
+__all__ = ["Reach", "parse_database_url"]
 
 _EXAMPLE = (
     "write it like postgresql://talaia@db.example/talaia, mariadb://talaia@db.example/talaia"
@@ -35,7 +35,7 @@ class Reach(NamedTuple):
     arguments: dict[str, Any]
     dialect: Dialect
 
-    def missing(self, error: ImportError) -> StoreError:
+    def missing_driver(self, error: ImportError) -> StoreError:
         """Say which driver is not installed, and how to get it."""
         name = error.name or str(error)
         return StoreError(
@@ -44,7 +44,7 @@ class Reach(NamedTuple):
         )
 
 
-def reach(text: str, *, blocking: bool = False) -> Reach:
+def parse_database_url(text: str, *, blocking: bool = False) -> Reach:
     """Read a database's URL; ``blocking`` takes the driver for threads.
 
     ``sslmode`` (``disable``, ``require``, ``verify-ca`` or ``verify-full``) and ``sslrootcert``
@@ -67,7 +67,7 @@ def reach(text: str, *, blocking: bool = False) -> Reach:
         return Reach(url, arguments, dialect)
     if not url.database:
         raise StoreError("the database URL names no database", _EXAMPLE)
-    context = _tls(url)
+    context = _tls_context(url)
     if context is not None:
         arguments[dialect.tls_argument(url.drivername)] = context
     # The drivers know these two words in other ways, or not at all.
@@ -78,7 +78,7 @@ def reach(text: str, *, blocking: bool = False) -> Reach:
     return Reach(url, arguments, dialect)
 
 
-def _tls(url: URL) -> ssl.SSLContext | None:
+def _tls_context(url: URL) -> ssl.SSLContext | None:
     mode, root = url.query.get("sslmode", ""), url.query.get("sslrootcert", "")
     if mode in {"", "disable"}:
         return None

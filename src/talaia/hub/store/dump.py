@@ -8,7 +8,7 @@ from sqlalchemy import Column, MetaData, String, Table, create_engine, insert, s
 
 # Every table of ours must be known before `metadata` is gone through.
 from talaia.hub.store import alarm_tables as _alarm_tables, history_tables as _history_tables
-from talaia.hub.store.database_url import reach
+from talaia.hub.store.database_url import parse_database_url
 from talaia.hub.store.dialects.choice import dialect_of
 from talaia.hub.store.tables import metadata
 
@@ -29,7 +29,7 @@ VERSION_TABLE = Table(
 
 def open_plain(url: str) -> Engine:
     """Open a database for one long transaction that sees one state of it."""
-    found = reach(url, blocking=True)
+    found = parse_database_url(url, blocking=True)
     engine = create_engine(found.url, connect_args=found.arguments)
     return dialect_of(engine).open_snapshot(engine)
 
@@ -47,14 +47,14 @@ def copy_tables(source: Connection, target: Connection) -> int:
         target.execute(table.delete())
     copied = 0
     for table in tables:
-        for rows in _rows(source, table):
+        for rows in _read_rows(source, table):
             target.execute(insert(table), rows)
             copied += len(rows)
         dialect_of(target).advance_sequences(target, table)
     return copied
 
 
-def _rows(source: Connection, table: Table) -> Iterator[list[dict[str, Any]]]:
+def _read_rows(source: Connection, table: Table) -> Iterator[list[dict[str, Any]]]:
     """Read a table by its key, a few rows at a time: a database need not fit into memory."""
     # By key, not by offset: each page costs the same, however far it is.
     keys = list(table.primary_key)

@@ -50,12 +50,12 @@ __all__ = [
 ]
 
 
-def _key(name: str, kind: Any = ROW_ID) -> Column[Any]:  # noqa: ANN401 - any column type
+def _key_column(name: str, kind: Any = ROW_ID) -> Column[Any]:  # noqa: ANN401 - any column type
     # The program numbers rows itself: it writes many at once and wants no answer to each.
     return Column(name, kind, primary_key=True, autoincrement=False)
 
 
-def _summary() -> tuple[Column[Any], ...]:
+def _summary_columns() -> tuple[Column[Any], ...]:
     return (
         Column("samples", BigInteger, nullable=False),
         Column("numbers", BigInteger, nullable=False),
@@ -76,7 +76,7 @@ def _summary() -> tuple[Column[Any], ...]:
 channel = Table(
     "history_channel",
     metadata,
-    _key("id"),
+    _key_column("id"),
     Column("site", EXACT_NAME, nullable=False),
     Column("address", EXACT_NAME, nullable=False),
     Column("since_us", BigInteger, nullable=False),
@@ -88,7 +88,7 @@ channel = Table(
 boot = Table(
     "history_boot",
     metadata,
-    _key("id"),
+    _key_column("id"),
     Column("site", EXACT_NAME, nullable=False),
     Column("boot", EXACT_NAME, nullable=False),
     UniqueConstraint("site", "boot"),
@@ -98,18 +98,18 @@ boot = Table(
 stored_range = Table(
     "history_range",
     metadata,
-    _key("boot_id"),
-    _key("first_seq", BigInteger()),
+    _key_column("boot_id"),
+    _key_column("first_seq", BigInteger()),
     Column("past_seq", BigInteger, nullable=False),
 )
 
 gap = Table(
     "history_gap",
     metadata,
-    _key("boot_id"),
-    _key("first_seq", BigInteger()),
-    _key("last_seq", BigInteger()),
-    _key("from_us", BigInteger()),
+    _key_column("boot_id"),
+    _key_column("first_seq", BigInteger()),
+    _key_column("last_seq", BigInteger()),
+    _key_column("from_us", BigInteger()),
     Column("to_us", BigInteger, nullable=False),
     Column("reason", UNICODE_TEXT, nullable=False),
 )
@@ -118,7 +118,7 @@ gap = Table(
 catalogue = Table(
     "history_catalogue",
     metadata,
-    _key("id"),
+    _key_column("id"),
     Column("channels", LONG_BYTES, nullable=False),
 )
 
@@ -127,7 +127,7 @@ catalogue = Table(
 hot = Table(
     "history_hot",
     metadata,
-    _key("id"),
+    _key_column("id"),
     Column("boot_id", ROW_ID, nullable=False),
     Column("catalogue_id", ROW_ID, nullable=False),
     Column("first_seq", BigInteger, nullable=False),
@@ -143,7 +143,7 @@ hot = Table(
 tail = Table(
     "history_tail",
     metadata,
-    _key("channel_id"),
+    _key_column("channel_id"),
     Column("body", LONG_BYTES, nullable=False),
 )
 
@@ -153,12 +153,12 @@ tail = Table(
 block = Table(
     "history_block",
     metadata,
-    _key("channel_id"),
-    _key("first_us", BigInteger()),
-    _key("id"),
+    _key_column("channel_id"),
+    _key_column("first_us", BigInteger()),
+    _key_column("id"),
     Column("finest_us", BigInteger, nullable=False),
     Column("bytes", Integer),
-    *_summary(),
+    *_summary_columns(),
     sqlite_with_rowid=False,
 )
 Index("ix_history_block_last_us", block.c.channel_id, block.c.last_us)
@@ -166,17 +166,17 @@ Index("ix_history_block_last_us", block.c.channel_id, block.c.last_us)
 body = Table(
     "history_body",
     metadata,
-    _key("block_id"),
+    _key_column("block_id"),
     Column("body", LONG_BYTES, nullable=False),
 )
 
 rollup = Table(
     "history_rollup",
     metadata,
-    _key("channel_id"),
-    _key("width_us", BigInteger()),
-    _key("bucket_us", BigInteger()),
-    *_summary(),
+    _key_column("channel_id"),
+    _key_column("width_us", BigInteger()),
+    _key_column("bucket_us", BigInteger()),
+    *_summary_columns(),
     sqlite_with_rowid=False,
 )
 
@@ -185,8 +185,8 @@ rollup = Table(
 recent = Table(
     "history_recent",
     metadata,
-    _key("time_us", BigInteger()),
-    _key("channel_id"),
+    _key_column("time_us", BigInteger()),
+    _key_column("channel_id"),
     Column("value", Double),
     Column("text", UNICODE_TEXT),
     sqlite_with_rowid=False,
@@ -198,8 +198,8 @@ recent = Table(
 sensor = Table(
     "history_sensor",
     metadata,
-    _key("site", EXACT_NAME),
-    _key("address", EXACT_NAME),
+    _key_column("site", EXACT_NAME),
+    _key_column("address", EXACT_NAME),
     Column("view_name", String(63), nullable=False),
     Column("shown_name", EXACT_NAME, nullable=False),
     Column("unit", EXACT_NAME, nullable=False),

@@ -47,7 +47,7 @@ def set_aside_if_damaged(url: str, clock: Clock, read_through: int = _READ_THROU
     path = Path(parsed.database)
     if not path.is_file():
         return None
-    problem = _problem(path, read_through)
+    problem = _find_problem(path, read_through)
     if not problem:
         return None
     aside = path.with_name(f"{path.name}.damaged-{clock.wall_ns() // 1_000_000_000}")
@@ -65,7 +65,7 @@ def set_aside_if_damaged(url: str, clock: Clock, read_through: int = _READ_THROU
     return aside
 
 
-def _problem(path: Path, read_through: int) -> str:
+def _find_problem(path: Path, read_through: int) -> str:
     try:
         with closing(sqlite3.connect(path)) as database:
             listed = database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")

@@ -16,7 +16,7 @@ def safe_text(text: str, longest: int) -> str:
     """Give one line with nothing hidden in it: escapes stand for it; cut to ``longest``."""
     if text.isascii() and text.isprintable():
         return text[:longest]
-    return "".join(map(_shown, text[:longest]))[:longest]
+    return "".join(map(_escape_character, text[:longest]))[:longest]
 
 
 def safe_cell(text: str) -> str:
@@ -24,7 +24,7 @@ def safe_cell(text: str) -> str:
     return f"'{text}" if text.startswith(_FORMULA) else text
 
 
-def _shown(character: str) -> str:
+def _escape_character(character: str) -> str:
     if unicodedata.category(character) not in _UNSEEN:
         return character
     return character.encode("unicode_escape").decode("ascii")

@@ -62,7 +62,7 @@ class Watch(Shape, frozen=True, kw_only=True):
     extension: str = ""
     keys: dict[str, ExtensionScalar] = {}
 
-    def word(self) -> str:
+    def detector_name(self) -> str:
         """Name the detector: an extension by its own name."""
         return self.extension or str(self.detector)
 

@@ -76,9 +76,9 @@ class _Node:
     judge: Callable[[Mapping[str, Value], tuple[Value, ...]], Value]
     parts: tuple[_Node, ...] = ()
 
-    def value(self, values: Mapping[str, Value]) -> Value:
+    def evaluate_node(self, values: Mapping[str, Value]) -> Value:
         """Judge the parts, and then this."""
-        return self.judge(values, tuple(part.value(values) for part in self.parts))
+        return self.judge(values, tuple(part.evaluate_node(values) for part in self.parts))
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,14 +95,14 @@ class Expression:
     signals: tuple[str, ...]
     _tree: _Node
 
-    def judge(self, values: Mapping[str, Value]) -> bool | None:
+    def evaluate_expression(self, values: Mapping[str, Value]) -> bool | None:
         """Tell whether it holds; None when that cannot be known.
 
         Args:
             values: by address; None, not a number, or missing: unknown.
 
         """
-        found = self._tree.value(values)
+        found = self._tree.evaluate_node(values)
         return found if isinstance(found, bool) else None
 
 
@@ -116,7 +116,7 @@ def parse_condition(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
     if len(text) > MAX_LENGTH:
         raise ExpressionError(MAX_LENGTH, f"longer than {MAX_LENGTH} letters")
     reader = _Reader(text, kinds)
-    tree = reader.read()
+    tree = reader.read_expression()
     # Each once, in the order of the text.
     return Expression(text, tuple(dict.fromkeys(reader.signals)), tree)
 
@@ -171,12 +171,14 @@ class _Reader:
         # Channels in the order of the text, with repeats.
         self.signals: list[str] = []
 
-    def read(self) -> _Node:
+    def read_expression(self) -> _Node:
         start = self._word
         tree = self._parse_or()
         # Something is left over: an operator is missing, or a parenthesis too many.
         if self._word.sort != "end":
-            raise ExpressionError(self._word.at, f"{self._quoted(self._word)} is not expected here")
+            raise ExpressionError(
+                self._word.at, f"{self._quote_token(self._word)} is not expected here"
+            )
         _want_kind(tree, ValueKind.TRUTH, start)
         return tree
 
@@ -194,11 +196,11 @@ class _Reader:
     def _expect_token(self, text: str) -> None:
         if self._take_token(text) is None:
             raise ExpressionError(
-                self._word.at, f"expected {text!r}, found {self._quoted(self._word)}"
+                self._word.at, f"expected {text!r}, found {self._quote_token(self._word)}"
             )
 
     @staticmethod
-    def _quoted(word: _Token) -> str:
+    def _quote_token(word: _Token) -> str:
         return "the end" if word.sort == "end" else repr(word.text)
 
     def _parse_or(self) -> _Node:
@@ -233,7 +235,7 @@ class _Reader:
         # Counted, not nested: a row of them needs no stack.
         while self._take_token("not"):
             turns += 1
-        start, part = self._word, self._compared()
+        start, part = self._word, self._parse_comparison()
         if not turns:
             return part
         _want_kind(part, ValueKind.TRUTH, start)
@@ -242,7 +244,7 @@ class _Reader:
         # Kleene: what is not unknown is unknown.
         return _Node(ValueKind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,))
 
-    def _compared(self) -> _Node:
+    def _parse_comparison(self) -> _Node:
         left = self._parse_sum()
         sign = self._take_token(*_COMPARE)
         if sign is None:
@@ -287,7 +289,7 @@ class _Reader:
         if not minus:
             return part
         _want_kind(part, ValueKind.NUMBER, start)
-        return _Node(ValueKind.NUMBER, lambda _, v: _if_all_known(_negated, v), (part,))
+        return _Node(ValueKind.NUMBER, lambda _, v: _if_all_known(_negate_value, v), (part,))
 
     def _parse_atom(self) -> _Node:
         word = self._word
@@ -309,7 +311,7 @@ class _Reader:
             return inner
         what = {"word": "a signal stands in braces: {device/signal}", "end": "it ends too soon"}
         raise ExpressionError(
-            word.at, what.get(word.sort, f"{self._quoted(word)} is not expected here")
+            word.at, what.get(word.sort, f"{self._quote_token(word)} is not expected here")
         )
 
     def _parse_signal(self, word: _Token) -> _Node:
@@ -347,7 +349,7 @@ def _want_kind(node: _Node, kind: ValueKind, word: _Token) -> None:
         raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}")
 
 
-def _negated(values: tuple[Value, ...]) -> Value:
+def _negate_value(values: tuple[Value, ...]) -> Value:
     return -_only_numbers(values)[0]
 
 

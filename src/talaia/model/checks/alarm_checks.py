@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
 from talaia.model.alarms.expression import ExpressionError, ValueKind, parse_condition
-from talaia.model.checks.identifiers import Finding, above, at_least, id_fits, name_fits
+from talaia.model.checks.identifiers import Finding, at_least, check_above, id_fits, name_fits
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
 
@@ -94,20 +94,22 @@ def alarm_findings(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[F
         at = f"{where}.unknown_after"
         yield Finding(at, f"expected 0 to {_DAY:g} s, found {alarm.unknown_after}")
     if alarm.max_age is not None:
-        yield from above(f"{where}.max_age", alarm.max_age, 0)
+        yield from check_above(f"{where}.max_age", alarm.max_age, 0)
     if len(alarm.advice) > _MOST_ADVICE:
         yield Finding(f"{where}.advice", f"longer than {_MOST_ADVICE} letters")
     yield from _told_again(where, alarm)
-    yield from _strangers(where, alarm)
+    yield from _check_foreign_keys(where, alarm)
     match alarm.kind:
         case AlarmKind.DETECTION:
-            yield from _detection(addresses, where, alarm)
+            yield from _check_detection(addresses, where, alarm)
         case AlarmKind.EXPRESSION:
-            yield from _expression(addresses, where, alarm)
+            yield from _check_expression(addresses, where, alarm)
         case AlarmKind.ENCLOSURE:
             if alarm.enclosure and alarm.enclosure not in addresses.enclosures:
                 at = f"{where}.enclosure"
-                yield _of(UnknownWord(at, "enclosure", alarm.enclosure, addresses.enclosures))
+                yield _finding_of(
+                    UnknownWord(at, "enclosure", alarm.enclosure, addresses.enclosures)
+                )
         case AlarmKind.GATEWAY:
             pass
         case _:
@@ -143,7 +145,7 @@ def _told_again(where: str, alarm: Alarm) -> Iterator[Finding]:
         yield Finding(f"{where}.repeat", "with escalate it is told again", "write repeat: 300")
 
 
-def _strangers(where: str, alarm: Alarm) -> Iterator[Finding]:
+def _check_foreign_keys(where: str, alarm: Alarm) -> Iterator[Finding]:
     # With every default of its kind: what differs from it was written.
     plain = Alarm(name="", kind=alarm.kind)
     others = set().union(*_OWN.values()) - _OWN[alarm.kind]
@@ -165,17 +167,17 @@ def _of_signal(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
     }.get(alarm.kind, set(SignalType))
     known = [address for address, signal in described.items() if signal.type in fitting]
     if alarm.signal not in known:
-        yield _of(UnknownWord(f"{where}.signal", "signal", alarm.signal, known))
+        yield _finding_of(UnknownWord(f"{where}.signal", "signal", alarm.signal, known))
         return
     if alarm.kind is AlarmKind.LIMIT:
-        yield from _limits(where, alarm)
+        yield from _check_limits(where, alarm)
     elif alarm.kind is AlarmKind.STATE:
-        yield from _states(where, alarm, described[alarm.signal])
+        yield from _check_states(where, alarm, described[alarm.signal])
     elif alarm.kind is AlarmKind.ANOMALY:
         yield from at_least(f"{where}.score", alarm.score, 0)
 
 
-def _limits(where: str, alarm: Alarm) -> Iterator[Finding]:
+def _check_limits(where: str, alarm: Alarm) -> Iterator[Finding]:
     if alarm.above is None and alarm.below is None:
         yield Finding(where, "there is no limit", "write above or below")
     for key in ("above", "below"):
@@ -191,7 +193,7 @@ def _limits(where: str, alarm: Alarm) -> Iterator[Finding]:
         )
 
 
-def _states(where: str, alarm: Alarm, signal: Signal) -> Iterator[Finding]:
+def _check_states(where: str, alarm: Alarm, signal: Signal) -> Iterator[Finding]:
     if not alarm.is_one_of and not alarm.is_not:
         yield Finding(where, "there is no state", "write is or is_not")
     if signal.type is not SignalType.STATE:
@@ -200,13 +202,13 @@ def _states(where: str, alarm: Alarm, signal: Signal) -> Iterator[Finding]:
         for index, word in enumerate(words):
             if word not in signal.states:
                 at = f"{where}.{key}[{index}]"
-                yield _of(UnknownWord(at, "state", word, signal.states))
+                yield _finding_of(UnknownWord(at, "state", word, signal.states))
 
 
-def _detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+def _check_detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     streams = addresses.streams
     if alarm.stream not in streams:
-        yield _of(UnknownWord(f"{where}.stream", "stream", alarm.stream, streams))
+        yield _finding_of(UnknownWord(f"{where}.stream", "stream", alarm.stream, streams))
     yield from name_fits(f"{where}.label", alarm.label)
     if not 1 <= alarm.count <= _MOST:
         yield Finding(f"{where}.count", f"expected 1 to {_MOST}, found {alarm.count}")
@@ -214,7 +216,7 @@ def _detection(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Findi
         yield Finding(f"{where}.confidence", f"expected 0 to 1, found {alarm.confidence}")
 
 
-def _expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
+def _check_expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Finding]:
     try:
         found = parse_condition(alarm.expression, addresses.kinds)
     except ExpressionError as error:
@@ -224,5 +226,5 @@ def _expression(addresses: Addresses, where: str, alarm: Alarm) -> Iterator[Find
         yield Finding(f"{where}.expression", "there is no signal in it", "write {device/signal}")
 
 
-def _of(error: UnknownWord) -> Finding:
+def _finding_of(error: UnknownWord) -> Finding:
     return Finding(error.where, error.problem, error.remedy)

@@ -33,17 +33,17 @@ def anomaly_findings(where: str, watches: tuple[Watch, ...], *, number: bool) ->
     seen: set[str] = set()
     for index, watch in enumerate(watches):
         at = f"{where}.anomalies[{index}]"
-        if watch.word() in seen:
+        if watch.detector_name() in seen:
             yield Finding(
                 f"{at}.detector",
-                f"the detector '{watch.word()}' stands here twice",
+                f"the detector '{watch.detector_name()}' stands here twice",
                 "keep one of them",
             )
-        seen.add(watch.word())
-        yield from _watch(at, watch)
+        seen.add(watch.detector_name())
+        yield from _check_watch(at, watch)
 
 
-def _watch(where: str, watch: Watch) -> Iterator[Finding]:
+def _check_watch(where: str, watch: Watch) -> Iterator[Finding]:
     if not 0.0 <= watch.bar <= 1.0:
         yield Finding(f"{where}.bar", f"expected 0 to 1, found {watch.bar:g}")
     if not 1 <= watch.rest <= 1_000_000:
@@ -51,7 +51,7 @@ def _watch(where: str, watch: Watch) -> Iterator[Finding]:
     means = _ANY | set(OPTIONS.get(watch.detector, ()))
     for field in msgspec.structs.fields(Watch):
         # What stands at its default may have been written, but says nothing.
-        if field.name in means or getattr(watch, field.name) == _default(field):
+        if field.name in means or getattr(watch, field.name) == _default_of(field):
             continue
         owner = ", ".join(kind for kind, keys in OPTIONS.items() if field.name in keys)
         yield Finding(
@@ -80,5 +80,5 @@ def _watch(where: str, watch: Watch) -> Iterator[Finding]:
             yield Finding(f"{where}.minimum", f"{low:g} is not below the maximum, {high:g}")
 
 
-def _default(field: msgspec.structs.FieldInfo) -> object:
+def _default_of(field: msgspec.structs.FieldInfo) -> object:
     return field.default if field.default_factory is msgspec.NODEFAULT else field.default_factory()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from talaia.model.checks.identifiers import Finding, above, id_fits, name_fits
+from talaia.model.checks.identifiers import Finding, check_above, id_fits, name_fits
 from talaia.model.closed_lists import SignalType
 from talaia.model.derived_signals import classes_of, counts_of, detect_of
 from talaia.model.detection import DetectAt, DetectionSource
@@ -31,10 +31,10 @@ def models_findings(site: Site) -> Iterator[Finding]:
     for name, model in site.object_models.items():
         where = f"$.object_models.{name}"
         yield from id_fits(where, name)
-        yield from _model(where, model)
+        yield from _check_model(where, model)
 
 
-def _model(where: str, model: ObjectModel) -> Iterator[Finding]:
+def _check_model(where: str, model: ObjectModel) -> Iterator[Finding]:
     # A NUL ends a path for the system, and Python refuses it with an error of its own.
     if not model.file.strip() or "\0" in model.file:
         yield Finding(f"{where}.file", "there is no file", "write: file: models/ours.onnx")
@@ -54,7 +54,7 @@ def _model(where: str, model: ObjectModel) -> Iterator[Finding]:
         if not math.isfinite(value):
             yield Finding(f"{where}.mean[{index}]", f"expected a finite number, found {value}")
     for index, value in enumerate(model.spread):
-        yield from above(f"{where}.spread[{index}]", value, 0)
+        yield from check_above(f"{where}.spread[{index}]", value, 0)
 
 
 def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
@@ -75,12 +75,12 @@ def detect_fits(site: Site, where: str, stream: Stream) -> Iterator[Finding]:
             problem = f"there is no model {detect.model!r}"
             yield Finding(f"{where}.model", problem, "describe it in object_models")
             return
-        yield _of(UnknownWord(f"{where}.model", "model", detect.model, site.object_models))
+        yield _finding_of(UnknownWord(f"{where}.model", "model", detect.model, site.object_models))
         return
     known = classes_of(site, detect.model)
     for index, label in enumerate(detect.classes):
         if label not in known:
-            yield _of(UnknownWord(f"{where}.classes[{index}]", "class", label, known))
+            yield _finding_of(UnknownWord(f"{where}.classes[{index}]", "class", label, known))
         elif label in detect.classes[:index]:
             yield Finding(f"{where}.classes[{index}]", f"{label!r} is there twice", "leave it out")
 
@@ -96,7 +96,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
         problem = "what a camera sees comes from nowhere else"
         yield Finding(f"{where}.{key}", problem, "leave it out")
     if source.within is not None:
-        yield from _within(f"{where}.within", source.within)
+        yield from _check_area(f"{where}.within", source.within)
     if not source.stream:
         remedy = "write: stream: front_camera"
         yield Finding(f"{where}.stream", "on which camera is it to be seen?", remedy)
@@ -106,7 +106,7 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
         return
     stream = device.streams.get(source.stream)
     if stream is None:
-        yield _of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
+        yield _finding_of(UnknownWord(f"{where}.stream", "stream", source.stream, device.streams))
         return
     detect = detect_of(site, stream)
     if detect is None:
@@ -116,10 +116,10 @@ def count_fits(site: Site, where: str, device: Device, signal: Signal) -> Iterat
     # None are known of a model that is not described; that is said at the stream.
     known = classes_of(site, detect.model)
     if known and source.sees not in known:
-        yield _of(UnknownWord(f"{where}.sees", "class", source.sees, known))
+        yield _finding_of(UnknownWord(f"{where}.sees", "class", source.sees, known))
 
 
-def _within(where: str, within: tuple[float, float, float, float]) -> Iterator[Finding]:
+def _check_area(where: str, within: tuple[float, float, float, float]) -> Iterator[Finding]:
     if not all(0 <= share <= 1 for share in within):
         yield Finding(where, "expected four parts of the picture, 0 to 1", "as [0.3, 0.5, 0.7, 1]")
     elif within[0] >= within[2] or within[1] >= within[3]:
@@ -135,22 +135,22 @@ def hub_sight_findings(site: Site) -> Iterator[Finding]:
     remedy = "write at the stream's detect: at: gateway"
     told = set()
     for name, interlock in site.interlocks.items():
-        for where, address in _conditions(f"$.interlocks.{name}.when", interlock.when):
+        for where, address in _list_conditions(f"$.interlocks.{name}.when", interlock.when):
             if address in far:
                 told.add(address)
                 yield Finding(where, problem, remedy)
-    # Enclosures, STOP and all else that `Site.guarded` names.
-    for address in sorted((site.guarded() & far) - told):
+    # Enclosures, STOP and all else that `Site.safety_signals` names.
+    for address in sorted((site.safety_signals() & far) - told):
         device, _, signal = address.partition("/")
         yield Finding(f"$.devices.{device}.signals.{signal}", problem, remedy)
 
 
-def _conditions(where: str, conditions: tuple[Condition, ...]) -> Iterator[tuple[str, str]]:
+def _list_conditions(where: str, conditions: tuple[Condition, ...]) -> Iterator[tuple[str, str]]:
     for index, condition in enumerate(conditions):
         if condition.signal:
             yield f"{where}[{index}].signal", condition.signal
-        yield from _conditions(f"{where}[{index}].all", condition.all_of)
+        yield from _list_conditions(f"{where}[{index}].all", condition.all_of)
 
 
-def _of(error: UnknownWord) -> Finding:
+def _finding_of(error: UnknownWord) -> Finding:
     return Finding(error.where, error.problem, error.remedy)

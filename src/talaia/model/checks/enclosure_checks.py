@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from talaia.model.checks.identifiers import Finding, above, at_least, id_fits, name_fits
+from talaia.model.checks.identifiers import Finding, at_least, check_above, id_fits, name_fits
 from talaia.model.checks.interlock_checks import step_findings
 from talaia.model.checks.outlet_checks import outlet_findings
 from talaia.model.errors import UnknownWord
@@ -24,55 +24,57 @@ __all__ = ["enclosure_findings"]
 def enclosure_findings(site: Site) -> Iterator[Finding]:
     """List what does not fit in a site's place, enclosures and pointing limits."""
     if site.place is not None:
-        yield from _within("$.place.latitude", site.place.latitude, -90, 90)
+        yield from _check_range("$.place.latitude", site.place.latitude, -90, 90)
         # People count east to 180° or to 360°.
-        yield from _within("$.place.longitude", site.place.longitude, -180, 360)
+        yield from _check_range("$.place.longitude", site.place.longitude, -180, 360)
         # From the lowest shore to the highest summit.
-        yield from _within("$.place.elevation", site.place.elevation, -500, 9000)
+        yield from _check_range("$.place.elevation", site.place.elevation, -500, 9000)
     for name, enclosure in site.enclosures.items():
         where = f"$.enclosures.{name}"
         yield from id_fits(where, name)
-        yield from _enclosure(site, where, enclosure)
+        yield from _check_enclosure(site, where, enclosure)
     yield from outlet_findings(site)
     for device_id, device in site.devices.items():
         if device.pointing is not None:
             where = f"$.devices.{device_id}.pointing"
-            yield from _pointing(site, where, device, device.pointing)
+            yield from _check_pointing(site, where, device, device.pointing)
 
 
-def _within(where: str, value: float, low: float, high: float) -> Iterator[Finding]:
+def _check_range(where: str, value: float, low: float, high: float) -> Iterator[Finding]:
     # Written so that NaN is found as well.
     if not low <= value <= high:
         yield Finding(where, f"expected {low} to {high}, found {value}")
 
 
-def _enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
+def _check_enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", enclosure.name)
     if not enclosure.unsafe:
         yield Finding(f"{where}.unsafe", "nothing would ever close it", "name an interlock")
     for index, name in enumerate(enclosure.unsafe):
         if name not in site.interlocks:
             at = f"{where}.unsafe[{index}]"
-            yield _of(UnknownWord(at, "interlock", name, list(site.interlocks)))
+            yield _finding_of(UnknownWord(at, "interlock", name, list(site.interlocks)))
     if not enclosure.closed:
         yield Finding(f"{where}.closed", "nothing says when it is closed", "name its end switch")
     for key in ("closed", "moving", "opening"):
         for index, sighting in enumerate(getattr(enclosure, key)):
-            yield from _sighting(site, f"{where}.{key}[{index}]", sighting)
+            yield from _check_sighting(site, f"{where}.{key}[{index}]", sighting)
     yield from step_findings(site, f"{where}.close", enclosure.close)
     for index, step in enumerate(enclosure.abort):
         yield from step_findings(site, f"{where}.abort[{index}]", step)
-    if enclosure.stop and enclosure.stop not in _commands(site):
-        yield _of(UnknownWord(f"{where}.stop", "command", enclosure.stop, _commands(site)))
+    if enclosure.stop and enclosure.stop not in _command_addresses(site):
+        yield _finding_of(
+            UnknownWord(f"{where}.stop", "command", enclosure.stop, _command_addresses(site))
+        )
     if enclosure.park is not None:
         yield from step_findings(site, f"{where}.park", enclosure.park)
         # Without it a park would be waited for in vain, each time.
         if enclosure.parked is None:
             yield Finding(f"{where}.parked", "nothing says when the telescope is parked")
     if enclosure.parked is not None:
-        yield from _sighting(site, f"{where}.parked", enclosure.parked)
+        yield from _check_sighting(site, f"{where}.parked", enclosure.parked)
     for key in ("mount_within", "move_within", "alarm_every"):
-        yield from above(f"{where}.{key}", getattr(enclosure, key), 0)
+        yield from check_above(f"{where}.{key}", getattr(enclosure, key), 0)
     yield from at_least(f"{where}.retries", enclosure.retries, 0)
     if enclosure.heartbeat is not None:
         yield from _heartbeat(site, f"{where}.heartbeat", enclosure.heartbeat)
@@ -80,9 +82,9 @@ def _enclosure(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding
     if enclosure.watchdog_after and not 2 <= enclosure.watchdog_after <= 3600:
         at, found = f"{where}.watchdog_after", enclosure.watchdog_after
         yield Finding(at, f"expected 2 to 3600 s, or 0 for never, found {found:g}")
-    yield from _parts(site, where, enclosure)
+    yield from _check_parts(site, where, enclosure)
     if enclosure.follow is not None:
-        yield from _follow(site, f"{where}.follow", enclosure.follow)
+        yield from _check_follow(site, f"{where}.follow", enclosure.follow)
 
 
 def _heartbeat(site: Site, where: str, heartbeat: Heartbeat) -> Iterator[Finding]:
@@ -91,41 +93,45 @@ def _heartbeat(site: Site, where: str, heartbeat: Heartbeat) -> Iterator[Finding
     yield from at_least(f"{where}.every", heartbeat.every, 0.5)
 
 
-def _follow(site: Site, where: str, follow: Follow) -> Iterator[Finding]:
+def _check_follow(site: Site, where: str, follow: Follow) -> Iterator[Finding]:
     for key in ("target", "azimuth"):
-        yield from _signal(site, f"{where}.{key}", getattr(follow, key), SignalType.NUMBER)
-    yield from _sighting(site, f"{where}.when", follow.when)
+        yield from _check_signal(site, f"{where}.{key}", getattr(follow, key), SignalType.NUMBER)
+    yield from _check_sighting(site, f"{where}.when", follow.when)
     for key in ("moving", "open"):
         sighting: Sighting | None = getattr(follow, key)
         if sighting is not None:
-            yield from _sighting(site, f"{where}.{key}", sighting)
+            yield from _check_sighting(site, f"{where}.{key}", sighting)
     for index, name in enumerate(follow.before):
-        if name not in _commands(site):
+        if name not in _command_addresses(site):
             at = f"{where}.before[{index}]"
-            yield _of(UnknownWord(at, "command", name, _commands(site)))
-    yield from above(f"{where}.wait", follow.wait, 0)
+            yield _finding_of(UnknownWord(at, "command", name, _command_addresses(site)))
+    yield from check_above(f"{where}.wait", follow.wait, 0)
     device_id, _, command_id = follow.command.partition("/")
-    if follow.command not in _commands(site):
-        yield _of(UnknownWord(f"{where}.command", "command", follow.command, _commands(site)))
+    if follow.command not in _command_addresses(site):
+        yield _finding_of(
+            UnknownWord(f"{where}.command", "command", follow.command, _command_addresses(site))
+        )
     else:
         arguments = site.devices[device_id].commands[command_id].arguments
         if follow.argument not in arguments:
             at = f"{where}.argument"
-            yield _of(UnknownWord(at, "argument", follow.argument, list(arguments)))
-    yield from above(f"{where}.within", follow.within, 0)
+            yield _finding_of(UnknownWord(at, "argument", follow.argument, list(arguments)))
+    yield from check_above(f"{where}.within", follow.within, 0)
     yield from at_least(f"{where}.every", follow.every, 1)
 
 
-def _pointing(site: Site, where: str, device: Device, pointing: Pointing) -> Iterator[Finding]:
+def _check_pointing(
+    site: Site, where: str, device: Device, pointing: Pointing
+) -> Iterator[Finding]:
     if site.place is None:
         yield Finding(where, "it is not known where the site is", "write place: at the top")
-    yield from _within(f"{where}.horizon", pointing.horizon, -90, 90)
-    yield from _within(f"{where}.sun", pointing.sun, 0, 180)
+    yield from _check_range(f"{where}.horizon", pointing.horizon, -90, 90)
+    yield from _check_range(f"{where}.sun", pointing.sun, 0, 180)
     for name, names in pointing.commands.items():
         at = f"{where}.commands.{name}"
         command = device.commands.get(name)
         if command is None:
-            yield _of(UnknownWord(at, "command", name, list(device.commands)))
+            yield _finding_of(UnknownWord(at, "command", name, list(device.commands)))
             continue
         # One pair, and both of it.
         pairs = [(names.ra, names.dec), (names.alt, names.az)]
@@ -136,15 +142,20 @@ def _pointing(site: Site, where: str, device: Device, pointing: Pointing) -> Ite
         for argument in given[0]:
             described = command.arguments.get(argument)
             if described is None or described.type is not ArgumentType.NUMBER:
-                yield _of(UnknownWord(at, "number argument", argument, list(command.arguments)))
+                yield _finding_of(
+                    UnknownWord(at, "number argument", argument, list(command.arguments))
+                )
 
 
-def _sighting(site: Site, where: str, sighting: Sighting) -> Iterator[Finding]:
+def _check_sighting(site: Site, where: str, sighting: Sighting) -> Iterator[Finding]:
     signal = site.signal(sighting.signal)
     # A text or a position says neither.
     if signal is None or signal.type not in (SignalType.STATE, SignalType.NUMBER):
-        known = [*_addresses(site, SignalType.STATE), *_addresses(site, SignalType.NUMBER)]
-        yield _of(UnknownWord(f"{where}.signal", "state or number", sighting.signal, known))
+        known = [
+            *_signal_addresses(site, SignalType.STATE),
+            *_signal_addresses(site, SignalType.NUMBER),
+        ]
+        yield _finding_of(UnknownWord(f"{where}.signal", "state or number", sighting.signal, known))
         return
     limits = [key for key in ("above", "below") if getattr(sighting, key) is not None]
     if signal.type is SignalType.NUMBER:
@@ -163,10 +174,10 @@ def _sighting(site: Site, where: str, sighting: Sighting) -> Iterator[Finding]:
         yield Finding(f"{where}.is", "no state is named", f"one of {states}")
     for index, word in enumerate(sighting.is_one_of):
         if word not in signal.states:
-            yield _of(UnknownWord(f"{where}.is[{index}]", "state", word, signal.states))
+            yield _finding_of(UnknownWord(f"{where}.is[{index}]", "state", word, signal.states))
 
 
-def _parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
+def _check_parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
     """List what is wrong with segments, flap, position, and what it is said to be able to do."""
     ways = {f"{where}.segments.{key}": segment for key, segment in enclosure.segments.items()}
     if enclosure.flap is not None:
@@ -176,9 +187,9 @@ def _parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
         if not part.closed:
             yield Finding(f"{at}.closed", "nothing says when it is closed", "name its end switch")
         for index, sighting in enumerate(part.closed):
-            yield from _sighting(site, f"{at}.closed[{index}]", sighting)
+            yield from _check_sighting(site, f"{at}.closed[{index}]", sighting)
         if part.position:
-            yield from _signal(site, f"{at}.position", part.position, SignalType.NUMBER)
+            yield from _check_signal(site, f"{at}.position", part.position, SignalType.NUMBER)
         if part.close is not None:
             yield from step_findings(site, f"{at}.close", part.close)
     for key in enclosure.segments:
@@ -187,12 +198,12 @@ def _parts(site: Site, where: str, enclosure: Enclosure) -> Iterator[Finding]:
     if "flap" in enclosure.segments:
         yield Finding(f"{where}.segments.flap", "a flap is no segment", "write it as flap:")
     if enclosure.position:
-        yield from _signal(site, f"{where}.position", enclosure.position, SignalType.NUMBER)
+        yield from _check_signal(site, f"{where}.position", enclosure.position, SignalType.NUMBER)
     yield from at_least(f"{where}.disagree_after", enclosure.disagree_after, 0)
-    yield from _capabilities(f"{where}.capabilities", enclosure)
+    yield from _check_capabilities(f"{where}.capabilities", enclosure)
 
 
-def _capabilities(where: str, enclosure: Enclosure) -> Iterator[Finding]:
+def _check_capabilities(where: str, enclosure: Enclosure) -> Iterator[Finding]:
     said, segments = enclosure.capabilities, len(enclosure.segments)
     if said is None:
         return
@@ -210,13 +221,13 @@ def _capabilities(where: str, enclosure: Enclosure) -> Iterator[Finding]:
         yield Finding(f"{where}.segments", problem, "describe each, with its end switch")
 
 
-def _signal(site: Site, where: str, address: str, kind: SignalType) -> Iterator[Finding]:
-    known = _addresses(site, kind)
+def _check_signal(site: Site, where: str, address: str, kind: SignalType) -> Iterator[Finding]:
+    known = _signal_addresses(site, kind)
     if address not in known:
-        yield _of(UnknownWord(where, f"{kind} signal", address, known))
+        yield _finding_of(UnknownWord(where, f"{kind} signal", address, known))
 
 
-def _addresses(site: Site, kind: SignalType) -> list[str]:
+def _signal_addresses(site: Site, kind: SignalType) -> list[str]:
     return [
         f"{device_id}/{signal_id}"
         for device_id, device in site.devices.items()
@@ -225,7 +236,7 @@ def _addresses(site: Site, kind: SignalType) -> list[str]:
     ]
 
 
-def _commands(site: Site) -> list[str]:
+def _command_addresses(site: Site) -> list[str]:
     return [
         f"{device_id}/{command_id}"
         for device_id, device in site.devices.items()
@@ -233,5 +244,5 @@ def _commands(site: Site) -> list[str]:
     ]
 
 
-def _of(error: UnknownWord) -> Finding:
+def _finding_of(error: UnknownWord) -> Finding:
     return Finding(error.where, error.problem, error.remedy)

@@ -61,12 +61,12 @@ def extension_findings(site: Site, rules: ExtensionRules) -> Iterator[Finding]:
     links = site.links()
     for name, connection in links.items():
         if isinstance(connection, ExtensionConnection):
-            yield from _connection(f"$.connections.{name}", connection, rules)
+            yield from _check_connection(f"$.connections.{name}", connection, rules)
     for name, device in site.devices.items():
         where = f"$.devices.{name}"
         link = links.get(site.connection_of(name))
         if isinstance(link, ExtensionConnection):
-            yield from _device(where, device, link, rules)
+            yield from _check_device(where, device, link, rules)
         for signal_id, signal in device.signals.items():
             for index, watch in enumerate(signal.anomalies):
                 shape = rules.detectors.get(watch.extension)
@@ -75,14 +75,16 @@ def extension_findings(site: Site, rules: ExtensionRules) -> Iterator[Finding]:
                     yield from keys_fit(at, shape, watch.keys)
 
 
-def _connection(where: str, link: ExtensionConnection, rules: ExtensionRules) -> Iterator[Finding]:
+def _check_connection(
+    where: str, link: ExtensionConnection, rules: ExtensionRules
+) -> Iterator[Finding]:
     yield from id_fits(f"{where}.extension", link.extension)
     known = rules.adapters.get(link.extension)
     if known is not None:
         yield from keys_fit(f"{where}.keys", known.connection, link.keys)
 
 
-def _device(
+def _check_device(
     where: str, device: Device, link: ExtensionConnection, rules: ExtensionRules
 ) -> Iterator[Finding]:
     known = rules.adapters.get(link.extension)
@@ -95,10 +97,10 @@ def _device(
             yield from keys_fit(f"{at}.keys", known.source, signal.source.keys)
     for name, command in device.commands.items():
         if known is not None:
-            yield from _command(f"{where}.commands.{name}", command, link, known)
+            yield from _check_command(f"{where}.commands.{name}", command, link, known)
 
 
-def _command(
+def _check_command(
     where: str, command: Command, link: ExtensionConnection, known: AdapterRules
 ) -> Iterator[Finding]:
     if known.command is None:
@@ -143,7 +145,7 @@ def keys_fit(
                 msgspec.convert(keys[name], field.type)
             except msgspec.ValidationError as error:
                 whole = False
-                yield Finding(f"{where}.{name}", _plainly(str(error)))
+                yield Finding(f"{where}.{name}", _plain_sentence(str(error)))
         elif field.required and name not in filled:
             whole = False
             yield Finding(f"{where}.{name}", "it is missing", f"write: {name}: …")
@@ -153,8 +155,8 @@ def keys_fit(
         # What fits together only as a whole: what a shape's own `__post_init__` says.
         msgspec.convert(dict(keys), shape)
     except msgspec.ValidationError as error:
-        yield Finding(where, _plainly(str(error)))
+        yield Finding(where, _plain_sentence(str(error)))
 
 
-def _plainly(said: str) -> str:
+def _plain_sentence(said: str) -> str:
     return said[:1].lower() + said[1:].replace("`", "")

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 __all__ = [
     "FIELD",
     "Finding",
-    "above",
     "at_least",
+    "check_above",
     "field_fits",
     "id_fits",
     "name_fits",
@@ -99,7 +99,7 @@ def range_fits(where: str, low: float | None, high: float | None) -> Iterator[Fi
         yield Finding(f"{where}.minimum", f"the minimum {low} is not below the maximum {high}")
 
 
-def above(where: str, value: float, low: float) -> Iterator[Finding]:
+def check_above(where: str, value: float, low: float) -> Iterator[Finding]:
     """A finite number greater than ``low``."""
     if not (math.isfinite(value) and value > low):
         yield Finding(where, f"expected a number above {low}, found {value}")

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.arguments import fields_of
-from talaia.model.checks.identifiers import Finding, above, at_least, id_fits, name_fits
+from talaia.model.checks.identifiers import Finding, at_least, check_above, id_fits, name_fits
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
 
@@ -28,7 +28,7 @@ def interlock_findings(site: Site) -> Iterator[Finding]:
     for interlock_id, interlock in site.interlocks.items():
         where = f"$.interlocks.{interlock_id}"
         yield from id_fits(where, interlock_id)
-        yield from _interlock(site, where, interlock)
+        yield from _check_interlock(site, where, interlock)
     for device_id, device in site.devices.items():
         if device.link_loss is not None:
             where = f"$.devices.{device_id}.link_loss"
@@ -39,7 +39,7 @@ def interlock_findings(site: Site) -> Iterator[Finding]:
                 yield from step_findings(site, f"{where}.run[{index}]", step)
 
 
-def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding]:
+def _check_interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", interlock.name)
     if not interlock.when:
         yield Finding(f"{where}.when", "there is no condition", "write at least one")
@@ -51,16 +51,18 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
         if not 0 <= found <= _DAY:
             yield Finding(f"{where}.{key}", f"expected 0 to {_DAY:g} s, found {found}")
     for index, condition in enumerate(interlock.when):
-        yield from _condition(site, f"{where}.when[{index}]", condition)
-    known = [*_refusable(site)]
+        yield from _check_condition(site, f"{where}.when[{index}]", condition)
+    known = [*_refusable_commands(site)]
     for index, target in enumerate(interlock.refuse):
         if target not in known:
-            yield _of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
+            yield _finding_of(UnknownWord(f"{where}.refuse[{index}]", "command", target, known))
     # Only driving has a speed that can be cut.
     driven = [address for address in known if address.endswith("/drive")]
     for target, share in interlock.slow.items():
         if target not in driven:
-            yield _of(UnknownWord(f"{where}.slow.{target}", "driven device", target, driven))
+            yield _finding_of(
+                UnknownWord(f"{where}.slow.{target}", "driven device", target, driven)
+            )
         elif not 0 < share < 1:
             problem = f"expected a share above 0 and below 1, found {share}"
             yield Finding(f"{where}.slow.{target}", problem, "refuse it to let nobody drive")
@@ -68,9 +70,9 @@ def _interlock(site: Site, where: str, interlock: Interlock) -> Iterator[Finding
         yield from step_findings(site, f"{where}.run[{index}]", step)
 
 
-def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+def _check_condition(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
     if condition.all_of:
-        yield from _group(site, where, condition)
+        yield from _check_group(site, where, condition)
         return
     if condition.link_lost is not None:
         yield from at_least(f"{where}.link_lost", condition.link_lost, 0)
@@ -79,7 +81,7 @@ def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding
             yield Finding(where, f"both {what} and link_lost are given", "make two conditions")
         return
     if condition.sun is not None:
-        yield from _sun(site, where, condition)
+        yield from _check_sun(site, where, condition)
         return
     signals = {
         f"{device_id}/{signal_id}": signal
@@ -90,10 +92,12 @@ def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding
     signal = signals.get(condition.signal)
     if signal is None:
         known = list(signals)
-        yield _of(UnknownWord(f"{where}.signal", "number or state", condition.signal, known))
+        yield _finding_of(
+            UnknownWord(f"{where}.signal", "number or state", condition.signal, known)
+        )
         return
     if condition.max_age is not None:
-        yield from above(f"{where}.max_age", condition.max_age, 0)
+        yield from check_above(f"{where}.max_age", condition.max_age, 0)
     elif signal.max_age == 0:
         problem = f"{condition.signal} never goes stale, so nothing would tell that it fell silent"
         yield Finding(f"{where}.max_age", problem, "say here how old it may be (s)")
@@ -101,23 +105,25 @@ def _condition(site: Site, where: str, condition: Condition) -> Iterator[Finding
     if condition.dwell is not None and not 0 <= condition.dwell <= _DAY:
         yield Finding(f"{where}.dwell", f"expected 0 to {_DAY:g} s, found {condition.dwell}")
     if signal.type is SignalType.STATE:
-        yield from _states(where, condition, signal)
+        yield from _check_states(where, condition, signal)
     else:
-        yield from _limits(where, condition)
-    yield from _second(where, condition, signals)
+        yield from _check_limits(where, condition)
+    yield from _check_second_signal(where, condition, signals)
 
 
-def _sun(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+def _check_sun(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
     if site.place is None:
         yield Finding(where, "it is not known where the site is", "write place: at the top")
     if condition.signal or condition.minus or condition.humidity:
         yield Finding(where, "both signal and sun are given", "make two conditions")
     if condition.above is None and condition.below is None:
         yield Finding(where, "the Sun has no limit", "write: above: -6, until_below: -8")
-    yield from _limits(where, condition)
+    yield from _check_limits(where, condition)
 
 
-def _second(where: str, condition: Condition, signals: Mapping[str, Signal]) -> Iterator[Finding]:
+def _check_second_signal(
+    where: str, condition: Condition, signals: Mapping[str, Signal]
+) -> Iterator[Finding]:
     """List what is wrong with the second signal of a difference."""
     key = "minus" if condition.minus else "humidity"
     address = condition.minus or condition.humidity
@@ -129,7 +135,7 @@ def _second(where: str, condition: Condition, signals: Mapping[str, Signal]) -> 
     numbers = {name: signal for name, signal in signals.items() if signal.type is SignalType.NUMBER}
     first, second = numbers.get(condition.signal), numbers.get(address)
     if second is None:
-        yield _of(UnknownWord(f"{where}.{key}", "number signal", address, list(numbers)))
+        yield _finding_of(UnknownWord(f"{where}.{key}", "number signal", address, list(numbers)))
     elif first is None:
         yield Finding(f"{where}.{key}", "a state has no difference", "take two numbers")
     elif condition.minus and first.unit != second.unit:
@@ -143,7 +149,7 @@ def _second(where: str, condition: Condition, signals: Mapping[str, Signal]) -> 
         yield Finding(where, "a difference has no limit", "write: below: 3, until_above: 4")
 
 
-def _group(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
+def _check_group(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
     # Beside ``all`` every other key would be without effect.
     if condition != type(condition)(all_of=condition.all_of):
         yield Finding(where, "something stands beside all", "make two conditions")
@@ -154,20 +160,20 @@ def _group(site: Site, where: str, condition: Condition) -> Iterator[Finding]:
         if part.all_of:
             yield Finding(at, "an all within an all", "write its conditions into the outer one")
         else:
-            yield from _condition(site, at, part)
+            yield from _check_condition(site, at, part)
 
 
-def _states(where: str, condition: Condition, signal: Signal) -> Iterator[Finding]:
+def _check_states(where: str, condition: Condition, signal: Signal) -> Iterator[Finding]:
     if condition.above is not None or condition.below is not None:
         yield Finding(where, "a state is neither above nor below", "write is or is_not")
     for key, words in (("is", condition.is_one_of), ("is_not", condition.is_not)):
         for index, word in enumerate(words):
             if word not in signal.states:
                 at = f"{where}.{key}[{index}]"
-                yield _of(UnknownWord(at, "state", word, signal.states))
+                yield _finding_of(UnknownWord(at, "state", word, signal.states))
 
 
-def _limits(where: str, condition: Condition) -> Iterator[Finding]:
+def _check_limits(where: str, condition: Condition) -> Iterator[Finding]:
     if condition.is_one_of or condition.is_not:
         yield Finding(where, "a number has no states", "write above or below")
     for key in ("above", "below", "until_below", "until_above"):
@@ -199,17 +205,21 @@ def step_findings(site: Site, where: str, step: Step) -> Iterator[Finding]:
     command = device.commands.get(command_id) if device is not None else None
     if command is None:
         # A step is one command: neither driving nor all of a device can be run.
-        known = [address for address in _refusable(site) if not address.endswith(("/*", "/drive"))]
-        yield _of(UnknownWord(f"{where}.command", "command", step.command, known))
+        known = [
+            address
+            for address in _refusable_commands(site)
+            if not address.endswith(("/*", "/drive"))
+        ]
+        yield _finding_of(UnknownWord(f"{where}.command", "command", step.command, known))
         return
     fields = fields_of(command, step.args)
     if isinstance(fields, str):
         yield Finding(f"{where}.args", fields)
     if step.within is not None:
-        yield from above(f"{where}.within", step.within, 0)
+        yield from check_above(f"{where}.within", step.within, 0)
 
 
-def _refusable(site: Site) -> Iterator[str]:
+def _refusable_commands(site: Site) -> Iterator[str]:
     for device_id, device in site.devices.items():
         yield f"{device_id}/*"
         if device.drive is not None:
@@ -218,5 +228,5 @@ def _refusable(site: Site) -> Iterator[str]:
             yield f"{device_id}/{command_id}"
 
 
-def _of(error: UnknownWord) -> Finding:
+def _finding_of(error: UnknownWord) -> Finding:
     return Finding(error.where, error.problem, error.remedy)

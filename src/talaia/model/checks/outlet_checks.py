@@ -29,7 +29,7 @@ def outlet_findings(site: Site) -> Iterator[Finding]:
                     f"{where}.feeds", "it feeds nothing", "name a device, or leave it out"
                 )
             for index, fed in enumerate(outlet.feeds):
-                yield from _fed(site, f"{where}.feeds[{index}]", fed)
+                yield from _check_fed(site, f"{where}.feeds[{index}]", fed)
             for index, cut in enumerate(outlet.cut_by):
                 yield from _cut_by(device, f"{where}.cut_by[{index}]", cut)
             if not cutting_commands(device, name):
@@ -38,7 +38,7 @@ def outlet_findings(site: Site) -> Iterator[Finding]:
                 yield Finding(f"{where}.cut_by", problem, remedy)
 
 
-def _fed(site: Site, where: str, fed: str) -> Iterator[Finding]:
+def _check_fed(site: Site, where: str, fed: str) -> Iterator[Finding]:
     if fed not in site.devices:
         word = UnknownWord(where, "device", fed, list(site.devices))
         yield Finding(word.where, word.problem, word.remedy)

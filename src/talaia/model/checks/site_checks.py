@@ -26,8 +26,8 @@ from talaia.model.checks.extension_rules import NO_RULES, extension_findings
 from talaia.model.checks.identifiers import (
     FIELD,
     Finding,
-    above,
     at_least,
+    check_above,
     field_fits,
     id_fits,
     name_fits,
@@ -59,13 +59,13 @@ if TYPE_CHECKING:
     from talaia.model.recording import Recording
     from talaia.model.site import Argument, Command, Device, Drive, Signal, Stream
 
-__all__ = ["Finding", "check", "raise_first"]
+__all__ = ["Finding", "check_site", "raise_first"]
 
 # A channel's index on the wire has 16 bits; see `wire.columns`.
 _MAX_CHANNELS = 60_000
 
 
-def check(site: Site, rules: ExtensionRules = NO_RULES) -> list[Finding]:
+def check_site(site: Site, rules: ExtensionRules = NO_RULES) -> list[Finding]:
     """List all that does not fit together in ``site``; an empty list means it can run.
 
     Args:
@@ -74,7 +74,7 @@ def check(site: Site, rules: ExtensionRules = NO_RULES) -> list[Finding]:
 
     """
     # Counts are put in first: alarms and interlocks may name them.
-    return [*_site(site, with_counts(site)), *extension_findings(site, rules)]
+    return [*_check_whole_site(site, with_counts(site)), *extension_findings(site, rules)]
 
 
 def raise_first(site: Site, rules: ExtensionRules = NO_RULES) -> Site:
@@ -84,7 +84,7 @@ def raise_first(site: Site, rules: ExtensionRules = NO_RULES) -> Site:
         DescriptionError: the first finding, with the number of the others.
 
     """
-    findings = check(site, rules)
+    findings = check_site(site, rules)
     if not findings:
         return site
     first = findings[0]
@@ -92,7 +92,7 @@ def raise_first(site: Site, rules: ExtensionRules = NO_RULES) -> Site:
     raise DescriptionError(first.where, first.problem, first.remedy + more)
 
 
-def _site(site: Site, whole: Site) -> Iterator[Finding]:
+def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
     """Check ``site``; what may refer to the signals of what is seen has them from ``whole``."""
     if site.talaia != FORMAT:
         problem = f"expected the format version {FORMAT}, found {site.talaia}"
@@ -100,7 +100,7 @@ def _site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from id_fits("$.site", site.site)
     yield from name_fits("$.name", site.name)
     if site.zone not in known_zones():
-        yield _of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
+        yield _finding_of(UnknownWord("$.zone", "time zone", site.zone, _near_zones(site.zone)))
     yield from connection_findings(site)
     # A connection that discovers makes its devices itself.
     if not site.devices and not any(
@@ -112,7 +112,7 @@ def _site(site: Site, whole: Site) -> Iterator[Finding]:
     for device_id, device in site.devices.items():
         where = f"$.devices.{device_id}"
         yield from id_fits(where, device_id)
-        yield from _device(whole, where, device)
+        yield from _check_device(whole, where, device)
     yield from models_findings(site)
     yield from interlock_findings(whole)
     yield from enclosure_findings(whole)
@@ -121,10 +121,10 @@ def _site(site: Site, whole: Site) -> Iterator[Finding]:
     yield from alarms_findings(whole)
     yield from topics_findings(site)
     if site.recording is not None:
-        yield from _recording(site, site.recording)
+        yield from _check_recording(site, site.recording)
 
 
-def _recording(site: Site, recording: Recording) -> Iterator[Finding]:
+def _check_recording(site: Site, recording: Recording) -> Iterator[Finding]:
     where = "$.recording"
     ros = Ros2Connection | Ros1Connection
     streams = {f"{name}/{key}" for name, device in site.devices.items() for key in device.streams}
@@ -165,7 +165,7 @@ def _near_zones(zone: str) -> Iterable[str]:
     return near or ["UTC", "Europe/Madrid", "America/New_York"]
 
 
-def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
+def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", device.name)
     link, problems = link_of(site, where, device)
     yield from problems
@@ -173,7 +173,7 @@ def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
     rules = None if link is None else rules_of(link)
     for signal_id, signal in device.signals.items():
         yield from id_fits(f"{where}.signals.{signal_id}", signal_id)
-        yield from _signal(f"{where}.signals.{signal_id}", signal)
+        yield from _check_signal(f"{where}.signals.{signal_id}", signal)
         at = f"{where}.signals.{signal_id}.source"
         if isinstance(signal.source, DetectionSource):
             yield from count_fits(site, at, device, signal)
@@ -182,31 +182,31 @@ def _device(site: Site, where: str, device: Device) -> Iterator[Finding]:
     for stream_id, stream in device.streams.items():
         at = f"{where}.streams.{stream_id}"
         yield from id_fits(at, stream_id)
-        yield from _stream(at, stream)
+        yield from _check_stream(at, stream)
         yield from detect_fits(site, f"{at}.detect", stream)
         if rules is not None:
             yield from rules.stream_findings(f"{at}.source", stream)
     for command_id, command in device.commands.items():
         at = f"{where}.commands.{command_id}"
         yield from id_fits(at, command_id)
-        yield from _command(at, command)
+        yield from _check_command(at, command)
         if rules is not None:
             yield from rules.command_findings(at, command)
     yield from role_findings(where, device)
     if link is not None:
         yield from frames_findings(f"{where}.frames", device, link)
     if device.drive is not None:
-        yield from _drive(site, f"{where}.drive", device.drive)
+        yield from _check_drive(site, f"{where}.drive", device.drive)
 
 
-def _signal(where: str, signal: Signal) -> Iterator[Finding]:
+def _check_signal(where: str, signal: Signal) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", signal.name)
     number = signal.type is SignalType.NUMBER
     yield from anomaly_findings(where, signal.anomalies, number=number)
     try:
         unit_of(f"{where}.unit", signal.unit)
     except UnknownWord as error:
-        yield _of(error)
+        yield _finding_of(error)
     yield from validity_fits(where, signal)
     for key in ("max_rate", "deadband", "keep", "max_age"):
         yield from at_least(f"{where}.{key}", getattr(signal, key), 0)
@@ -227,9 +227,9 @@ def _signal(where: str, signal: Signal) -> Iterator[Finding]:
         yield Finding(f"{where}.yaw_from", f"{signal.yaw_from!r} is not the path of a field")
 
 
-def _stream(where: str, stream: Stream) -> Iterator[Finding]:
+def _check_stream(where: str, stream: Stream) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", stream.name)
-    yield from above(f"{where}.max_rate", stream.max_rate, 0)
+    yield from check_above(f"{where}.max_rate", stream.max_rate, 0)
     if not 1 <= stream.quality <= 95:
         yield Finding(f"{where}.quality", f"expected 1 to 95, found {stream.quality}")
     if not 0 <= stream.kbits <= 100_000:
@@ -238,26 +238,26 @@ def _stream(where: str, stream: Stream) -> Iterator[Finding]:
         yield Finding(f"{where}.width", f"expected 0 or more pixels, found {stream.width}")
 
 
-def _command(where: str, command: Command) -> Iterator[Finding]:
+def _check_command(where: str, command: Command) -> Iterator[Finding]:
     yield from name_fits(f"{where}.name", command.name)
-    yield from above(f"{where}.progress_end", command.progress_end, 0)
+    yield from check_above(f"{where}.progress_end", command.progress_end, 0)
     if command.progress:
         yield from field_fits(f"{where}.progress", command.progress)
         if command.kind is not CommandKind.ACTION:
             yield Finding(f"{where}.progress", "only an action tells its progress", "leave it out")
-    yield from above(f"{where}.ttl", command.ttl, 0)
-    yield from above(f"{where}.timeout", command.timeout, 0)
+    yield from check_above(f"{where}.ttl", command.ttl, 0)
+    yield from check_above(f"{where}.timeout", command.timeout, 0)
     for argument_id, argument in command.arguments.items():
         yield from id_fits(f"{where}.arguments.{argument_id}", argument_id)
-        yield from _argument(f"{where}.arguments.{argument_id}", argument)
+        yield from _check_argument(f"{where}.arguments.{argument_id}", argument)
 
 
-def _argument(where: str, argument: Argument) -> Iterator[Finding]:
+def _check_argument(where: str, argument: Argument) -> Iterator[Finding]:
     yield from range_fits(where, argument.minimum, argument.maximum)
     try:
         unit_of(f"{where}.unit", argument.unit)
     except UnknownWord as error:
-        yield _of(error)
+        yield _finding_of(error)
     if argument.default is None:
         return
     expected: dict[ArgumentType, type | tuple[type, ...]] = {
@@ -274,10 +274,10 @@ def _argument(where: str, argument: Argument) -> Iterator[Finding]:
         yield Finding(f"{where}.default", f"expected {argument.type}, found {argument.default!r}")
 
 
-def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
+def _check_drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
     yield from topic_fits(f"{where}.topic", drive.topic)
     for key in ("max_speed", "max_turn", "max_acceleration", "max_turn_acceleration"):
-        yield from above(f"{where}.{key}", getattr(drive, key), 0)
+        yield from check_above(f"{where}.{key}", getattr(drive, key), 0)
     if drive.max_reverse is not None:
         yield from at_least(f"{where}.max_reverse", drive.max_reverse, 0)
     # The limits of the safety rules: a description may be stricter, and looser only within these.
@@ -307,23 +307,25 @@ def _drive(site: Site, where: str, drive: Drive) -> Iterator[Finding]:
         for device_id, device in site.devices.items()
         for stream_id in device.streams
     ]
-    yield from above(f"{where}.stop.below", drive.stop.below, 0)
+    yield from check_above(f"{where}.stop.below", drive.stop.below, 0)
     for index, address in enumerate(drive.stop.confirmed_by):
         at = f"{where}.stop.confirmed_by[{index}]"
         if numbers.get(address) is not SignalType.NUMBER:
             known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
-            yield _of(UnknownWord(at, "number signal", address, known))
+            yield _finding_of(UnknownWord(at, "number signal", address, known))
     if drive.picture and drive.picture not in streams:
-        yield _of(UnknownWord(f"{where}.picture", "stream", drive.picture, streams))
+        yield _finding_of(UnknownWord(f"{where}.picture", "stream", drive.picture, streams))
     if drive.position and numbers.get(drive.position) is not SignalType.POSITION:
         known = [address for address, kind in numbers.items() if kind is SignalType.POSITION]
-        yield _of(UnknownWord(f"{where}.position", "position signal", drive.position, known))
+        yield _finding_of(
+            UnknownWord(f"{where}.position", "position signal", drive.position, known)
+        )
     if drive.message is DriveMessage.KEYS and drive.max_reverse == 0:
         yield Finding(f"{where}.max_reverse", "the key x drives backward", "leave it out")
-    yield from _keys(f"{where}.keys", drive, numbers)
+    yield from _check_keys(f"{where}.keys", drive, numbers)
 
 
-def _keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterator[Finding]:
+def _check_keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterator[Finding]:
     keys = drive.keys
     if keys != Keys() and drive.message is not DriveMessage.KEYS:
         yield Finding(where, f"{drive.message} takes no characters", "leave it out")
@@ -334,7 +336,7 @@ def _keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterat
         # Left out, a press is one character and nothing is counted.
         if step is None:
             continue
-        yield from above(f"{where}.{name}", step, 0)
+        yield from check_above(f"{where}.{name}", step, 0)
         if step > limit:
             yield Finding(
                 f"{where}.{name}",
@@ -344,8 +346,8 @@ def _keys(where: str, drive: Drive, numbers: Mapping[str, SignalType]) -> Iterat
     for name, address in (("speed", keys.speed), ("turn", keys.turn)):
         if address and numbers.get(address) is not SignalType.NUMBER:
             known = [address for address, kind in numbers.items() if kind is SignalType.NUMBER]
-            yield _of(UnknownWord(f"{where}.{name}", "number signal", address, known))
+            yield _finding_of(UnknownWord(f"{where}.{name}", "number signal", address, known))
 
 
-def _of(error: DescriptionError) -> Finding:
+def _finding_of(error: DescriptionError) -> Finding:
     return Finding(error.where, error.problem, error.remedy)

@@ -7,7 +7,7 @@ import shlex
 from typing import TYPE_CHECKING
 
 from talaia.model.base import Shape, SourceShape
-from talaia.model.checks.identifiers import Finding, above
+from talaia.model.checks.identifiers import Finding, check_above
 from talaia.model.closed_lists import CommandKind, SignalType
 from talaia.model.connections.kinds import ConnectionKind
 from talaia.model.connections.rules import KindRules, argument_fields
@@ -73,8 +73,8 @@ class ProcessRules(KindRules[ProcessConnection, ProcessSource]):
     def own_findings(self, where: str) -> Iterator[Finding]:
         """See `ConnectionRules`."""
         connection = self.connection
-        yield from above(f"{where}.poll", connection.poll, 0)
-        yield from above(f"{where}.timeout", connection.timeout, 0)
+        yield from check_above(f"{where}.poll", connection.poll, 0)
+        yield from check_above(f"{where}.timeout", connection.timeout, 0)
         yield from _line_fits(f"{where}.prefix", connection.prefix, empty=True)
 
     def signal_fits(self, where: str, signal: Signal, source: ProcessSource) -> Iterator[Finding]:

@@ -91,25 +91,25 @@ def read_classic(text: str, connection: str = "") -> Classic:
         raise NotReadable("$", f"the command file is longer than {MAX_BYTES // 1024} KiB")
     try:
         # JSON allows a key twice and Python keeps the last: a command would be lost without a word.
-        document = json.loads(text, object_pairs_hook=_once)
+        document = json.loads(text, object_pairs_hook=_reject_duplicates)
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}"
         raise NotReadable(where, f"is not JSON: {error.msg}") from error
     except RecursionError as error:
         raise NotReadable("$", "is not JSON: it is nested too deeply") from error
-    top = _mapping("$", document, known=("command", "devices"))
-    command = _mapping("$.command", top.get("command", {}), known=("ros",))
-    prefix = _text("$.command.ros", command.get("ros", ""))
+    top = _expect_mapping("$", document, known=("command", "devices"))
+    command = _expect_mapping("$.command", top.get("command", {}), known=("ros",))
+    prefix = _expect_text("$.command.ros", command.get("ros", ""))
     devices = {
-        name: _device(f"$.devices.{name}", name, described, connection)
-        for name, described in _mapping("$.devices", top.get("devices")).items()
+        name: _read_device(f"$.devices.{name}", name, described, connection)
+        for name, described in _expect_mapping("$.devices", top.get("devices")).items()
     }
     if not devices:
         raise DescriptionError("$.devices", "there is no device", "describe at least one")
     return Classic(prefix, devices)
 
 
-def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
+def _reject_duplicates(pairs: list[tuple[str, object]]) -> dict[str, object]:
     found: dict[str, object] = {}
     for key, value in pairs:
         if key in found:
@@ -118,11 +118,11 @@ def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
     return found
 
 
-def _device(where: str, name: str, found: object, connection: str) -> Device:
-    device = _mapping(where, found, known=("commands", "messages"))
-    commands = _mapping(f"{where}.commands", device.get("commands", {}))
-    messages = _mapping(f"{where}.messages", device.get("messages", {}))
-    info = _mapping(f"{where}.commands.info", commands.get("info", {}))
+def _read_device(where: str, name: str, found: object, connection: str) -> Device:
+    device = _expect_mapping(where, found, known=("commands", "messages"))
+    commands = _expect_mapping(f"{where}.commands", device.get("commands", {}))
+    messages = _expect_mapping(f"{where}.messages", device.get("messages", {}))
+    info = _expect_mapping(f"{where}.commands.info", commands.get("info", {}))
     for field in messages:
         if field not in info:
             known = ", ".join(info) or "nothing"
@@ -132,10 +132,10 @@ def _device(where: str, name: str, found: object, connection: str) -> Device:
     for field, line in info.items():
         at = f"{where}.messages.{field}"
         words = {
-            answer: _text(f"{at}.{answer}", said)
-            for answer, said in _mapping(at, messages.get(field, {})).items()
+            answer: _expect_text(f"{at}.{answer}", said)
+            for answer, said in _expect_mapping(at, messages.get(field, {})).items()
         }
-        signals |= _signals(field, _text(f"{where}.commands.info.{field}", line), words)
+        signals |= _read_signals(field, _expect_text(f"{where}.commands.info.{field}", line), words)
     # What such files call the power device.
     kinds = {kind.value: kind for kind in DeviceKind} | {"pdu": DeviceKind.POWER}
     return with_roles(
@@ -145,7 +145,7 @@ def _device(where: str, name: str, found: object, connection: str) -> Device:
             connection=connection,
             signals=signals,
             commands={
-                action: _command(action, _text(f"{where}.commands.{action}", line))
+                action: _make_command(action, _expect_text(f"{where}.commands.{action}", line))
                 for action, line in commands.items()
                 if action != "info"
             },
@@ -153,7 +153,7 @@ def _device(where: str, name: str, found: object, connection: str) -> Device:
     )
 
 
-def _signals(field: str, line: str, messages: dict[str, str]) -> dict[str, Signal]:
+def _read_signals(field: str, line: str, messages: dict[str, str]) -> dict[str, Signal]:
     title = field.replace("_", " ").capitalize()
     # One answer that has a sentence is not yet a state; with two it can be one or the other.
     if len(messages) > 1:
@@ -179,7 +179,7 @@ def _signals(field: str, line: str, messages: dict[str, str]) -> dict[str, Signa
     return {field: text, **numbers}
 
 
-def _command(action: str, line: str) -> Command:
+def _make_command(action: str, line: str) -> Command:
     arguments = {
         name: Argument(
             type=ArgumentType.NUMBER, field=name, name=name, unit=unit, minimum=low, maximum=high
@@ -202,7 +202,7 @@ def _command(action: str, line: str) -> Command:
     )
 
 
-def _mapping(where: str, found: object, known: tuple[str, ...] = ()) -> dict[str, object]:
+def _expect_mapping(where: str, found: object, known: tuple[str, ...] = ()) -> dict[str, object]:
     if not isinstance(found, dict):
         kind = "nothing" if found is None else type(found).__name__
         raise DescriptionError(where, f"expected an object {{…}}, found {kind}")
@@ -212,7 +212,7 @@ def _mapping(where: str, found: object, known: tuple[str, ...] = ()) -> dict[str
     return found
 
 
-def _text(where: str, found: object) -> str:
+def _expect_text(where: str, found: object) -> str:
     if isinstance(found, str):
         return found
     return _no_text(where, found)

@@ -36,23 +36,23 @@ class CommandRoles:
             if command.role not in {CommandRole.AUTO, CommandRole.NONE}
         }
 
-    def propose(self) -> None:
+    def propose_roles(self) -> None:
         """Find the others, by the kind of the device."""
         match self._device.kind:
             case DeviceKind.DOME:
-                self._dome()
+                self._propose_dome()
             case DeviceKind.TELESCOPE:
-                self._telescope()
+                self._propose_telescope()
             case DeviceKind.CAMERA:
-                self._camera()
+                self._propose_camera()
             case DeviceKind.POWER:
-                self._power()
+                self._propose_power()
             case DeviceKind.WEATHER | DeviceKind.VEHICLE | DeviceKind.OTHER:
                 pass
 
     # ── what is there to choose from ──
 
-    def _free(self) -> dict[str, Command]:
+    def _free_commands(self) -> dict[str, Command]:
         # Asked anew for each role: every role that is given takes a command away.
         return {
             name: command
@@ -61,9 +61,11 @@ class CommandRoles:
             if command.role is CommandRole.AUTO and name not in self.roles
         }
 
-    def _plain(self, *words: str) -> str | None:
+    def _find_plain(self, *words: str) -> str | None:
         """Name a command without arguments whose id, or else name, has one of these words."""
-        plain = {name: found for name, found in self._free().items() if not found.arguments}
+        plain = {
+            name: found for name, found in self._free_commands().items() if not found.arguments
+        }
         by_id = next((name for name in plain if name in words), None)
         return by_id or next(
             (
@@ -76,11 +78,11 @@ class CommandRoles:
             None,
         )
 
-    def _switch(self, *words: str) -> str | None:
+    def _find_switch(self, *words: str) -> str | None:
         """Name a command with one boolean."""
         found = {
             name: command
-            for name, command in self._free().items()
+            for name, command in self._free_commands().items()
             if [argument.type for argument in command.arguments.values()] == [ArgumentType.BOOLEAN]
         }
         by_id = next((name for name in found if name in words), None)
@@ -92,12 +94,12 @@ class CommandRoles:
         """Name the commands that ask for one number in this unit."""
         return [
             name
-            for name, command in self._free().items()
+            for name, command in self._free_commands().items()
             if [(argument.unit, is_number(argument)) for argument in command.arguments.values()]
             == [(unit, True)]
         ]
 
-    def _assign(self, role: CommandRole, name: str | None) -> None:
+    def _assign_role(self, role: CommandRole, name: str | None) -> None:
         if name is None or name in self.roles:
             return
         # Of a role that stands once the first that is found keeps it.
@@ -106,11 +108,11 @@ class CommandRoles:
 
     def _assign_plain(self, roles: Iterable[tuple[CommandRole, tuple[str, ...]]]) -> None:
         for role, words in roles:
-            self._assign(role, self._plain(*words))
+            self._assign_role(role, self._find_plain(*words))
 
     # ── kind by kind ──
 
-    def _dome(self) -> None:
+    def _propose_dome(self) -> None:
         self._assign_plain(
             (
                 (CommandRole.DOME_OPEN, ("open",)),
@@ -120,13 +122,13 @@ class CommandRoles:
                 (CommandRole.DOME_UNPARK, ("unpark",)),
             )
         )
-        self._assign(CommandRole.DOME_GOTO, next(iter(self._with_one("°")), None))
+        self._assign_role(CommandRole.DOME_GOTO, next(iter(self._with_one("°")), None))
 
-    def _telescope(self) -> None:
-        self._assign(CommandRole.TELESCOPE_GOTO, self._slew())
-        track = self._switch("track", "tracking")
+    def _propose_telescope(self) -> None:
+        self._assign_role(CommandRole.TELESCOPE_GOTO, self._find_slew())
+        track = self._find_switch("track", "tracking")
         if track is not None:
-            self._assign(CommandRole.TELESCOPE_TRACK, track)
+            self._assign_role(CommandRole.TELESCOPE_TRACK, track)
         else:
             self._assign_plain(
                 (
@@ -142,9 +144,9 @@ class CommandRoles:
             )
         )
 
-    def _slew(self) -> str | None:
+    def _find_slew(self) -> str | None:
         """Name what points it: what `pointing` says, or else asks for a place, and is no sync."""
-        free, pointing = self._free(), self._device.pointing
+        free, pointing = self._free_commands(), self._device.pointing
         for name, said in pointing.commands.items() if pointing is not None else ():
             if name in free and said.ra and said.dec:
                 return name
@@ -158,33 +160,33 @@ class CommandRoles:
                 return name
         return None
 
-    def _camera(self) -> None:
-        for name, command in self._free().items():
+    def _propose_camera(self) -> None:
+        for name, command in self._free_commands().items():
             if any(
                 argument.unit == "s" and argument.type is not ArgumentType.TEXT
                 for argument in command.arguments.values()
             ):
-                self._assign(CommandRole.CAMERA_EXPOSE, name)
+                self._assign_role(CommandRole.CAMERA_EXPOSE, name)
         for name in self._with_one("°C"):
-            self._assign(CommandRole.CAMERA_COOL, name)
-        self._assign(CommandRole.CAMERA_ABORT, self._plain("abort", "stop"))
-        cooler = self._switch("cooler", "cooling")
+            self._assign_role(CommandRole.CAMERA_COOL, name)
+        self._assign_role(CommandRole.CAMERA_ABORT, self._find_plain("abort", "stop"))
+        cooler = self._find_switch("cooler", "cooling")
         if cooler is not None:
-            self._assign(CommandRole.CAMERA_COOLER, cooler)
+            self._assign_role(CommandRole.CAMERA_COOLER, cooler)
         else:
-            self._assign(CommandRole.CAMERA_COOLER_ON, self._plain("cooler_on"))
-            self._assign(CommandRole.CAMERA_COOLER_OFF, self._plain("cooler_off"))
+            self._assign_role(CommandRole.CAMERA_COOLER_ON, self._find_plain("cooler_on"))
+            self._assign_role(CommandRole.CAMERA_COOLER_OFF, self._find_plain("cooler_off"))
 
-    def _power(self) -> None:
-        free = self._free()
+    def _propose_power(self) -> None:
+        free = self._free_commands()
         for outlet, role in self._signals.items():
             if role is not SignalRole.POWER_OUTLET:
                 continue
             # A switch with the outlet's own id, or else two commands, ``_on`` and ``_off``.
-            if outlet in free and self._switch(outlet) == outlet:
-                self._assign(CommandRole.POWER_SWITCH, outlet)
+            if outlet in free and self._find_switch(outlet) == outlet:
+                self._assign_role(CommandRole.POWER_SWITCH, outlet)
                 continue
             for ending, switches in (("on", CommandRole.POWER_ON), ("off", CommandRole.POWER_OFF)):
                 name = f"{outlet}_{ending}"
                 if name in free and not free[name].arguments:
-                    self._assign(switches, name)
+                    self._assign_role(switches, name)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.model.connections.ros import DIAGNOSTICS
-from talaia.model.discovery.ros_units import human, word_of
+from talaia.model.discovery.ros_units import readable_name, word_of
 from talaia.model.site import DeviceKind, DriveMessage
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
         return _named_place("sensors", "Sensors", DeviceKind.OTHER, ())
     # A package of the maker's own is named after the device: `gripper_msgs`.
     trimmed = package.removesuffix("_msgs").removesuffix("_interfaces") or package
-    return _named_place(trimmed, human(trimmed), DeviceKind.OTHER, ())
+    return _named_place(trimmed, readable_name(trimmed), DeviceKind.OTHER, ())
 
 
 def place_order(place: DevicePlace) -> tuple[int, str]:
@@ -85,7 +85,7 @@ def _named_place(word: str, name: str, kind: DeviceKind, spaces: Iterable[str]) 
     # The namespace goes before: two bases of one robot have different pages.
     parts = [space for space in spaces if space]
     whole = "_".join([*parts, word] if word else parts)
-    title = " ".join([*(human(part) for part in parts), name.lower() if parts else name])
+    title = " ".join([*(readable_name(part) for part in parts), name.lower() if parts else name])
     return DevicePlace(word_of(whole), title.strip(), kind)
 
 

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import IndiConnection, Ros1Connection, RosSource
 from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
 from talaia.model.discovery.proposed_signals import MOTION_FIELDS, ProposedSignals
 from talaia.model.discovery.role_proposal import with_roles
-from talaia.model.discovery.ros_units import human, word_of
+from talaia.model.discovery.ros_units import readable_name, word_of
 from talaia.model.discovery.topic_words import free_word, last_part
 from talaia.model.discovery.whole_topics import whole_of
 from talaia.model.site import (
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
         TopicFound,
     )
 
-__all__ = ["Proposal", "propose"]
+__all__ = ["Proposal", "propose_description"]
 
 _T = TypeVar("_T")
 
@@ -77,7 +77,7 @@ class Proposal(NamedTuple):
     left_out: tuple[str, ...]
 
 
-def propose(found: Found, site: str, name: str, zone: str) -> Proposal:
+def propose_description(found: Found, site: str, name: str, zone: str) -> Proposal:
     """Make a description of what was found.
 
     Args:
@@ -107,7 +107,9 @@ def propose(found: Found, site: str, name: str, zone: str) -> Proposal:
     for _ in range(MAX_ROUNDS):
         # What the checks refuse is left out, with their words: the rest runs. Leaving something
         # out can make a reference to it wrong, hence the rounds.
-        wrong = [finding for finding in check(proposed) if finding.where.startswith("$.devices.")]
+        wrong = [
+            finding for finding in check_site(proposed) if finding.where.startswith("$.devices.")
+        ]
         if not wrong:
             break
         left_out += [str(finding) for finding in wrong]
@@ -230,7 +232,7 @@ class _ProposedDevices:
             last = last_part(topic.topic, _PICTURE_ENDINGS)
             word = free_word(word_of(last), streams)
             source = RosSource(topic=topic.topic, type=topic.type)
-            streams[word] = Stream(name=human(last) or "Camera", source=source)
+            streams[word] = Stream(name=readable_name(last) or "Camera", source=source)
         elif not self._signals.add_topic(place, topic) and not topic.left_out:
             self.left_out.append(f"{topic.topic}: a {topic.type} holds no number or text")
 
@@ -265,13 +267,13 @@ class _ProposedDevices:
         arguments: dict[str, Argument] = {}
         for field in fields:
             # std_srvs/SetBool calls its one field `data`.
-            shown = human(field.path) if field.path != "data" else "On"
+            shown = readable_name(field.path) if field.path != "data" else "On"
             arguments[free_word(word_of(field.path), arguments)] = Argument(
                 type=_ARGUMENT_TYPES[field.type], field=field.path, name=shown, unit=field.unit
             )
         last = last_part(target)
         commands[free_word(word_of(last), commands)] = Command(
-            name=human(last) or last,
+            name=readable_name(last) or last,
             target=target,
             type=type_name,
             kind=kind,

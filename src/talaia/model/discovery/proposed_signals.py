@@ -12,7 +12,7 @@ import msgspec
 
 from talaia.model.connection import RosSource, source_as
 from talaia.model.connections.ros import DIAGNOSTICS
-from talaia.model.discovery.ros_units import human, word_of
+from talaia.model.discovery.ros_units import readable_name, word_of
 from talaia.model.discovery.topic_words import free_word, last_part, path_in_words
 from talaia.model.discovery.whole_topics import LEVELS
 from talaia.model.roles import StateMeaning
@@ -129,7 +129,7 @@ class ProposedSignals:
 
     def _name_of(self, topic: TopicFound, field: FieldFound) -> str:
         known = _NAMES.get((topic.type, field.path))
-        last = human(last_part(topic.topic))
+        last = readable_name(last_part(topic.topic))
         alone = len([field for field in topic.fields if field.type != "text"]) == 1
         if known is not None:
             # Two odometries at one device must not both be called Speed.
@@ -142,7 +142,9 @@ class ProposedSignals:
         words = path_in_words(field.path)
         if field.name:
             # An element of a list that another list names: a joint, a motor.
-            words = f"{human(field.name)} {human(field.path.split('[', 1)[0]).lower()}"
+            words = (
+                f"{readable_name(field.name)} {readable_name(field.path.split('[', 1)[0]).lower()}"
+            )
         first = words.split(" ", 1)[0].lower()
         if first and last.lower().startswith(first):
             # `/pose` with `pose.position.x`: no word twice.
@@ -166,12 +168,12 @@ def _sensor_of(topic: TopicFound, sensor: str) -> Signal:
             source=source,
             max_age=_age_of(topic),
         )
-    return Signal(name=human(sensor) or sensor, source=source, max_age=_age_of(topic))
+    return Signal(name=readable_name(sensor) or sensor, source=source, max_age=_age_of(topic))
 
 
 def _positions_of(topic: TopicFound) -> Iterator[tuple[str, Signal]]:
     """Give a topic's positions, each with its word."""
-    last = human(last_part(topic.topic))
+    last = readable_name(last_part(topic.topic))
     if topic.type == _GEOGRAPHIC:
         yield (
             "position",

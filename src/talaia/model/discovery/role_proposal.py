@@ -89,9 +89,9 @@ class PlaceArguments(NamedTuple):
 def roles_of(device: Device) -> DeviceRoles:
     """Give every role of a device. What the description says wins; the rest is proposed."""
     signals = SignalRoles(device)
-    signals.propose()
+    signals.propose_roles()
     commands = CommandRoles(device, signals.roles)
-    commands.propose()
+    commands.propose_roles()
     return DeviceRoles(signals.roles, commands.roles)
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from talaia.model.units.unit import UNITS
 
-__all__ = ["Meaning", "human", "meaning_of", "unit_in_comment", "unit_in_name", "word_of"]
+__all__ = ["Meaning", "meaning_of", "readable_name", "unit_in_comment", "unit_in_name", "word_of"]
 
 
 class Meaning(NamedTuple):
@@ -198,7 +198,7 @@ def unit_in_comment(comment: str) -> Meaning | None:
     return None
 
 
-def human(text: str) -> str:
+def readable_name(text: str) -> str:
     """Make a name people read of a field: ``motorLeft_temp`` gives Motor left temp."""
     # Capitals are an abbreviation (GPS, IMU) and stay; one capital only begins a word.
     words = [

@@ -1,4 +1,7 @@
-"""Which signal of a device is its shutter, its azimuth, its charge, where nobody says it. Pure."""
+"""Which signal of a device is its shutter, its azimuth, its charge, where nobody says it. Pure.
+
+Long, because each kind of device has its own rules, and they are compared with each other.
+"""
 
 from __future__ import annotations
 
@@ -41,28 +44,28 @@ class SignalRoles:
             if signal.role not in {SignalRole.AUTO, SignalRole.NONE}
         }
 
-    def propose(self) -> None:
+    def propose_roles(self) -> None:
         """Find the others, by the kind of the device."""
         match self._device.kind:
             case DeviceKind.DOME:
-                self._dome()
+                self._propose_dome()
             case DeviceKind.TELESCOPE:
-                self._telescope()
+                self._propose_telescope()
             case DeviceKind.CAMERA:
-                self._camera()
+                self._propose_camera()
             case DeviceKind.WEATHER:
-                self._weather()
+                self._propose_weather()
             case DeviceKind.POWER:
-                self._power()
+                self._propose_power()
             case DeviceKind.VEHICLE:
-                self._vehicle()
+                self._propose_vehicle()
             case DeviceKind.OTHER:
                 pass
-        self._batteries()  # last: any device may carry one
+        self._propose_batteries()  # last: any device may carry one
 
     # ── what is there to choose from ──
 
-    def _free(self) -> dict[str, Signal]:
+    def _free_signals(self) -> dict[str, Signal]:
         """Give the signals that a role can still be proposed for."""
         return {
             name: signal
@@ -70,19 +73,21 @@ class SignalRoles:
             if signal.role is SignalRole.AUTO and name not in self.roles
         }
 
-    def _states(self) -> dict[str, Signal]:
-        return {
-            name: signal for name, signal in self._free().items() if signal.type is SignalType.STATE
-        }
-
-    def _numbers(self, *units: str) -> dict[str, Signal]:
+    def _state_signals(self) -> dict[str, Signal]:
         return {
             name: signal
-            for name, signal in self._free().items()
+            for name, signal in self._free_signals().items()
+            if signal.type is SignalType.STATE
+        }
+
+    def _number_signals(self, *units: str) -> dict[str, Signal]:
+        return {
+            name: signal
+            for name, signal in self._free_signals().items()
             if signal.type is SignalType.NUMBER and signal.unit in units
         }
 
-    def _assign(self, role: SignalRole, *choices: str | None) -> None:
+    def _assign_role(self, role: SignalRole, *choices: str | None) -> None:
         """Give the role to the first choice that there is, if nobody has it yet."""
         name = next((choice for choice in choices if choice is not None), None)
         if name is not None and role not in self.roles.values():
@@ -90,37 +95,41 @@ class SignalRoles:
 
     # ── kind by kind ──
 
-    def _dome(self) -> None:
+    def _propose_dome(self) -> None:
         shutters = signals_that(
-            self._states(), lambda found: _has_state(found, _CLOSED) and _has_state(found, _OPEN)
+            self._state_signals(),
+            lambda found: _has_state(found, _CLOSED) and _has_state(found, _OPEN),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.DOME_SHUTTER,
             first_named(shutters, "shutter", "roof", "enclosure", "state"),
             first_of(shutters),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.DOME_OPENING,
-            first_named(self._numbers("%"), "position", "opening", "shutter", "roof", "open"),
+            first_named(
+                self._number_signals("%"), "position", "opening", "shutter", "roof", "open"
+            ),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.DOME_AZIMUTH,
-            first_named(self._numbers("°"), "azimuth", "az", "heading", "rotation"),
+            first_named(self._number_signals("°"), "azimuth", "az", "heading", "rotation"),
         )
-        self._assign(
-            SignalRole.DOME_TURNING, first_named(self._states(), "turning", "rotating", "moving")
+        self._assign_role(
+            SignalRole.DOME_TURNING,
+            first_named(self._state_signals(), "turning", "rotating", "moving"),
         )
-        parked = signals_that(self._states(), lambda found: _has_state(found, _PARKED))
-        self._assign(
+        parked = signals_that(self._state_signals(), lambda found: _has_state(found, _PARKED))
+        self._assign_role(
             SignalRole.DOME_PARKED,
             first_of({name: found for name, found in parked.items() if name not in shutters}),
-            first_named(self._states(), "parked"),
+            first_named(self._state_signals(), "parked"),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.DOME_LOCAL,
             first_of(
                 signals_that(
-                    self._states(),
+                    self._state_signals(),
                     lambda found: (
                         _has_state(found, re.compile("local", re.IGNORECASE))
                         and _has_state(found, re.compile("remote", re.IGNORECASE))
@@ -129,82 +138,90 @@ class SignalRoles:
             ),
         )
 
-    def _telescope(self) -> None:
+    def _propose_telescope(self) -> None:
         moves = re.compile(r"slewing|tracking", re.IGNORECASE)
-        self._assign(
+        self._assign_role(
             SignalRole.TELESCOPE_STATE,
-            first_of(signals_that(self._states(), lambda found: _has_state(found, moves))),
+            first_of(signals_that(self._state_signals(), lambda found: _has_state(found, moves))),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.TELESCOPE_PARKED,
-            first_of(signals_that(self._states(), lambda found: _has_state(found, _PARKED))),
+            first_of(signals_that(self._state_signals(), lambda found: _has_state(found, _PARKED))),
         )
-        self._assign(
-            SignalRole.TELESCOPE_TRACKING, first_named(self._states(), "tracking", "track")
+        self._assign_role(
+            SignalRole.TELESCOPE_TRACKING, first_named(self._state_signals(), "tracking", "track")
         )
-        self._assign(
+        self._assign_role(
             SignalRole.TELESCOPE_RA,
-            first_named(self._numbers("h"), "ra", "right"),
-            first_named(self._angles(), "ra", "right"),
+            first_named(self._number_signals("h"), "ra", "right"),
+            first_named(self._angle_signals(), "ra", "right"),
         )
-        self._assign(SignalRole.TELESCOPE_DEC, first_named(self._angles(), "dec", "declination"))
-        self._assign(
+        self._assign_role(
+            SignalRole.TELESCOPE_DEC, first_named(self._angle_signals(), "dec", "declination")
+        )
+        self._assign_role(
             SignalRole.TELESCOPE_ALTITUDE,
-            first_named(self._angles(), "altitude", "alt", "elevation"),
+            first_named(self._angle_signals(), "altitude", "alt", "elevation"),
         )
-        self._assign(SignalRole.TELESCOPE_AZIMUTH, first_named(self._angles(), "azimuth", "az"))
+        self._assign_role(
+            SignalRole.TELESCOPE_AZIMUTH, first_named(self._angle_signals(), "azimuth", "az")
+        )
 
-    def _angles(self) -> dict[str, Signal]:
+    def _angle_signals(self) -> dict[str, Signal]:
         """Give what may be the telescope's own angle: the Sun's altitude is another matter."""
         return {
             name: signal
-            for name, signal in self._numbers("°").items()
+            for name, signal in self._number_signals("°").items()
             if not has_word(name, signal.name, "sun", "moon")
         }
 
-    def _camera(self) -> None:
+    def _propose_camera(self) -> None:
         exposes = re.compile(r"expos(ing|ure)", re.IGNORECASE)
-        self._assign(
+        self._assign_role(
             SignalRole.CAMERA_STATE,
-            first_of(signals_that(self._states(), lambda found: _has_state(found, exposes))),
+            first_of(signals_that(self._state_signals(), lambda found: _has_state(found, exposes))),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.CAMERA_REMAINING,
-            first_named(self._numbers("s"), "remaining", "exposure", "left"),
+            first_named(self._number_signals("s"), "remaining", "exposure", "left"),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.CAMERA_TEMPERATURE,
-            first_named(self._numbers("°C"), "temperature", "chip", "sensor", "ccd"),
+            first_named(self._number_signals("°C"), "temperature", "chip", "sensor", "ccd"),
         )
-        self._assign(SignalRole.CAMERA_COOLER, first_named(self._states(), "cooler", "cooling"))
-        self._assign(
+        self._assign_role(
+            SignalRole.CAMERA_COOLER, first_named(self._state_signals(), "cooler", "cooling")
+        )
+        self._assign_role(
             SignalRole.CAMERA_COOLER_POWER,
-            first_named(self._numbers("%"), "cooler", "cooler_power", "power"),
+            first_named(self._number_signals("%"), "cooler", "cooler_power", "power"),
         )
         filters = {
             name: signal
-            for name, signal in self._free().items()
+            for name, signal in self._free_signals().items()
             if signal.type is not SignalType.POSITION and has_word(name, signal.name, "filter")
         }
-        self._assign(SignalRole.CAMERA_FILTER, first_of(filters))
+        self._assign_role(SignalRole.CAMERA_FILTER, first_of(filters))
 
-    def _weather(self) -> None:
+    def _propose_weather(self) -> None:
         safe = re.compile(r"(un)?safe", re.IGNORECASE)
-        self._assign(
+        self._assign_role(
             SignalRole.WEATHER_SAFETY,
-            first_of(signals_that(self._states(), lambda found: _has_state(found, safe))),
+            first_of(signals_that(self._state_signals(), lambda found: _has_state(found, safe))),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.WEATHER_RAINING,
             first_of(
                 {
                     name: signal
-                    for name, signal in self._states().items()
+                    for name, signal in self._state_signals().items()
                     if has_word(name, signal.name, "rain", "raining")
                 }
             ),
         )
-        self._assign(SignalRole.WEATHER_WIND, first_named(self._numbers("km/h", "m/s"), "wind"))
+        self._assign_role(
+            SignalRole.WEATHER_WIND, first_named(self._number_signals("km/h", "m/s"), "wind")
+        )
         for role, units, words in (
             (SignalRole.WEATHER_GUST, ("km/h", "m/s"), ("gust", "gusts")),
             (SignalRole.WEATHER_WIND_DIRECTION, ("°",), ("wind_from", "direction", "wind")),
@@ -215,13 +232,13 @@ class SignalRoles:
             (SignalRole.WEATHER_PRESSURE, ("hPa", "Pa"), ("pressure", "barometer")),
             (SignalRole.WEATHER_RAIN, ("mm/h", "mm"), ("rain",)),
         ):
-            self._assign(role, first_named(self._numbers(*units), *words))
+            self._assign_role(role, first_named(self._number_signals(*units), *words))
 
-    def _power(self) -> None:
-        for name, signal in self._states().items():
+    def _propose_power(self) -> None:
+        for name, signal in self._state_signals().items():
             if _is_switch(signal):
                 self.roles[name] = SignalRole.POWER_OUTLET
-        self._assign(SignalRole.POWER_TOTAL, first_of(self._numbers("W")))
+        self._assign_role(SignalRole.POWER_TOTAL, first_of(self._number_signals("W")))
         for unit, plain, of_battery in (
             ("V", SignalRole.POWER_VOLTAGE, SignalRole.BATTERY_VOLTAGE),
             ("A", SignalRole.POWER_CURRENT, SignalRole.BATTERY_CURRENT),
@@ -230,29 +247,29 @@ class SignalRoles:
             # A page shows one of each unit: the first.
             if not {plain, of_battery}.isdisjoint(self.roles.values()):
                 continue
-            for name, signal in list(self._numbers(unit).items())[:1]:
+            for name, signal in list(self._number_signals(unit).items())[:1]:
                 battery = _is_of_battery(name, signal)
-                self._assign(of_battery if battery else plain, name)
+                self._assign_role(of_battery if battery else plain, name)
 
-    def _vehicle(self) -> None:
-        self._assign(
+    def _propose_vehicle(self) -> None:
+        self._assign_role(
             SignalRole.VEHICLE_SPEED,
-            _read_from(self._numbers("m/s", "km/h"), "nav_msgs/msg/Odometry", "linear.x"),
-            first_named(self._numbers("m/s", "km/h"), "speed"),
+            _read_from(self._number_signals("m/s", "km/h"), "nav_msgs/msg/Odometry", "linear.x"),
+            first_named(self._number_signals("m/s", "km/h"), "speed"),
         )
-        self._assign(
+        self._assign_role(
             SignalRole.VEHICLE_TURN_RATE,
-            _read_from(self._numbers("rad/s", "°/s"), "nav_msgs/msg/Odometry", "angular.z"),
-            first_named(self._numbers("rad/s", "°/s"), "turn_rate", "turn"),
+            _read_from(self._number_signals("rad/s", "°/s"), "nav_msgs/msg/Odometry", "angular.z"),
+            first_named(self._number_signals("rad/s", "°/s"), "turn_rate", "turn"),
         )
-        places = signals_that(self._free(), lambda found: found.type is SignalType.POSITION)
-        self._assign(
+        places = signals_that(self._free_signals(), lambda found: found.type is SignalType.POSITION)
+        self._assign_role(
             SignalRole.VEHICLE_POSITION,
             first_of(signals_that(places, lambda found: found.frame is PositionFrame.LOCAL)),
             first_of(places),
         )
 
-    def _batteries(self) -> None:
+    def _propose_batteries(self) -> None:
         """Say of a battery's own message what it holds, whatever device it is at."""
         message = "sensor_msgs/msg/BatteryState"
         taken = set(self.roles.values())
@@ -263,7 +280,7 @@ class SignalRoles:
         ):
             # A page shows either, and what it shows already stays.
             if plain not in taken:
-                self._assign(role, _read_from(self._numbers(*units), message, field))
+                self._assign_role(role, _read_from(self._number_signals(*units), message, field))
 
 
 def _has_state(signal: Signal, shape: re.Pattern[str]) -> bool:

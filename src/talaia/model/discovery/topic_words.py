@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.model.discovery.ros_units import human
+from talaia.model.discovery.ros_units import readable_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,7 +21,7 @@ def path_in_words(path: str) -> str:
     """Say a path in words, without what repeats: ``pose.pose.position.x`` → Pose position x."""
     words: list[str] = []
     for step in path.replace("[", " ").replace("]", "").replace(".", " ").split():
-        word = step if step in _AXES else human(step).lower()
+        word = step if step in _AXES else readable_name(step).lower()
         # A stamped message has its content in a field of the same name: `pose.pose`.
         if word and (not words or words[-1] != word):
             words.append(word)

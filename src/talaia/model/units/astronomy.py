@@ -15,13 +15,13 @@ __all__ = [
     "J2000",
     "Horizontal",
     "Observer",
-    "altaz",
+    "angular_separation",
+    "equatorial_to_horizontal",
+    "horizontal_to_equatorial",
     "julian_day",
-    "precess",
-    "radec",
-    "separation",
+    "precess_coordinates",
     "sidereal_hours",
-    "sun",
+    "sun_position",
 ]
 
 # 2000 January 1, 12 h, as a Julian day.
@@ -57,7 +57,7 @@ def sidereal_hours(jd: float, longitude: float) -> float:
     return (degrees + longitude) % 360.0 / 15.0
 
 
-def altaz(ra: float, dec: float, place: Observer, jd: float) -> Horizontal:
+def equatorial_to_horizontal(ra: float, dec: float, place: Observer, jd: float) -> Horizontal:
     """Turn right ascension (h) and declination (°) of date to the horizon; Meeus 13.5, 13.6."""
     hour = math.radians((sidereal_hours(jd, place.longitude) - ra) * 15.0)
     d, lat = math.radians(dec), math.radians(place.latitude)
@@ -70,7 +70,9 @@ def altaz(ra: float, dec: float, place: Observer, jd: float) -> Horizontal:
     return Horizontal(alt, math.degrees(math.atan2(y, x)) % 360.0)
 
 
-def radec(alt: float, az: float, place: Observer, jd: float) -> tuple[float, float]:
+def horizontal_to_equatorial(
+    alt: float, az: float, place: Observer, jd: float
+) -> tuple[float, float]:
     """Turn altitude and azimuth to right ascension (h) and declination (°) of date."""
     a, z, lat = math.radians(alt), math.radians(az), math.radians(place.latitude)
     sine = math.sin(lat) * math.sin(a) + math.cos(lat) * math.cos(a) * math.cos(z)
@@ -81,7 +83,7 @@ def radec(alt: float, az: float, place: Observer, jd: float) -> tuple[float, flo
     return (sidereal_hours(jd, place.longitude) - hour) % 24.0, dec
 
 
-def sun(jd: float) -> tuple[float, float]:
+def sun_position(jd: float) -> tuple[float, float]:
     """Give the Sun's apparent right ascension (h) and declination (°); Meeus 25, within 0.01°."""
     t = (jd - J2000) / 36525.0
     # Mean longitude and mean anomaly, 25.2 and 25.3.
@@ -103,7 +105,7 @@ def sun(jd: float) -> tuple[float, float]:
     return math.degrees(ra) / 15.0 % 24.0, math.degrees(dec)
 
 
-def precess(ra: float, dec: float, jd_from: float, jd_to: float) -> tuple[float, float]:
+def precess_coordinates(ra: float, dec: float, jd_from: float, jd_to: float) -> tuple[float, float]:
     """Carry coordinates from one mean equinox to another; Meeus 21.2 to 21.4."""
     # Centuries from J2000 to the first equinox, and from that to the second.
     big, t = (jd_from - J2000) / 36525.0, (jd_to - jd_from) / 36525.0
@@ -125,7 +127,7 @@ def precess(ra: float, dec: float, jd_from: float, jd_to: float) -> tuple[float,
     return ra_to, math.degrees(math.atan2(third, math.hypot(first, second)))
 
 
-def separation(one: Horizontal, other: Horizontal) -> float:
+def angular_separation(one: Horizontal, other: Horizontal) -> float:
     """Give the angle between two directions (°); Vincenty's form, good at every angle."""
     a1, a2 = math.radians(one.alt), math.radians(other.alt)
     dz = math.radians(other.az - one.az)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 import msgspec
 
-from talaia.model.renames import renames
+from talaia.model.renames import list_renames
 from talaia.model.yaml_text.source_tags import plain_of
 
 if TYPE_CHECKING:
@@ -45,7 +45,8 @@ def list_differences(before: Site, after: Site) -> list[Difference]:
     """List what differs, in the order of the descriptions; a whole part that came counts once."""
     # The channels of one signal are one rename.
     moved = {
-        old.partition(".")[0]: new.partition(".")[0] for old, new in renames(before, after).items()
+        old.partition(".")[0]: new.partition(".")[0]
+        for old, new in list_renames(before, after).items()
     }
     found = [
         Difference(ChangeKind.RENAMED, _path_text(new), old, new) for old, new in moved.items()

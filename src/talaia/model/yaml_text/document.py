@@ -60,7 +60,7 @@ def document_of(text: str) -> object:
     """
     parser = cast("_Parser", _Loader(text))
     try:
-        return _Document(parser).read()
+        return _Document(parser).read_document()
     finally:
         parser.dispose()
 
@@ -79,7 +79,7 @@ class _Document:
         # Values so far; what an alias repeats counts each time.
         self._size = 0
 
-    def read(self) -> object:
+    def read_document(self) -> object:
         self._next()  # the stream's start
         if isinstance(event := self._next(), yaml.StreamEndEvent):
             return None

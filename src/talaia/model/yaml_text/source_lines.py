@@ -33,7 +33,7 @@ class SourcePositions:
         except (yaml.YAMLError, ValueError, RecursionError):
             self._root = None
 
-    def of(self, where: str) -> SourcePosition:
+    def position_of(self, where: str) -> SourcePosition:
         """Give the place of a path; of what is not there, that of what it would stand in."""
         said = _LINE.search(where)
         if said is not None and "$" not in where:

@@ -52,7 +52,7 @@ def with_tags(document: dict[str, object]) -> dict[str, object]:
     if not isinstance(document.get("devices"), dict):
         return document
     tag_device = _device_with(connection_kinds(document))
-    return {**document, "devices": _each(document["devices"], tag_device)}
+    return {**document, "devices": _map_values(document["devices"], tag_device)}
 
 
 def devices_of_plain(document: object) -> dict[str, Device]:
@@ -62,7 +62,7 @@ def devices_of_plain(document: object) -> dict[str, Device]:
         msgspec.ValidationError: they are none.
 
     """
-    return msgspec.convert(_each(document, _device_with({})), dict[str, Device])
+    return msgspec.convert(_map_values(document, _device_with({})), dict[str, Device])
 
 
 def connection_kinds(document: Mapping[str, object]) -> dict[str, ConnectionKind]:
@@ -91,7 +91,7 @@ def source_of_plain(source: dict[str, object], kind: ConnectionKind | None) -> S
         msgspec.ValidationError: it is none.
 
     """
-    made: Source = msgspec.convert(_tagged(source, kind), Source)
+    made: Source = msgspec.convert(_tag_source(source, kind), Source)
     return made
 
 
@@ -104,26 +104,26 @@ def _device_with(kinds: Mapping[str, ConnectionKind]) -> Callable[[object], obje
         def sourced(thing: object) -> object:
             if not isinstance(thing, dict) or not isinstance(thing.get("source"), dict):
                 return thing
-            return {**thing, "source": _tagged(thing["source"], kind)}
+            return {**thing, "source": _tag_source(thing["source"], kind)}
 
         made = dict(device)
         for group in ("signals", "streams"):
             if group in made:
-                made[group] = _each(made[group], sourced)
+                made[group] = _map_values(made[group], sourced)
         if isinstance(made.get("frames"), dict):
-            made["frames"] = _tagged(made["frames"], kind)
+            made["frames"] = _tag_source(made["frames"], kind)
         return made
 
     return tagged
 
 
-def _each(mapping: object, change: Callable[[object], object]) -> object:
+def _map_values(mapping: object, change: Callable[[object], object]) -> object:
     if not isinstance(mapping, dict):
         return mapping
     return {key: change(value) for key, value in mapping.items()}
 
 
-def _tagged(source: dict[str, object], kind: ConnectionKind | None) -> dict[str, object]:
+def _tag_source(source: dict[str, object], kind: ConnectionKind | None) -> dict[str, object]:
     # A key of another protocol that says nothing was never an error.
     said = {key for key in source.keys() & SOURCE_KEYS if source[key] not in _EMPTY}
     shape = _shape_for(said, kind)
@@ -153,29 +153,29 @@ def _shape_for(said: set[str], kind: ConnectionKind | None) -> type[SourceShape]
 def plain_of(value: object) -> object:
     """Give a site, or a part of it, as plain values for YAML and JSON, as people write them."""
     plain: object = msgspec.to_builtins(value)
-    _untag(value, plain)
+    _untag_sources(value, plain)
     return plain
 
 
-def _untag(value: object, plain: object) -> None:
+def _untag_sources(value: object, plain: object) -> None:
     if not isinstance(plain, dict):
         return
     # Only where sources can be: walking all of a large site would take far longer.
     match value:
         case Site():
-            _untag(value.devices, plain.get("devices", {}))
+            _untag_sources(value.devices, plain.get("devices", {}))
         case Device():
-            _untag(value.signals, plain.get("signals", {}))
-            _untag(value.streams, plain.get("streams", {}))
-            _untag(value.frames, plain.get("frames"))
+            _untag_sources(value.signals, plain.get("signals", {}))
+            _untag_sources(value.streams, plain.get("streams", {}))
+            _untag_sources(value.frames, plain.get("frames"))
         case Signal() | Stream():
-            _untag(value.source, plain["source"])
+            _untag_sources(value.source, plain["source"])
         case SourceShape():
             del plain[SOURCE_TAG]
             # Back beside the others, as they were written.
             plain.update(plain.pop(FOREIGN_KEYS, {}))
         case dict():
             for key, inner in value.items():
-                _untag(inner, plain[key])
+                _untag_sources(inner, plain[key])
         case _:
             pass

@@ -63,7 +63,7 @@ def main(argv: Sequence[str]) -> int:
 
 def answer_of(request: Request) -> tuple[bool, str]:
     """Ask the server, and wait for its answer; tell whether it was done, and its words."""
-    # The middleware of the simulator's own servers; see `ros_domain.environment`.
+    # The middleware of the simulator's own servers; see `ros_domain.domain_environment`.
     os.environ.setdefault("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
     try:
         use_ros()

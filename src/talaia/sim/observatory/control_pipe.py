@@ -38,7 +38,7 @@ class ControlPipe:
             # For writing as well: so it never ends when a writer goes.
             self._file = os.open(path, os.O_RDWR | os.O_NONBLOCK)
 
-    def read(self) -> list[tuple[str, str]]:
+    def read_orders(self) -> list[tuple[str, str]]:
         """Give the whole lines that have come: device, and the rest of the line."""
         if self._file < 0:
             return []

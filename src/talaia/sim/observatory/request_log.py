@@ -19,7 +19,9 @@ class RequestLog:
         """Open the file; more follows what it holds."""
         self._file = None if path is None else path.open("a", encoding="utf-8")
 
-    def write(self, device: str, asked: str, phase: str, said: str = "", **more: object) -> None:
+    def write_entry(
+        self, device: str, asked: str, phase: str, said: str = "", **more: object
+    ) -> None:
         """Write one thing down: ``phase`` is asked, done, refused or fault."""
         if self._file is None:
             return

@@ -143,9 +143,9 @@ def _run_loop(
     tick, before = 0, time.monotonic()
     while not ended.wait(STEP_S):
         now = time.monotonic()
-        for device, words in orders.read():
+        for device, words in orders.read_orders():
             for shell in shells:
-                shell.obey(device, words)
+                shell.obey_order(device, words)
         for shell in shells:
             # A machine that slept does not make the models catch up.
             shell.step(min(now - before, 1.0) * speed, publish=tick % PUBLISH_EVERY == 0)
@@ -160,9 +160,9 @@ def _call_service(device: str, what: str) -> Ticket:
         try:
             rospy.wait_for_service(f"/{device}/{what}", 2.0)
             answer = rospy.ServiceProxy(f"/{device}/{what}", Trigger)()
-            ticket.end(answer.message, good=answer.success)
+            ticket.end_with(answer.message, good=answer.success)
         except (rospy.ROSException, rospy.ServiceException) as error:
-            ticket.end(str(error), good=False)
+            ticket.end_with(str(error), good=False)
 
     # It may wait for a server that never comes, and keeps no process alive.
     threading.Thread(target=ask, daemon=True).start()
@@ -185,7 +185,7 @@ class _Shell:
         name = server.name
         self._publishers = {
             topic: rospy.Publisher(f"/{name}/{topic}", KINDS[type(value)], queue_size=10)
-            for topic, value in server.topics().items()
+            for topic, value in server.topic_values().items()
         }
         self._pictures = self._files = None
         if server.pictures:
@@ -237,10 +237,10 @@ class _Shell:
         device, _, word = words.partition(" ")
         if device == self._server.name:
             with self._lock:
-                problem = self._server.fault(word)
-            self._ledger.write(device, word, "fault", problem)
+                problem = self._server.inject_fault(word)
+            self._ledger.write_entry(device, word, "fault", problem)
 
-    def obey(self, device: str, words: str) -> None:
+    def obey_order(self, device: str, words: str) -> None:
         """Do what an order says, if it is this server's; see `orders`."""
         if device != self._server.name:
             return
@@ -250,7 +250,7 @@ class _Shell:
             self._apply_fault(f"{device} {words}")
             return
         said = ticket.message or "by hand"
-        self._ledger.write(device, words.partition(" ")[2], "by hand", said, good=ticket.good)
+        self._ledger.write_entry(device, words.partition(" ")[2], "by hand", said, good=ticket.good)
 
     def _end_of(self, asked: str, act: Callable[[], Ticket]) -> Ticket:
         """Ask the model and wait until what was asked has ended. Each request has its thread."""
@@ -261,14 +261,14 @@ class _Shell:
                 self._moved.wait(0.2)
             ticket = self._server.without_power() or act()
             phase = "answered" if ticket.ended else "asked"
-            self._ledger.write(name, asked, phase, ticket.message, good=ticket.good)
+            self._ledger.write_entry(name, asked, phase, ticket.message, good=ticket.good)
             if phase == "answered":
                 return ticket
             # Waiting lets go of the lock, so that time can pass.
             while not ticket.ended or self._server.hanging:
                 self._moved.wait(0.2)
         phase = "done" if ticket.good else "failed"
-        self._ledger.write(name, asked, phase, ticket.message, good=ticket.good)
+        self._ledger.write_entry(name, asked, phase, ticket.message, good=ticket.good)
         return ticket
 
     def _serve_trigger(self, name: str, act: Callable[[], Ticket]) -> Callable[[Any], Any]:
@@ -323,13 +323,13 @@ class _Shell:
             self._server.pass_time(seconds, time.time())
             if self._server.truth != self._truth:
                 self._truth = self._server.truth
-                self._ledger.write(self._server.name, "truth", "truth", self._truth)
+                self._ledger.write_entry(self._server.name, "truth", "truth", self._truth)
             self._moved.notify_all()
             if self._server.silent:
                 return
-            topics = dict(self._server.topics())
+            topics = dict(self._server.topic_values())
             watched = self._pictures is not None and self._pictures.get_num_connections() > 0
-            frame = self._server.frame(watched=watched) if self._pictures is not None else None
+            frame = self._server.take_frame(watched=watched) if self._pictures is not None else None
         # Outside the lock: requests do not wait for what is published.
         for name, value in topics.items():
             quick = not isinstance(value, float) and value != self._said.get(name)

@@ -132,7 +132,7 @@ class Shells:
         # Requests to other servers that wait for an answer, by client and sequence number.
         self._asked: dict[tuple[str, str], dict[int, Ticket]] = {}
 
-    def add(self, server: Server) -> None:
+    def add_server(self, server: Server) -> None:
         """Make a node for a server."""
         shell = _Shell(server, self._fits, self._ledger)
         self._shells.append(shell)
@@ -141,7 +141,7 @@ class Shells:
                 self._clients[device, what] = shell.node.create_client(Trigger, f"/{device}/{what}")
                 self._asked[device, what] = {}
 
-    def call(self, device: str, what: str) -> Ticket:
+    def call_server(self, device: str, what: str) -> Ticket:
         """Ask another server; how the global server moves all."""
         client = self._clients.get((device, what))
         if client is None or not client.service_is_ready():
@@ -159,11 +159,11 @@ class Shells:
             # A machine that slept does not make the models catch up.
             passed = min(now - before, 1.0) * self._speed
             self._hear_answers()
-            for device, words in self._orders.read():
+            for device, words in self._orders.read_orders():
                 for shell in self._shells:
-                    shell.obey(device, words)
+                    shell.obey_order(device, words)
             for shell in self._shells:
-                shell.listen()
+                shell.handle_requests()
                 shell.step(passed, publish=tick % PUBLISH_EVERY == 0)
             before = now
             if tick == 0:
@@ -181,7 +181,7 @@ class Shells:
                     break
                 ticket = waiting.pop(header.request_id.sequence_number, None)
                 if ticket is not None:
-                    ticket.end(answer.message, good=answer.success)
+                    ticket.end_with(answer.message, good=answer.success)
 
     def close(self) -> None:
         """Leave ROS."""
@@ -215,7 +215,7 @@ class _Shell:
         self._truth = ""
         self._publishers = {
             name: self.node.create_publisher(kind_of(value), f"/{server.name}/{name}", 10)
-            for name, value in server.topics().items()
+            for name, value in server.topic_values().items()
         }
         self._pictures: Any = None
         self._files: Any = None
@@ -223,7 +223,7 @@ class _Shell:
             self._pictures = self.node.create_publisher(Image, f"/{server.name}/image", LATCHED)
         if server.name == "camera":
             self._files = self.node.create_publisher(UInt8MultiArray, "/camera/fits", LATCHED)
-        # Each service with what takes its requests; asked by `listen`.
+        # Each service with what takes its requests; asked by `handle_requests`.
         self._services: list[tuple[Any, Callable[[Any, Any], None]]] = []
         for name, trigger in server.triggers.items():
             self._offer_service(Trigger, name, _without_values(trigger))
@@ -294,7 +294,7 @@ class _Shell:
             asked = " ".join([name, *(f"{value}" for value in values.values())])
             ticket = self._server.without_power() or act(values)
         device = self._server.name
-        self._ledger.write(
+        self._ledger.write_entry(
             device, asked, "answered" if ticket.ended else "asked", ticket.message, good=ticket.good
         )
         if ticket.ended:
@@ -311,10 +311,10 @@ class _Shell:
     def _apply_fault(self, words: str) -> None:
         device, _, word = words.partition(" ")
         if device == self._server.name:
-            problem = self._server.fault(word)
-            self._ledger.write(device, word, "fault", problem)
+            problem = self._server.inject_fault(word)
+            self._ledger.write_entry(device, word, "fault", problem)
 
-    def obey(self, device: str, words: str) -> None:
+    def obey_order(self, device: str, words: str) -> None:
         """Do what an order says, if it is this server's; see `orders`."""
         if device != self._server.name:
             return
@@ -324,9 +324,9 @@ class _Shell:
             return
         asked = words.partition(" ")[2]
         said = ticket.message or "by hand"
-        self._ledger.write(device, asked, "by hand", said, good=ticket.good)
+        self._ledger.write_entry(device, asked, "by hand", said, good=ticket.good)
 
-    def listen(self) -> None:
+    def handle_requests(self) -> None:
         """Take what has come. A server that hangs leaves requests lying, and acts on them later."""
         for ear, kind, receive_request in self._ears:
             while (got := ear.handle.take_message(kind, False)) is not None:  # noqa: FBT003 - C++
@@ -345,9 +345,9 @@ class _Shell:
         self._server.pass_time(seconds, time.time())
         if self._server.truth != self._truth:
             self._truth = self._server.truth
-            self._ledger.write(self._server.name, "truth", "truth", self._truth)
+            self._ledger.write_entry(self._server.name, "truth", "truth", self._truth)
         for asked, ticket in self._server.own_acts:
-            self._ledger.write(self._server.name, asked, "asked", "by itself: no heartbeat")
+            self._ledger.write_entry(self._server.name, asked, "asked", "by itself: no heartbeat")
             # Nobody asked for it, so nobody is answered.
             self._waiting.append(_Waiting(ticket, asked, lambda _ticket: None))
         self._server.own_acts.clear()
@@ -359,7 +359,7 @@ class _Shell:
             self._waiting.remove(waiting)
             ticket = waiting.ticket
             phase = "done" if ticket.good else "failed"
-            self._ledger.write(
+            self._ledger.write_entry(
                 self._server.name, waiting.asked, phase, ticket.message, good=ticket.good
             )
             waiting.answer(ticket)
@@ -370,7 +370,7 @@ class _Shell:
 
     def _publish_values(self, *, everything: bool) -> None:
         """Publish all twice a second, and what is no number as soon as it changes."""
-        for name, value in self._server.topics().items():
+        for name, value in self._server.topic_values().items():
             quick = not isinstance(value, float) and value != self._said.get(name)
             if everything or quick:
                 self._said[name] = value
@@ -379,7 +379,7 @@ class _Shell:
     def _publish_picture(self) -> None:
         if self._pictures is None:
             return
-        frame = self._server.frame(watched=self._pictures.get_subscription_count() > 0)
+        frame = self._server.take_frame(watched=self._pictures.get_subscription_count() > 0)
         if frame is None:
             return
         image = Image(
@@ -414,4 +414,4 @@ def _by_name(act: Callable[..., Ticket]) -> Callable[[dict[str, Value]], Ticket]
 
 
 def _unused_callback(*_: object) -> None:
-    """Stand where rclpy wants a callback; messages are taken by `listen`."""
+    """Stand where rclpy wants a callback; messages are taken by `handle_requests`."""

@@ -113,9 +113,9 @@ def _run_servers(options: argparse.Namespace, start: Start) -> None:
             name,
             seed=options.seed,
             unix_s=time.time(),
-            call=shells.call,
+            call=shells.call_server,
             place=place,
             roof=options.enclosure,
         )
-        shells.add(server)
+        shells.add_server(server)
     shells.run(start.ended, lambda: start.say_ready(servers=names))

@@ -17,7 +17,7 @@ __all__ = ["ActuationLog"]
 class ActuationLog:
     """One JSON object a line: ``wall_ns``, ``monotonic_ns``, ``source``, ``v`` m/s, ``w`` rad/s.
 
-    A line is in the file when `write` returns, so that another program may follow it.
+    A line is in the file when `write_change` returns, so that another program may follow it.
 
     Args:
         path: the file, begun anew; None writes nothing.
@@ -33,7 +33,7 @@ class ActuationLog:
         self._file = path.open("w", buffering=1, encoding="utf-8") if path else None
         self._clock = clock
 
-    def write(self, change: Change | None) -> None:
+    def write_change(self, change: Change | None) -> None:
         """Write a change down; None is none."""
         if self._file is None or change is None:
             return

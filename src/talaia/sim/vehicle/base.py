@@ -89,7 +89,7 @@ class Base:
         """Whether STOP is latched."""
         return self._stopped
 
-    def command(self, now_ns: int, speed: float, turn: float) -> Change | None:
+    def set_velocity(self, now_ns: int, speed: float, turn: float) -> Change | None:
         """Take a velocity from outside, cut to the vehicle's limits.
 
         A value that is not finite is no velocity; such a command stands for standing still.
@@ -101,20 +101,20 @@ class Base:
         turn = min(max(turn, -MAX_TURN), MAX_TURN)
         return self._accept_command(now_ns, Change(MotionSource.TWIST, speed, turn))
 
-    def key(self, now_ns: int, key: str) -> Change | None:
+    def press_key(self, now_ns: int, key: str) -> Change | None:
         """Take a key of the CloudConnect contract. Other keys change nothing."""
         asked = KEYS.get(key)
         if asked is None:
             return None
         return self._accept_command(now_ns, Change(MotionSource.KEY, *asked))
 
-    def roam(self, speed: float, turn: float) -> Change | None:
+    def set_wander_velocity(self, speed: float, turn: float) -> Change | None:
         """Take where wandering would go; without effect unless it is on."""
         if not self._wandering:
             return None
         return self._want_velocity(Change(MotionSource.WANDER, speed, turn))
 
-    def wander(self, *, on: bool) -> tuple[bool, Change | None]:
+    def switch_wandering(self, *, on: bool) -> tuple[bool, Change | None]:
         """Turn wandering on or off; says whether that was accepted. STOP refuses it."""
         if on:
             if self._stopped:
@@ -124,7 +124,7 @@ class Base:
         was, self._wandering = self._wandering, False
         return True, self._want_velocity(Change(MotionSource.WANDER, 0.0, 0.0)) if was else None
 
-    def stop(self, *, engaged: bool) -> Change | None:
+    def latch_stop(self, *, engaged: bool) -> Change | None:
         """Latch STOP, or release it. A release never moves anything."""
         self._stopped = engaged
         if not engaged:
@@ -175,7 +175,7 @@ class Ramp:
         self.speed = 0.0
         self.turn = 0.0
 
-    def follow(self, seconds: float, speed: float, turn: float) -> None:
+    def follow_velocity(self, seconds: float, speed: float, turn: float) -> None:
         """Move both towards what is wanted (m/s, rad/s) for a while."""
         self.speed = _step_towards(self.speed, speed, self.SPEED_UP * seconds, self.BRAKE * seconds)
         self.turn = _step_towards(

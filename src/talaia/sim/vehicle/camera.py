@@ -113,14 +113,14 @@ class Camera:
         self._view.fixedcamid = self._model.camera(CAMERA).id
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
         self._rect = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
-        # Written anew for each picture; `draw` hands out a copy.
+        # Written anew for each picture; `render_view` hands out a copy.
         self._pixels = np.zeros((HEIGHT, WIDTH, 3), dtype=np.uint8)
         # All that can be seen, where and how large. The house never moves: worked out once.
         self._looks = np.flatnonzero(self._model.geom_group == LOOK_GROUP)
         self._places = self._data.geom_xpos[self._looks].copy()
         self._sizes = self._model.geom_rbound[self._looks].copy()
 
-    def draw(self, x: float, y: float, yaw: float) -> npt.NDArray[np.uint8]:
+    def render_view(self, x: float, y: float, yaw: float) -> npt.NDArray[np.uint8]:
         """Draw what is seen from a pose: RGB of shape (480, 640, 3), the caller's own."""
         self._data.qpos[:3] = (x, y, yaw)
         # Only where things stand: no physics.

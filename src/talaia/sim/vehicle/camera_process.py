@@ -32,7 +32,7 @@ class CameraProcess:
     """
 
     def __init__(self, seed: int, rate: float) -> None:
-        """Start the process; `wait` tells when it can draw."""
+        """Start the process; `wait_ready` tells when it can draw."""
         words = [sys.executable, "-m", "talaia.sim.vehicle.images"]
         words += ["--seed", str(seed), "--rate", str(rate)]
         poses, self._poses = os.pipe()
@@ -44,7 +44,7 @@ class CameraProcess:
         # The process is gone, and this was logged.
         self._lost = False
 
-    def wait(self) -> str:
+    def wait_ready(self) -> str:
         """Wait until it can draw; gives how: ``egl`` or ``osmesa``.
 
         Raises:
@@ -60,7 +60,7 @@ class CameraProcess:
             return str(said["way"])
         raise NoRenderer(said["reasons"])
 
-    def show(self, motion: Motion) -> None:
+    def send_pose(self, motion: Motion) -> None:
         """Tell where the vehicle is; never waits. Poses that find the pipe full are left out."""
         try:
             # 24 bytes are written whole or not at all (pipe(7)).

@@ -22,12 +22,12 @@ import numpy as np
 
 from talaia.sim.vehicle import furniture, occupants
 from talaia.sim.vehicle.scene import Finish, FloorPose, Hull, SceneBuilder
-from talaia.sim.vehicle.textures import Picture, parquet, plaster, shade, tiles
+from talaia.sim.vehicle.textures import Picture, draw_parquet, draw_plaster, draw_tiles, shade_floor
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["CEILING", "DOOR", "ROOMS", "Room", "build"]
+__all__ = ["CEILING", "DOOR", "ROOMS", "Room", "build_house"]
 
 CEILING = 2.5
 DOOR = 2.08
@@ -60,15 +60,15 @@ class Room:
 
 
 def _oak_floor(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
-    return parquet(rng, (0.66, 0.48, 0.31), size, FLOOR_SCALE)
+    return draw_parquet(rng, (0.66, 0.48, 0.31), size, FLOOR_SCALE)
 
 
 def _clay_floor(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
-    return tiles(rng, (0.70, 0.46, 0.35), metres=size, scale=FLOOR_SCALE, side=0.33)
+    return draw_tiles(rng, (0.70, 0.46, 0.35), metres=size, scale=FLOOR_SCALE, side=0.33)
 
 
 def _slate_floor(rng: np.random.Generator, size: tuple[float, float]) -> Picture:
-    return tiles(rng, (0.55, 0.58, 0.60), metres=size, scale=FLOOR_SCALE, side=0.25)
+    return draw_tiles(rng, (0.55, 0.58, 0.60), metres=size, scale=FLOOR_SCALE, side=0.25)
 
 
 ROOMS = (
@@ -102,7 +102,7 @@ ROOMS = (
 )
 
 
-def build(stage: SceneBuilder, layout: np.random.Generator) -> None:
+def build_house(stage: SceneBuilder, layout: np.random.Generator) -> None:
     """Build it all.
 
     Args:
@@ -126,10 +126,10 @@ def _add_walls(stage: SceneBuilder, room: Room) -> None:
     (x0, y0), (x1, y1) = room.low, room.high
     # Standing before each wall and looking into the room: where y starts, and which way it runs.
     sides = (
-        ("w", stage.at(x0, y0, 0.0), y1 - y0, y0, 1),
-        ("n", stage.at(x0, y1, -math.pi / 2), x1 - x0, x0, 1),
-        ("e", stage.at(x1, y1, math.pi), y1 - y0, y1, -1),
-        ("s", stage.at(x1, y0, math.pi / 2), x1 - x0, x1, -1),
+        ("w", stage.pose_at(x0, y0, 0.0), y1 - y0, y0, 1),
+        ("n", stage.pose_at(x0, y1, -math.pi / 2), x1 - x0, x0, 1),
+        ("e", stage.pose_at(x1, y1, math.pi), y1 - y0, y1, -1),
+        ("s", stage.pose_at(x1, y0, math.pi / 2), x1 - x0, x1, -1),
     )
     for side, place, length, corner, way in sides:
         gaps = sorted(
@@ -162,94 +162,102 @@ def _add_wall(
     low, high = (0.0, span[0], height[0]), (WALL, span[1], height[1])
     # Above a door there is nothing to run into.
     if height[0] == 0.0:
-        place.solid(low, high)
+        place.add_solid(low, high)
     stage = place.stage
     if not stage.looks:
         return
     size = (span[1] - span[0], height[1] - height[0])
-    name = stage.finish(
+    name = stage.add_finish(
         f"wall {place.x:.2f} {place.y:.2f} {place.yaw:.2f} {span[0]:.2f} {height[0]:.2f}",
-        Finish(lambda rng: plaster(rng, room.paint, size, corners), repeat=0.0, shine=0.0),
+        Finish(lambda rng: draw_plaster(rng, room.paint, size, corners), repeat=0.0, shine=0.0),
     )
-    place.box(name, low, high, 0.002)
+    place.add_box(name, low, high, 0.002)
     if height[0] == 0.0:
-        place.box("white wood", (WALL, *span[:1], 0.0), (WALL + 0.014, span[1], 0.09), 0.004)
+        place.add_box("white wood", (WALL, *span[:1], 0.0), (WALL + 0.014, span[1], 0.09), 0.004)
 
 
 def _door_frame(place: FloorPose, low: float, high: float) -> None:
     for y in (low, high):
-        place.box(
+        place.add_box(
             "white wood", (-0.01, y - 0.035, 0.0), (WALL + 0.015, y + 0.035, DOOR + 0.03), 0.008
         )
-    place.box("white wood", (-0.01, low, DOOR - 0.03), (WALL + 0.015, high, DOOR + 0.04), 0.008)
+    place.add_box("white wood", (-0.01, low, DOOR - 0.03), (WALL + 0.015, high, DOOR + 0.04), 0.008)
 
 
 def _furnish_living_room(stage: SceneBuilder, layout: np.random.Generator) -> None:
     def near(x: float, y: float, yaw: float, by: float = 0.05) -> FloorPose:
         dx, dy, turn = layout.uniform(-by, by, 3)
-        return stage.at(x + dx, y + dy, yaw + 3 * turn)
+        return stage.pose_at(x + dx, y + dy, yaw + 3 * turn)
 
     up = math.pi / 2
-    furniture.sofa(stage.at(0.9, -3.44, up))
+    furniture.add_sofa(stage.pose_at(0.9, -3.44, up))
     furniture.low_table(near(0.9, -2.2, up, 0.03))
-    furniture.television(stage.at(-1.69, -1.9, 0.0))
-    furniture.lamp(stage.at(-1.55, -3.55))
-    furniture.armchair(near(2.75, -2.75, 2.3))
-    furniture.bookshelf(stage.at(3.76, -0.98, math.pi))
-    furniture.plant(near(3.55, -3.5, 0.0), 1.25)
-    furniture.plant(near(-1.6, 0.6, 0.0), 0.9)
-    furniture.window(stage.at(0.9, -4 + WALL, up), 2.0)
-    furniture.window(stage.at(-2 + WALL, -0.3, 0.0), 1.2)
-    furniture.painting(stage.at(2.4, 1 - WALL, -up), "cat", width=0.9, height=0.6, z=0.95)
+    furniture.add_television(stage.pose_at(-1.69, -1.9, 0.0))
+    furniture.add_lamp(stage.pose_at(-1.55, -3.55))
+    furniture.add_armchair(near(2.75, -2.75, 2.3))
+    furniture.add_bookshelf(stage.pose_at(3.76, -0.98, math.pi))
+    furniture.add_plant(near(3.55, -3.5, 0.0), 1.25)
+    furniture.add_plant(near(-1.6, 0.6, 0.0), 0.9)
+    furniture.add_window(stage.pose_at(0.9, -4 + WALL, up), 2.0)
+    furniture.add_window(stage.pose_at(-2 + WALL, -0.3, 0.0), 1.2)
+    furniture.add_painting(stage.pose_at(2.4, 1 - WALL, -up), "cat", width=0.9, height=0.6, z=0.95)
     if stage.looks:
-        stage.at(0.9, -2.2).box("rug", (-1.35, -0.9, 0.0), (1.35, 0.9, 0.012), 0.004)
-    occupants.person(near(3.3, 0.62, math.pi + 0.2, 0.02))
+        stage.pose_at(0.9, -2.2).add_box("rug", (-1.35, -0.9, 0.0), (1.35, 0.9, 0.012), 0.004)
+    occupants.add_person(near(3.3, 0.62, math.pi + 0.2, 0.02))
     # Where both are in sight of the vehicle's start, and a detector takes them for what they are.
-    occupants.dog(near(2.3, -0.9, 1.13, 0.03))
+    occupants.add_dog(near(2.3, -0.9, 1.13, 0.03))
 
 
 def _furnish_kitchen(stage: SceneBuilder, layout: np.random.Generator) -> None:
     up = math.pi / 2
-    furniture.counter(stage.at(7.1, -3.62, up), 3.6)
-    furniture.cupboards(stage.at(7.1, -3.76, up), 3.6)
-    furniture.fridge(stage.at(4.6, -3.58, up))
-    table = stage.at(6.6, -1.9, 0.0)
+    furniture.add_counter(stage.pose_at(7.1, -3.62, up), 3.6)
+    furniture.add_cupboards(stage.pose_at(7.1, -3.76, up), 3.6)
+    furniture.add_fridge(stage.pose_at(4.6, -3.58, up))
+    table = stage.pose_at(6.6, -1.9, 0.0)
     furniture.dining_table(table)
     for x, y, yaw in ((-0.38, -0.62, up), (0.38, -0.62, up), (-0.38, 0.62, -up), (0.38, 0.62, -up)):
         dx, dy, turn = layout.uniform(-0.04, 0.04, 3)
-        furniture.chair(table.on(x + dx, y + dy, yaw + 5 * turn), "teal cloth")
-    furniture.painting(stage.at(9 - WALL, -1.7, math.pi), "coffee", width=1.0, height=0.72, z=1.15)
-    furniture.window(stage.at(9 - WALL, -2.9, math.pi), 0.9, 1.6)
-    furniture.plant(stage.at(8.6, -0.9), 0.8)
+        furniture.add_chair(table.pose_on(x + dx, y + dy, yaw + 5 * turn), "teal cloth")
+    furniture.add_painting(
+        stage.pose_at(9 - WALL, -1.7, math.pi), "coffee", width=1.0, height=0.72, z=1.15
+    )
+    furniture.add_window(stage.pose_at(9 - WALL, -2.9, math.pi), 0.9, 1.6)
+    furniture.add_plant(stage.pose_at(8.6, -0.9), 0.8)
 
 
 def _furnish_others(stage: SceneBuilder, layout: np.random.Generator) -> None:
     up = math.pi / 2
-    furniture.painting(
-        stage.at(9 - WALL, 0.25, math.pi), "astronaut", width=1.0, height=1.0, z=1.05
+    furniture.add_painting(
+        stage.pose_at(9 - WALL, 0.25, math.pi), "astronaut", width=1.0, height=1.0, z=1.05
     )
-    furniture.painting(stage.at(5.6, -0.5 + WALL, up), "galaxies", width=1.1, height=0.6, z=1.3)
-    furniture.plant(stage.at(8.65, -0.15), 0.7)
-    furniture.bed(stage.at(-0.88, 3.0))
+    furniture.add_painting(
+        stage.pose_at(5.6, -0.5 + WALL, up), "galaxies", width=1.1, height=0.6, z=1.3
+    )
+    furniture.add_plant(stage.pose_at(8.65, -0.15), 0.7)
+    furniture.add_bed(stage.pose_at(-0.88, 3.0))
     for y in (1.85,):
-        stage.at(-1.7, y).box("oak", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.5), 0.015, solid=True)
-        stage.at(-1.7, y).rod("clay", (0, 0, 0.5), (0, 0, 0.7), 0.06)
-        stage.at(-1.7, y).rod("shade", (0, 0, 0.7), (0, 0, 0.9), 0.13, blunt=True)
-    furniture.wardrobe(stage.at(2.62, 3.1, math.pi))
-    furniture.window(stage.at(1.2, 4 - WALL, -up), 1.3)
-    furniture.painting(stage.at(-2 + WALL, 3.0, 0.0), "rocket", width=0.6, height=0.8, z=1.65)
+        stage.pose_at(-1.7, y).add_box("oak", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.5), 0.015, solid=True)
+        stage.pose_at(-1.7, y).add_rod("clay", (0, 0, 0.5), (0, 0, 0.7), 0.06)
+        stage.pose_at(-1.7, y).add_rod("shade", (0, 0, 0.7), (0, 0, 0.9), 0.13, blunt=True)
+    furniture.add_wardrobe(stage.pose_at(2.62, 3.1, math.pi))
+    furniture.add_window(stage.pose_at(1.2, 4 - WALL, -up), 1.3)
+    furniture.add_painting(
+        stage.pose_at(-2 + WALL, 3.0, 0.0), "rocket", width=0.6, height=0.8, z=1.65
+    )
     if stage.looks:
-        stage.at(1.2, 2.3).box("blue rug", (-0.8, -0.55, 0.0), (0.8, 0.55, 0.012), 0.004)
-    furniture.desk(stage.at(4.4, 3.55, -up))
+        stage.pose_at(1.2, 2.3).add_box("blue rug", (-0.8, -0.55, 0.0), (0.8, 0.55, 0.012), 0.004)
+    furniture.add_desk(stage.pose_at(4.4, 3.55, -up))
     dx, dy, turn = layout.uniform(-0.08, 0.08, 3)
-    furniture.office_chair(stage.at(4.4 + dx, 2.75 + dy, up + 6 * turn))
-    furniture.bookshelf(stage.at(3.24, 2.0, 0.0))
-    furniture.painting(stage.at(6 - WALL, 2.6, math.pi), "rocket", width=0.75, height=1.0, z=1.15)
-    furniture.plant(stage.at(5.6, 3.6), 1.1)
-    furniture.bath(stage.at(8.52, 2.9))
-    furniture.washstand(stage.at(6.29, 2.9, 0.0))
-    furniture.window(stage.at(7.3, 4 - WALL, -up), 0.9, 1.6)
-    furniture.plant(stage.at(8.6, 1.4), 0.6)
+    furniture.office_chair(stage.pose_at(4.4 + dx, 2.75 + dy, up + 6 * turn))
+    furniture.add_bookshelf(stage.pose_at(3.24, 2.0, 0.0))
+    furniture.add_painting(
+        stage.pose_at(6 - WALL, 2.6, math.pi), "rocket", width=0.75, height=1.0, z=1.15
+    )
+    furniture.add_plant(stage.pose_at(5.6, 3.6), 1.1)
+    furniture.add_bath(stage.pose_at(8.52, 2.9))
+    furniture.add_washstand(stage.pose_at(6.29, 2.9, 0.0))
+    furniture.add_window(stage.pose_at(7.3, 4 - WALL, -up), 0.9, 1.6)
+    furniture.add_plant(stage.pose_at(8.6, 1.4), 0.6)
 
 
 def _add_outline(hull: Hull) -> list[tuple[float, float]]:
@@ -274,11 +282,11 @@ def _floor_and_ceiling(stage: SceneBuilder, room: Room) -> None:
     outlines = [[(x - x0, y - y0) for x, y in _add_outline(hull)] for hull in standing]
 
     def picture(rng: np.random.Generator) -> Picture:
-        return shade(room.floor(rng, size), outlines, FLOOR_SCALE)
+        return shade_floor(room.floor(rng, size), outlines, FLOOR_SCALE)
 
-    name = stage.finish(f"floor {room.name}", Finish(picture, repeat=0.0, shine=0.12))
-    middle = stage.at((x0 + x1) / 2, (y0 + y1) / 2)
+    name = stage.add_finish(f"floor {room.name}", Finish(picture, repeat=0.0, shine=0.12))
+    middle = stage.pose_at((x0 + x1) / 2, (y0 + y1) / 2)
     half = (size[0] / 2, size[1] / 2)
-    middle.box(name, (-half[0], -half[1], -0.05), (*half, 0.0), 0.001)
-    middle.box("white", (-half[0], -half[1], CEILING), (*half, CEILING + 0.05), 0.001)
-    middle.rod("shade", (0, 0, CEILING - 0.06), (0, 0, CEILING), 0.22, blunt=True)
+    middle.add_box(name, (-half[0], -half[1], -0.05), (*half, 0.0), 0.001)
+    middle.add_box("white", (-half[0], -half[1], CEILING), (*half, CEILING + 0.05), 0.001)
+    middle.add_rod("shade", (0, 0, CEILING - 0.06), (0, 0, CEILING), 0.22, blunt=True)

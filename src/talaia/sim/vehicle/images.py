@@ -65,7 +65,7 @@ def main() -> int:
         _write_line({"reasons": error.reasons})
         return 1
     # Once before it is said that it can.
-    camera.draw(0.0, 0.0, 0.0)
+    camera.render_view(0.0, 0.0, 0.0)
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("vehicle_camera", enable_rosout=False, start_parameter_services=False)
     poses = _Poses(sys.stdin.buffer)
@@ -158,7 +158,7 @@ class Images:
             stamp = self._node.get_clock().now().to_msg()
             if pose != drawn:
                 pixels = array.array("B")
-                pixels.frombytes(camera.draw(*pose).data)
+                pixels.frombytes(camera.render_view(*pose).data)
                 message.data = pixels
                 drawn = pose
             message.header.stamp = stamp

@@ -96,24 +96,26 @@ class Inputs:
     def _apply_change(self, change: Callable[[], Change | None]) -> None:
         # Written under the lock, so that lines stand in the order of the changes.
         with self._lock:
-            self._log.write(change())
+            self._log.write_change(change())
 
     def _on_twist(self, message: Message) -> None:
         # Before the lock is waited for.
         now = self._clock.monotonic_ns()
-        self._apply_change(lambda: self._base.command(now, message.linear.x, message.angular.z))
+        self._apply_change(
+            lambda: self._base.set_velocity(now, message.linear.x, message.angular.z)
+        )
 
     def _on_key(self, message: Message) -> None:
         now = self._clock.monotonic_ns()
-        self._apply_change(lambda: self._base.key(now, message.data))
+        self._apply_change(lambda: self._base.press_key(now, message.data))
 
     def _on_stop(self, message: Message) -> None:
-        self._apply_change(lambda: self._base.stop(engaged=message.data))
+        self._apply_change(lambda: self._base.latch_stop(engaged=message.data))
 
     def _wander(self, request: Message, response: Message) -> Message:
         with self._lock:
-            accepted, change = self._base.wander(on=request.data)
-            self._log.write(change)
+            accepted, change = self._base.switch_wandering(on=request.data)
+            self._log.write_change(change)
         response.success = accepted
         if not accepted:
             response.message = "refused: STOP is latched; release it first"
@@ -188,39 +190,39 @@ class Loop:
     def _run_period(self, tick: int, seconds: float) -> None:
         # Only what `Inputs` changes, too: physics and publishing hold up no command.
         with self._lock:
-            self._log.write(self._base.pass_time(self._clock.monotonic_ns()))
+            self._log.write_change(self._base.pass_time(self._clock.monotonic_ns()))
             wanted = (self._base.speed, self._base.turn)
             wandering = self._base.wandering
-        self._ramp.follow(seconds, *wanted)
+        self._ramp.follow_velocity(seconds, *wanted)
         motion = self._world.step(seconds, self._ramp.speed, self._ramp.turn)
         if self._eye is not None:
-            self._eye.show(motion)
+            self._eye.send_pose(motion)
         self._seconds += seconds
-        self._battery.drain(seconds, motion.speed, motion.turn)
+        self._battery.drain_battery(seconds, motion.speed, motion.turn)
         stamp = self._node.get_clock().now().to_msg()
-        self._reports.motion(stamp, motion)
+        self._reports.publish_motion(stamp, motion)
         # The slower reports take turns, so that no round is much longer than another.
         if tick % 2 == 1:
-            self._reports.joints(stamp, motion)
+            self._reports.publish_joints(stamp, motion)
         if tick % 5 == 0:
             self._look_around(stamp, wandering=wandering)
         if tick % 5 == 2:
-            self._reports.surroundings(stamp, motion)
+            self._reports.publish_ranges(stamp, motion)
         if tick % 12 == 4:
-            self._reports.metrics(motion)
+            self._reports.publish_metrics(motion)
         if tick % 10 == 3:
-            self._reports.place(stamp, motion, self._seconds)
+            self._reports.publish_place(stamp, motion, self._seconds)
         if tick % 50 == 1:
-            self._reports.battery(stamp, self._battery)
+            self._reports.publish_battery(stamp, self._battery)
         if tick % 50 == 8 or wandering != self._told_wandering:
             self._told_wandering = wandering
-            self._reports.wandering(on=wandering)
+            self._reports.publish_wandering(on=wandering)
 
     def _look_around(self, stamp: object, *, wandering: bool) -> None:
-        ranges: npt.NDArray[np.float32] = self._world.scan()
-        self._reports.scan(stamp, ranges)
+        ranges: npt.NDArray[np.float32] = self._world.scan_lidar()
+        self._reports.publish_scan(stamp, ranges)
         if wandering:
             # As often as this is called.
-            speed, turn = self._wander.drive(5 * TICK_S, ranges)
+            speed, turn = self._wander.choose_velocity(5 * TICK_S, ranges)
             with self._lock:
-                self._log.write(self._base.roam(speed, turn))
+                self._log.write_change(self._base.set_wander_velocity(speed, turn))

@@ -21,7 +21,7 @@ from sensor_msgs.msg import (
 )
 from std_msgs.msg import Bool, Float64, String
 
-from talaia.sim.vehicle.sensors import Battery, on_earth, temperature
+from talaia.sim.vehicle.sensors import Battery, on_earth, room_temperature
 from talaia.sim.vehicle.world import LIDAR_RANGE, SONAR_FIELD, SONAR_RANGE, Motion, World
 
 if TYPE_CHECKING:
@@ -71,13 +71,13 @@ class VehiclePublishers:
         self._speed = self._make_publisher(Float64, "/speed")
         self._wandering = node.create_publisher(Bool, "/wandering", LASTING)
         self._metric = self._make_publisher(String, "/metric")
-        # What the sonars measured last (m), said once more by `metrics`.
+        # What the sonars measured last (m), said once more by `publish_metrics`.
         self._measured = {"ultrasonic1": 0.0, "ultrasonic2": 0.0, "ultrasonic3": 0.0}
         self._prepare_messages()
 
-    def motion(self, stamp: Message, motion: Motion) -> None:
+    def publish_motion(self, stamp: Message, motion: Motion) -> None:
         """Publish odometry and inertia, and the transform where its package is installed."""
-        noise = self._world.noise
+        noise = self._world.measuring_noise
         half = motion.yaw / 2
         odometry = self._odometry_message
         odometry.header.stamp = stamp
@@ -106,7 +106,7 @@ class VehiclePublishers:
             transform.transform.rotation = pose.orientation
             self._transform.publish(self._transform_message)
 
-    def joints(self, stamp: Message, motion: Motion) -> None:
+    def publish_joints(self, stamp: Message, motion: Motion) -> None:
         """Publish the wheels' angles and rates."""
         message = self._joints_message
         message.header.stamp = stamp
@@ -118,7 +118,7 @@ class VehiclePublishers:
         ]
         self._joints.publish(message)
 
-    def scan(self, stamp: Message, ranges: np.typing.NDArray[np.float32]) -> None:
+    def publish_scan(self, stamp: Message, ranges: np.typing.NDArray[np.float32]) -> None:
         """Publish one turn of the lidar."""
         message = self._scan_message
         message.header.stamp = stamp
@@ -126,9 +126,9 @@ class VehiclePublishers:
         message.ranges = array.array("f", ranges.tobytes())
         self._scan.publish(message)
 
-    def surroundings(self, stamp: Message, motion: Motion) -> None:
+    def publish_ranges(self, stamp: Message, motion: Motion) -> None:
         """Publish the ultrasonic ranges and the speed."""
-        sonars = self._world.sonars()
+        sonars = self._world.measure_sonars()
         for publisher, message, distance, name in zip(
             self._ranges, self._range_messages, sonars, self._measured, strict=True
         ):
@@ -138,18 +138,18 @@ class VehiclePublishers:
             publisher.publish(message)
         self._speed.publish(Float64(data=motion.speed))
 
-    def place(self, stamp: Message, motion: Motion, seconds: float) -> None:
+    def publish_place(self, stamp: Message, motion: Motion, seconds: float) -> None:
         """Publish the position on Earth and the temperature there."""
         fix = self._fix_message
         fix.header.stamp = stamp
         fix.latitude, fix.longitude, fix.altitude = on_earth(motion.x, motion.y)
         self._fix.publish(fix)
         self._temperature_message.header.stamp = stamp
-        measured = temperature(motion.x, motion.y, seconds) + self._world.noise(0.03)
+        measured = room_temperature(motion.x, motion.y, seconds) + self._world.measuring_noise(0.03)
         self._temperature_message.temperature = measured
         self._temperature.publish(self._temperature_message)
 
-    def metrics(self, motion: Motion) -> None:
+    def publish_metrics(self, motion: Motion) -> None:
         """Publish the CloudConnect sensors: a Python dictionary as text, as in the field."""
         values = {
             "speed1": motion.speed,
@@ -160,7 +160,7 @@ class VehiclePublishers:
             text = str({"name": name, "magnitude": round(float(value), 3)})
             self._metric.publish(String(data=text))
 
-    def battery(self, stamp: Message, battery: Battery) -> None:
+    def publish_battery(self, stamp: Message, battery: Battery) -> None:
         """Publish charge, voltage and current."""
         message = self._battery_message
         message.header.stamp = stamp
@@ -171,7 +171,7 @@ class VehiclePublishers:
         message.current = -battery.current
         self._battery.publish(message)
 
-    def wandering(self, *, on: bool) -> None:
+    def publish_wandering(self, *, on: bool) -> None:
         """Publish whether the vehicle drives about by itself."""
         self._wandering.publish(Bool(data=on))
 
@@ -189,7 +189,7 @@ class VehiclePublishers:
         odometry.twist.covariance = small
         self._imu_message = imu = Imu()
         imu.header.frame_id = "imu_link"
-        # Squares of the noise in `motion`.
+        # Squares of the noise in `publish_motion`.
         imu.angular_velocity_covariance = [4e-6, 0, 0, 0, 4e-6, 0, 0, 0, 4e-6]
         imu.linear_acceleration_covariance = [4e-4, 0, 0, 0, 4e-4, 0, 0, 0, 4e-4]
         self._joints_message = JointState(name=["wheel_left_joint", "wheel_right_joint"])
@@ -210,7 +210,7 @@ class VehiclePublishers:
             reading.header.frame_id = f"ultrasonic_{side}"
             reading.min_range, reading.max_range = SONAR_RANGE
             self._range_messages.append(reading)
-        # The square of the noise in `place`.
+        # The square of the noise in `publish_place`.
         self._temperature_message = Temperature(variance=0.0009)
         self._temperature_message.header.frame_id = "base_link"
         self._fix_message = fix = NavSatFix()

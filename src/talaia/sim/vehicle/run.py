@@ -91,7 +91,7 @@ def _run_vehicle(options: argparse.Namespace, start: Start) -> None:
         node, world=world, base=base, lock=lock, log=log, clock=clock, seed=options.seed, eye=eye
     )
     inputs = shell.Inputs(node, base=base, lock=lock, log=log, clock=clock)
-    way = eye.wait() if eye else None
+    way = eye.wait_ready() if eye else None
     inputs.start()
     start.stack.callback(inputs.close)
 

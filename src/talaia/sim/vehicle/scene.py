@@ -96,16 +96,16 @@ class SceneBuilder:
         # By size, rounding and repetition: equal boxes share one mesh.
         self._meshes: dict[tuple[float, ...], str] = {}
 
-    def at(self, x: float, y: float, yaw: float = 0.0) -> FloorPose:
+    def pose_at(self, x: float, y: float, yaw: float = 0.0) -> FloorPose:
         """Give a place on the floor to build at."""
         return FloorPose(self, x, y, yaw)
 
-    def finish(self, name: str, finish: Finish) -> str:
+    def add_finish(self, name: str, finish: Finish) -> str:
         """Add a surface and give its name back."""
         self._finishes[name] = finish
         return name
 
-    def hull(self, hull: Hull) -> None:
+    def add_hull(self, hull: Hull) -> None:
         """Add something solid."""
         self.hulls.append(hull)
         kind = mujoco.mjtGeom.mjGEOM_CYLINDER if hull.round else mujoco.mjtGeom.mjGEOM_BOX
@@ -121,7 +121,7 @@ class SceneBuilder:
             friction=(0.2, 0.0, 0.0),
         )
 
-    def mesh(self, size: Vector, radius: float, repeat: float) -> str:
+    def box_mesh(self, size: Vector, radius: float, repeat: float) -> str:
         """Give the name of a box mesh with rounded edges, made once for each size."""
         key = (*size, radius, repeat)
         name = self._meshes.get(key)
@@ -141,14 +141,18 @@ class SceneBuilder:
         """Add something only a camera sees."""
         if self.looks:
             self.spec.worldbody.add_geom(
-                material=self.material(finish), group=LOOK_GROUP, contype=0, conaffinity=0, **geom
+                material=self.find_material(finish),
+                group=LOOK_GROUP,
+                contype=0,
+                conaffinity=0,
+                **geom,
             )
 
-    def repeat(self, finish: str) -> float:
+    def texture_repeat(self, finish: str) -> float:
         """Tell how often a surface's texture repeats in a metre."""
         return self._finishes[finish].repeat
 
-    def material(self, name: str) -> str:
+    def find_material(self, name: str) -> str:
         """Add the MuJoCo material of a surface at its first use."""
         if name in self._materials:
             return name
@@ -184,7 +188,7 @@ class FloorPose:
     y: float
     yaw: float
 
-    def world(self, point: Vector) -> Vector:
+    def to_world(self, point: Vector) -> Vector:
         """Turn a point of this place into one of the house."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         return (
@@ -193,30 +197,32 @@ class FloorPose:
             point[2],
         )
 
-    def on(self, x: float, y: float, yaw: float = 0.0) -> FloorPose:
+    def pose_on(self, x: float, y: float, yaw: float = 0.0) -> FloorPose:
         """Give a place relative to this one."""
-        px, py, _ = self.world((x, y, 0.0))
+        px, py, _ = self.to_world((x, y, 0.0))
         return FloorPose(self.stage, px, py, self.yaw + yaw)
 
-    def solid(self, low: Vector, high: Vector) -> None:
+    def add_solid(self, low: Vector, high: Vector) -> None:
         """Add a hull between two corners."""
-        centre = self.world(
+        centre = self.to_world(
             ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2)
         )
         half = ((high[0] - low[0]) / 2, (high[1] - low[1]) / 2, (high[2] - low[2]) / 2)
-        self.stage.hull(Hull(round=False, centre=centre, half=half, yaw=self.yaw))
+        self.stage.add_hull(Hull(round=False, centre=centre, half=half, yaw=self.yaw))
 
-    def post(self, x: float, y: float, radius: float, height: float) -> None:
+    def add_post(self, x: float, y: float, radius: float, height: float) -> None:
         """Add an upright round hull that stands on the floor."""
-        centre = self.world((x, y, height / 2))
-        self.stage.hull(Hull(round=True, centre=centre, half=(radius, radius, height / 2), yaw=0.0))
+        centre = self.to_world((x, y, height / 2))
+        self.stage.add_hull(
+            Hull(round=True, centre=centre, half=(radius, radius, height / 2), yaw=0.0)
+        )
 
-    def box(
+    def add_box(
         self, finish: str, low: Vector, high: Vector, radius: float = 0.01, *, solid: bool = False
     ) -> None:
         """Add a box with rounded edges between two corners."""
         if solid:
-            self.solid(low, high)
+            self.add_solid(low, high)
         if not self.stage.looks:
             return
         size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
@@ -226,12 +232,12 @@ class FloorPose:
         self.stage.add_visual(
             finish,
             type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=self.stage.mesh(size, radius, self.stage.repeat(finish)),
-            pos=self.world(centre),
+            meshname=self.stage.box_mesh(size, radius, self.stage.texture_repeat(finish)),
+            pos=self.to_world(centre),
             quat=_yaw_quaternion(self.yaw),
         )
 
-    def rod(
+    def add_rod(
         self, finish: str, start: Vector, end: Vector, radius: float, *, blunt: bool = False
     ) -> None:
         """Add a capsule, or a cylinder if ``blunt``, from one point to another."""
@@ -239,11 +245,11 @@ class FloorPose:
         self.stage.add_visual(
             finish,
             type=kind,
-            fromto=(*self.world(start), *self.world(end)),
+            fromto=(*self.to_world(start), *self.to_world(end)),
             size=(radius, 0.0, 0.0),
         )
 
-    def ball(self, finish: str, centre: Vector, half: Vector, tilt: float = 0.0) -> None:
+    def add_ball(self, finish: str, centre: Vector, half: Vector, tilt: float = 0.0) -> None:
         """Add an ellipsoid; ``tilt`` raises its front (rad)."""
         turn = np.zeros(4)
         mujoco.mju_mulQuat(
@@ -252,7 +258,7 @@ class FloorPose:
         self.stage.add_visual(
             finish,
             type=mujoco.mjtGeom.mjGEOM_ELLIPSOID,
-            pos=self.world(centre),
+            pos=self.to_world(centre),
             size=half,
             quat=tuple(turn),
         )

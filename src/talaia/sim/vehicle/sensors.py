@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["ORIGIN", "Battery", "on_earth", "temperature"]
+__all__ = ["ORIGIN", "Battery", "on_earth", "room_temperature"]
 
 ORIGIN = (42.0519, 0.7300, 1568.0)
 """Where the vehicle starts: a house near the Montsec observatory in Catalonia (°, °, m)."""
@@ -25,7 +25,7 @@ class Battery:
         self.charge = charge
         self.current = self.IDLE_A
 
-    def drain(self, seconds: float, speed: float, turn: float) -> None:
+    def drain_battery(self, seconds: float, speed: float, turn: float) -> None:
         """Let the vehicle draw its current for a while; below 5 % it is taken to be charged."""
         self.current = self.IDLE_A + self.PER_SPEED_A * abs(speed) + self.PER_TURN_A * abs(turn)
         self.charge -= self.current * seconds / (3600.0 * self.CAPACITY_AH)
@@ -54,7 +54,7 @@ def on_earth(x: float, y: float) -> tuple[float, float, float]:
     return latitude + y / north, longitude + x / east, altitude
 
 
-def temperature(x: float, y: float, seconds: float) -> float:
+def room_temperature(x: float, y: float, seconds: float) -> float:
     """Air temperature at a place in the house (°C): warm at the stove, cool in the bedroom."""
     stove = 3.2 * math.exp(-((x - 7.7) ** 2 + (y + 3.3) ** 2) / 3.0)
     lamp = 0.8 * math.exp(-((x + 1.5) ** 2 + (y + 3.5) ** 2) / 1.5)

@@ -14,16 +14,16 @@ from PIL import Image, ImageDraw, ImageFilter
 __all__ = [
     "Picture",
     "book_row",
-    "cloth",
-    "fur",
-    "parquet",
-    "photograph",
-    "plaster",
-    "rug",
-    "shade",
-    "tiles",
-    "view",
-    "wood",
+    "draw_cloth",
+    "draw_fur",
+    "draw_parquet",
+    "draw_plaster",
+    "draw_rug",
+    "draw_tiles",
+    "draw_view",
+    "draw_wood",
+    "load_photograph",
+    "shade_floor",
 ]
 
 Picture = npt.NDArray[np.uint8]
@@ -52,7 +52,7 @@ def _shaded_colour(colour: Colour, light: Field) -> Picture:
     return (np.clip(rgb, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 
-def wood(rng: np.random.Generator, colour: Colour, size: int = 256) -> Picture:
+def draw_wood(rng: np.random.Generator, colour: Colour, size: int = 256) -> Picture:
     """Grain along the width."""
     light = 1.0 + 0.05 * _smooth_noise(rng, size, size, (3, size // 2))
     light += 0.05 * _smooth_noise(rng, size, size, (12, size)) + 0.02 * rng.normal(
@@ -61,7 +61,7 @@ def wood(rng: np.random.Generator, colour: Colour, size: int = 256) -> Picture:
     return _shaded_colour(colour, light)
 
 
-def cloth(rng: np.random.Generator, colour: Colour, size: int = 128) -> Picture:
+def draw_cloth(rng: np.random.Generator, colour: Colour, size: int = 128) -> Picture:
     """A woven fabric: threads two pixels wide."""
     rows, columns = np.indices((size, size))
     weave = np.where((rows // 2 + columns // 2) % 2 == 0, 1.04, 0.95)
@@ -73,7 +73,7 @@ def cloth(rng: np.random.Generator, colour: Colour, size: int = 128) -> Picture:
     return _shaded_colour(colour, light)
 
 
-def fur(rng: np.random.Generator, colour: Colour, size: int = 64) -> Picture:
+def draw_fur(rng: np.random.Generator, colour: Colour, size: int = 64) -> Picture:
     """Short strokes, lighter and darker; six pictures below each other for a cube."""
     faces = []
     for _ in range(6):
@@ -87,7 +87,7 @@ def fur(rng: np.random.Generator, colour: Colour, size: int = 64) -> Picture:
     return np.concatenate(faces)
 
 
-def plaster(
+def draw_plaster(
     rng: np.random.Generator,
     colour: Colour,
     metres: tuple[float, float],
@@ -110,7 +110,7 @@ def plaster(
     return _shaded_colour(colour, light)
 
 
-def parquet(
+def draw_parquet(
     rng: np.random.Generator, colour: Colour, metres: tuple[float, float], scale: int
 ) -> Picture:
     """Boards of 14 cm by 1.2 m, each of its own tone, with joints; ``scale`` pixels a metre."""
@@ -131,7 +131,7 @@ def parquet(
     return _shaded_colour(colour, light)
 
 
-def tiles(
+def draw_tiles(
     rng: np.random.Generator,
     colour: Colour,
     *,
@@ -153,7 +153,7 @@ def tiles(
     return picture
 
 
-def rug(
+def draw_rug(
     rng: np.random.Generator, colours: tuple[Colour, Colour], width: int, height: int
 ) -> Picture:
     """A woven rug: border, stripes and a row of diamonds."""
@@ -166,16 +166,16 @@ def rug(
     border = ((edge > unit * 0.6) & (edge < unit * 1.1)) | (
         (edge > unit * 1.4) & (edge < unit * 1.6)
     )
-    picture = cloth(rng, colours[0], 64)
+    picture = draw_cloth(rng, colours[0], 64)
     picture = np.tile(picture, (height // 64 + 1, width // 64 + 1, 1))[:height, :width].copy()
-    other = cloth(rng, colours[1], 64)
+    other = draw_cloth(rng, colours[1], 64)
     other = np.tile(other, (height // 64 + 1, width // 64 + 1, 1))[:height, :width]
     mask = border | diamond
     picture[mask] = other[mask]
     return picture
 
 
-def shade(picture: Picture, outlines: list[list[tuple[float, float]]], scale: int) -> Picture:
+def shade_floor(picture: Picture, outlines: list[list[tuple[float, float]]], scale: int) -> Picture:
     """Darken a floor where things stand on it and along its walls: soft, as in a lit room.
 
     Args:
@@ -209,7 +209,7 @@ def shade(picture: Picture, outlines: list[list[tuple[float, float]]], scale: in
     return ((picture * factor) // 255).astype(np.uint8)
 
 
-def view(rng: np.random.Generator, width: int = 256, height: int = 224) -> Picture:
+def draw_view(rng: np.random.Generator, width: int = 256, height: int = 224) -> Picture:
     """What the windows show: morning sky over the ridges of the Montsec, with the frame."""
     rows = np.linspace(0.0, 1.0, height)[:, None, None]
     sky = np.asarray([0.50, 0.74, 0.96]) * (1 - rows) + np.asarray([0.97, 0.94, 0.87]) * rows
@@ -266,7 +266,7 @@ def book_row(rng: np.random.Generator, width: int = 256, height: int = 96) -> Pi
     return np.asarray(image)
 
 
-def photograph(name: str, *, frame: Colour | None = (0.16, 0.13, 0.11)) -> Picture:
+def load_photograph(name: str, *, frame: Colour | None = (0.16, 0.13, 0.11)) -> Picture:
     """A picture of `pictures/`, in a frame with a white margin unless ``frame`` is None."""
     with Image.open(PICTURES / f"{name}.jpg") as stored:
         image = stored.convert("RGB")

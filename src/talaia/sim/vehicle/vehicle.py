@@ -73,9 +73,9 @@ def add_vehicle(stage: SceneBuilder) -> None:
 
 
 def _add_visuals(stage: SceneBuilder, body: object) -> None:
-    stage.finish("vehicle", Finish(colour=(0.12, 0.12, 0.13), shine=0.3))
-    stage.finish("tyre", Finish(colour=(0.05, 0.05, 0.05), shine=0.1))
-    stage.finish("lidar", Finish(colour=(0.20, 0.22, 0.26), shine=0.7))
+    stage.add_finish("vehicle", Finish(colour=(0.12, 0.12, 0.13), shine=0.3))
+    stage.add_finish("tyre", Finish(colour=(0.05, 0.05, 0.05), shine=0.1))
+    stage.add_finish("lidar", Finish(colour=(0.20, 0.22, 0.26), shine=0.7))
     parts = (
         ("vehicle", (0, 0, 0.045), (0.13, 0.006)),
         ("vehicle", (0, 0, 0.095), (0.13, 0.006)),
@@ -88,7 +88,7 @@ def _add_visuals(stage: SceneBuilder, body: object) -> None:
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,
             pos=position,
             size=(radius, half, 0),
-            material=stage.material(finish),
+            material=stage.find_material(finish),
             group=OWN_GROUP,
             contype=0,
             conaffinity=0,
@@ -99,7 +99,7 @@ def _add_visuals(stage: SceneBuilder, body: object) -> None:
             type=mujoco.mjtGeom.mjGEOM_CYLINDER,
             fromto=(0, side * 0.115, 0.033, 0, side * 0.135, 0.033),
             size=(0.033, 0, 0),
-            material=stage.material("tyre"),
+            material=stage.find_material("tyre"),
             group=OWN_GROUP,
             contype=0,
             conaffinity=0,
@@ -109,7 +109,7 @@ def _add_visuals(stage: SceneBuilder, body: object) -> None:
         type=mujoco.mjtGeom.mjGEOM_BOX,
         pos=(0.035, 0, 0.375),
         size=(0.02, 0.045, 0.015),
-        material=stage.material("vehicle"),
+        material=stage.find_material("vehicle"),
         group=OWN_GROUP,
         contype=0,
         conaffinity=0,

@@ -43,7 +43,9 @@ class Wander:
         # The ways that are weighed (rad): every 10°, straight ahead in the place 17.
         self._headings = np.radians(np.arange(-170.0, 181.0, 10.0))
 
-    def drive(self, seconds: float, ranges: npt.NDArray[np.float32]) -> tuple[float, float]:
+    def choose_velocity(
+        self, seconds: float, ranges: npt.NDArray[np.float32]
+    ) -> tuple[float, float]:
         """Choose speed (m/s) and turn (rad/s).
 
         Args:

@@ -84,7 +84,7 @@ class World:
         layout, paint, noise = (np.random.default_rng([seed, part]) for part in range(3))
         spec = _empty_model()
         stage = SceneBuilder(spec, paint, furniture.FINISHES | occupants.FINISHES, looks=looks)
-        house.build(stage, layout)
+        house.build_house(stage, layout)
         add_vehicle(stage)
         self.model: Any = spec.compile()
         self._data: Any = mujoco.MjData(self.model)
@@ -134,9 +134,9 @@ class World:
                 self._wheels[wheel] += rolled * STEP_S / self.WHEEL_RADIUS
         if steps:
             self._acceleration = (self._forward_speed() - before) / (steps * STEP_S)
-        return self.motion()
+        return self.current_motion()
 
-    def motion(self) -> Motion:
+    def current_motion(self) -> Motion:
         """Tell where the vehicle is and how it moves."""
         x, y, yaw = (float(value) for value in self._data.qpos[:3])
         vx, vy, spin = (float(value) for value in self._data.qvel[:3])
@@ -159,13 +159,13 @@ class World:
         """Whether the vehicle touched anything during the last step."""
         return self._touching
 
-    def place(self, x: float, y: float, yaw: float) -> None:
+    def place_vehicle(self, x: float, y: float, yaw: float) -> None:
         """Put the vehicle somewhere, standing still."""
         self._data.qpos[:3] = (x, y, yaw)
         self._data.qvel[:3] = 0.0
         mujoco.mj_forward(self.model, self._data)
 
-    def scan(self) -> npt.NDArray[np.float32]:
+    def scan_lidar(self) -> npt.NDArray[np.float32]:
         """Measure all around: 360 distances (m) from straight ahead, counter-clockwise.
 
         What is too near or too far is infinite, as a lidar driver reports it.
@@ -177,7 +177,7 @@ class World:
         distances[bad] = math.inf
         return distances.astype(np.float32)
 
-    def sonars(self) -> tuple[float, float, float]:
+    def measure_sonars(self) -> tuple[float, float, float]:
         """Measure left, front and right: the nearest thing in each cone (m), 4.0 for nothing."""
         # Five rays stand for the cone: the nearest echo is what an ultrasonic sensor reports.
         spread: Array = np.linspace(-SONAR_FIELD / 2, SONAR_FIELD / 2, 5)
@@ -190,7 +190,7 @@ class World:
         left, front, right = np.clip(distances, *SONAR_RANGE)
         return float(left), float(front), float(right)
 
-    def noise(self, deviation: float) -> float:
+    def measuring_noise(self, deviation: float) -> float:
         """Give a measuring error, from the world's own seed."""
         return float(self._noise.normal(0.0, deviation))
 

@@ -16,7 +16,7 @@ from fake_hub import FakeHub, fake_hub
 from gateway_bench import addresses_of
 from patience import PATIENCE_S
 
-from talaia.gateway.run import serve
+from talaia.gateway.run import serve_gateway
 from talaia.gateway.settings import GatewaySettings, HubAddress
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import load_site
@@ -100,9 +100,9 @@ async def bench(port: int, data: Path, text: str = BARE) -> AsyncIterator[Bench]
     site = raise_first(load_site(text % port))
     ended = asyncio.Event()
     async with fake_hub(addresses_of) as hub:
-        address = HubAddress.checked(hub.url, allow_plain=True)
+        address = HubAddress.from_text(hub.url, allow_plain=True)
         settings = GatewaySettings(hub=address, key="test-key", data=data)
-        task = asyncio.ensure_future(serve(site, settings, ended))
+        task = asyncio.ensure_future(serve_gateway(site, settings, ended))
         try:
             yield Bench(hub)
         finally:
@@ -282,12 +282,12 @@ async def test_unsafe_weather_parks_and_closes_without_a_hub_within_the_bound(
         text = text.replace("frozen_after: 120", "frozen_after: 3600")
         text = text.replace("dwell: 60", "dwell: 1").replace("dwell: 15", "dwell: 1")
         # Nobody is there: the example's own rules are all that acts.
-        nowhere = HubAddress.checked("ws://127.0.0.1:9", allow_plain=True)
+        nowhere = HubAddress.from_text("ws://127.0.0.1:9", allow_plain=True)
         settings = GatewaySettings(hub=nowhere, key="test-key", data=tmp_path / "data")
         ended = asyncio.Event()
         # It may be open by night only; tests run by day, too.
         site = raise_first(at_night(load_site(text), time.time()))
-        task = asyncio.ensure_future(serve(site, settings, ended))
+        task = asyncio.ensure_future(serve_gateway(site, settings, ended))
         watcher = Watcher(server.port)
         try:
             await watcher.until("Weather Simulator", "CONNECTION", CONNECT="On")

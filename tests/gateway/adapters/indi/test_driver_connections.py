@@ -30,7 +30,7 @@ class Driver:
         self.start()
 
     def start(self) -> None:
-        self.book.clear()
+        self.book.forget_all()
         self.says("CONNECTION", VectorKind.SWITCH, new=True, CONNECT=False, DISCONNECT=True)
         self.connections.redefine(NAME)
 
@@ -58,7 +58,7 @@ class Driver:
             0,
             "",
         )
-        self.book.apply(vector, self.now_ns)
+        self.book.apply_event(vector, self.now_ns)
 
     def connected(self, state: PropertyState = PropertyState.OK) -> None:
         self.says("CONNECTION", VectorKind.SWITCH, state, CONNECT=True, DISCONNECT=False)
@@ -70,7 +70,7 @@ class Driver:
         """Name what is asked and said now."""
         self.now_ns += round(after * SECOND)
         found = []
-        for each in self.connections.step(self.book.devices[NAME], self.now_ns):
+        for each in self.connections.next_actions(self.book.devices[NAME], self.now_ns):
             words = each.kind if isinstance(each, DriverProblem) else each.decode()
             found.append("connect" if "CONNECTION" in words else words.strip())
         return found
@@ -166,7 +166,7 @@ def test_setup_that_does_not_fit_the_driver_is_told_with_what_it_has(
         driver.now_ns += seconds * SECOND
         told += [
             e
-            for e in driver.connections.step(device, driver.now_ns)
+            for e in driver.connections.next_actions(device, driver.now_ns)
             if isinstance(e, DriverProblem)
         ]
     assert [each.kind for each in told] == ["driver_not_set_up"]
@@ -207,9 +207,9 @@ def test_driver_that_gave_up_with_alert_or_was_defined_anew_is_connected_again()
 
 def test_person_who_connects_in_vain_is_helped_and_who_wants_no_connecting_has_none() -> None:
     driver = Driver({})
-    driver.connections.command(NAME, connect=False, now_ns=driver.now_ns)
+    driver.connections.set_wanted(NAME, connect=False, now_ns=driver.now_ns)
     assert driver.look(after=60) == []
-    driver.connections.command(NAME, connect=True, now_ns=driver.now_ns)
+    driver.connections.set_wanted(NAME, connect=True, now_ns=driver.now_ns)
     assert driver.look(after=1) == []
     assert driver.look(after=5) == ["connect"]
     assert Driver({}, connect=False).look(after=300) == []

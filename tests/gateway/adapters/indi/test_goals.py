@@ -8,12 +8,12 @@ import pytest
 from talaia.clock import SECOND
 from talaia.gateway.adapters.indi.description.labels import word_of
 from talaia.gateway.adapters.indi.discovery import devices_of
-from talaia.gateway.adapters.indi.goals import IndiGoal, begin
+from talaia.gateway.adapters.indi.goals import IndiGoal, begin_goal
 from talaia.gateway.adapters.indi.protocol import BlobEnd, BlobHead, BlobPart, IndiParser
 from talaia.gateway.adapters.indi.standard_properties import read_number, read_state, read_text
 from talaia.gateway.adapters.indi.state import IndiDeviceTree
 from talaia.gateway.ports import CommandOutcome
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.site import Site
 from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.wire.frames import CommandPhase
@@ -31,9 +31,9 @@ class Server:
         self.passes(1)
 
     def says(self, data: bytes | str) -> None:
-        for event in self.reader.feed(data.encode() if isinstance(data, str) else data):
+        for event in self.reader.parse_data(data.encode() if isinstance(data, str) else data):
             if not isinstance(event, BlobHead | BlobPart | BlobEnd):
-                self.book.apply(event, self.now_ns)
+                self.book.apply_event(event, self.now_ns)
 
     def sets(self, device: str, name: str, state: str, kind: str = "Switch", **values: str) -> None:
         members = "".join(f'<one{kind} name="{k}">{v}</one{kind}>' for k, v in values.items())
@@ -48,7 +48,7 @@ class Server:
             device.heard_ns = self.now_ns
 
     def begin(self, device: str, target: str, **fields: object) -> IndiGoal:
-        goal = begin(
+        goal = begin_goal(
             book=self.book, device=device, target=target, fields=fields, now_ns=self.now_ns
         )
         assert isinstance(goal, IndiGoal), goal
@@ -136,7 +136,7 @@ def test_goto_across_the_pole_and_across_zero_hours_is_measured_on_the_sky(serve
 def test_parking_under_way_is_waited_for_and_not_asked_for_again(server: Server) -> None:
     server.sets(MOUNT, "TELESCOPE_PARK", "Busy", PARK="On", UNPARK="Off")
     goal = server.begin(MOUNT, "TELESCOPE_PARK", PARK=True)
-    assert goal.sends(server.book) == b""
+    assert goal.outgoing_bytes(server.book) == b""
     assert server.looks(goal).phase is CommandPhase.RUNNING
     server.sets(MOUNT, "TELESCOPE_PARK", "Ok", PARK="On", UNPARK="Off")
     assert server.looks(goal).phase is CommandPhase.SUCCEEDED
@@ -148,13 +148,13 @@ def test_exposure_ends_with_its_picture_and_not_with_its_state(server: Server) -
     assert server.looks(goal).progress == 0.75
     server.sets(CAMERA, "CCD_EXPOSURE", "Ok", "Number", CCD_EXPOSURE_VALUE="0")
     assert server.looks(goal).phase is CommandPhase.RUNNING
-    goal.picture("")
+    goal.handle_picture("")
     assert server.looks(goal).phase is CommandPhase.SUCCEEDED
 
 
 def test_picture_of_no_use_fails_its_exposure(server: Server) -> None:
     goal = server.begin(CAMERA, "CCD_EXPOSURE", CCD_EXPOSURE_VALUE=4.0)
-    goal.picture("its base64 is cut short")
+    goal.handle_picture("its base64 is cut short")
     assert server.looks(goal).phase is CommandPhase.FAILED
 
 
@@ -180,7 +180,7 @@ def test_device_that_goes_away_leaves_its_command_unknown(server: Server) -> Non
 def test_what_cannot_be_asked_is_refused_before_anything_is_sent(
     server: Server, device: str, target: str, fields: dict, reason: str
 ) -> None:
-    problem = begin(
+    problem = begin_goal(
         book=server.book, device=device, target=target, fields=fields, now_ns=server.now_ns
     )
     assert isinstance(problem, str)
@@ -189,7 +189,7 @@ def test_what_cannot_be_asked_is_refused_before_anything_is_sent(
 
 def test_frozen_driver_is_asked_nothing_that_it_would_do_much_later(server: Server) -> None:
     server.now_ns += 6 * SECOND
-    problem = begin(
+    problem = begin_goal(
         book=server.book,
         device=DOME,
         target="DOME_SHUTTER",
@@ -204,7 +204,7 @@ def test_what_is_set_before_goes_first_and_the_rest_of_a_vector_goes_along(serve
         CAMERA, "CCD_EXPOSURE",
         **{"CCD_EXPOSURE_VALUE": 1.0, "FITS_HEADER/FITS_OBJECT": "M<31>", "CCD_FRAME_TYPE/*": "dark"},
     )  # fmt: skip
-    sent = goal.sends(server.book).decode()
+    sent = goal.outgoing_bytes(server.book).decode()
     assert sent.index("FITS_HEADER") < sent.index("FRAME_DARK") < sent.index("CCD_EXPOSURE")
     assert "M&lt;31&gt;" in sent
     assert "FITS_OBSERVER" in sent
@@ -253,7 +253,7 @@ def test_devices_that_are_found_make_a_description_that_holds(server: Server) ->
     text = "talaia: 1\nsite: a\nname: A\nconnections: {indi: {kind: indi}}\ndevices: {}\n"
     site = load_site(text)
     both = Site(**{**{f: getattr(site, f) for f in site.__struct_fields__}, "devices": devices})
-    assert check(both) == []
+    assert check_site(both) == []
     assert load_site(dump_site(both)) == both
     assert devices["telescope_simulator"].commands["goto"].arguments["ra"].maximum == 24
     assert devices["ccd_simulator"].signals["filter"].states[3] == "Blue"
@@ -278,7 +278,7 @@ def test_hostile_names_make_no_hostile_descriptions(server: Server) -> None:
     text = "talaia: 1\nsite: a\nname: A\nconnections: {indi: {kind: indi}}\ndevices: {}\n"
     site = load_site(text)
     both = Site(**{**{f: getattr(site, f) for f in site.__struct_fields__}, "devices": devices})
-    assert check(both) == []
+    assert check_site(both) == []
     assert word_of("../../etc") == "etc"
     assert word_of("Ωmega") == "mega"
     assert word_of("日本") == "indi"

@@ -11,8 +11,8 @@ import pytest
 
 from talaia.gateway.adapters.indi.probe import probe_server
 from talaia.gateway.errors import AdapterLost
-from talaia.model.checks.site_checks import check
-from talaia.model.discovery.generate_description import propose
+from talaia.model.checks.site_checks import check_site
+from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import Found
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
@@ -40,10 +40,10 @@ async def test_a_probe_lists_devices_and_properties_and_connects_nothing(
     assert info.writable
     assert {each.element: each.value for each in info.elements}["CONNECT"] == "off"
     assert found.devices[0].driver.startswith("indi_simulator_dome")
-    made = propose(found, "sky", "Sky", "UTC")
+    made = propose_description(found, "sky", "Sky", "UTC")
     assert made.site.devices == {}
     assert "Dome Simulator, Telescope Simulator" in made.left_out[0]
-    assert check(made.site) == []
+    assert check_site(made.site) == []
 
 
 async def test_connected_drivers_are_described_with_names_and_units_and_run_as_they_are(
@@ -53,8 +53,8 @@ async def test_connected_drivers_are_described_with_names_and_units_and_run_as_t
         found = await seen(server.port, connect=True)
     assert msgspec.json.decode(msgspec.json.encode(found), type=Found) == found
     assert all(each.connected for each in found.devices)
-    site = propose(found, "sky", "Sky", "UTC").site
-    assert check(site) == []
+    site = propose_description(found, "sky", "Sky", "UTC").site
+    assert check_site(site) == []
     assert load_site(write_description(site)) == site
     assert site.connections["indi"].port == found.port
     weather = site.devices["weather_simulator"].signals

@@ -38,7 +38,7 @@ NAMES = st.text(
 
 
 def read(data: bytes) -> list[Event]:
-    return IndiParser().feed(data)
+    return IndiParser().parse_data(data)
 
 
 def blob_of(events: list[Event]) -> bytes:
@@ -66,15 +66,15 @@ def test_where_the_bytes_are_cut_changes_nothing(cuts: list[int]) -> None:
     data = (RECORDED / "dome-park.xml").read_bytes()
     reader, parts, at = IndiParser(), [], 0
     for cut in [*cuts, len(data)]:
-        parts += reader.feed(data[at : at + cut])
+        parts += reader.parse_data(data[at : at + cut])
         at += cut
     assert parts == read(data)
 
 
 def test_message_ends_where_the_element_does_and_waits_for_nothing_more() -> None:
     reader = IndiParser()
-    assert reader.feed(b'<delProperty device="Dome"') == []
-    assert reader.feed(b"/>") == [Deleted("Dome")]
+    assert reader.parse_data(b'<delProperty device="Dome"') == []
+    assert reader.parse_data(b"/>") == [Deleted("Dome")]
 
 
 @given(st.binary(max_size=300))
@@ -134,7 +134,7 @@ def blob(data: bytes, size: str = "") -> bytes:
 def test_picture_comes_whole_however_it_is_cut(data: bytes, step: int) -> None:
     raw, reader, events = blob(data), IndiParser(), []
     for at in range(0, len(raw), step):
-        events += reader.feed(raw[at : at + step])
+        events += reader.parse_data(raw[at : at + step])
     assert events[0] == BlobHead("CCD", "CCD1", "CCD1", ".fits", len(data))
     assert blob_of(events) == data
     assert BlobEnd("") in events
@@ -145,7 +145,7 @@ def test_picture_passes_in_pieces_and_is_not_kept() -> None:
     raw = blob(bytes(3_000_000))
     largest = 0
     for at in range(0, len(raw), 65_536):
-        for event in reader.feed(raw[at : at + 65_536]):
+        for event in reader.parse_data(raw[at : at + 65_536]):
             if isinstance(event, BlobPart):
                 largest = max(largest, len(event.data))
     assert 0 < largest <= 65_536
@@ -153,7 +153,7 @@ def test_picture_passes_in_pieces_and_is_not_kept() -> None:
 
 def test_picture_over_the_bound_is_passed_over_and_says_so() -> None:
     reader = IndiParser(max_blob=1000)
-    events = reader.feed(blob(bytes(5000)) + b'<delProperty device="X"/>')
+    events = reader.parse_data(blob(bytes(5000)) + b'<delProperty device="X"/>')
     assert len(blob_of(events)) <= 1000
     assert any(isinstance(each, BlobEnd) and "larger" in each.problem for each in events)
     assert events[-1] == Deleted("X")
@@ -186,7 +186,7 @@ def test_what_is_no_number_is_never_sent(value: float) -> None:
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_number_is_read_back_as_it_was_written(value: float) -> None:
-    assert numbers.parsed(numbers.written(value)) == value
+    assert numbers.parse_number(numbers.write_number(value)) == value
 
 
 @pytest.mark.parametrize(
@@ -197,12 +197,12 @@ def test_number_is_read_back_as_it_was_written(value: float) -> None:
     ],
 )  # fmt: skip
 def test_sexagesimal_and_plain_numbers_are_read(text: str, value: float) -> None:
-    assert numbers.parsed(text) == pytest.approx(value)
+    assert numbers.parse_number(text) == pytest.approx(value)
 
 
 @pytest.mark.parametrize("text", ["", "nan", "inf", "-inf", "abc", "1:2:3:4", "0x10", "1_000", "١"])
 def test_what_is_no_number_is_unknown(text: str) -> None:
-    value = numbers.parsed(text)
+    value = numbers.parse_number(text)
     assert math.isnan(value) or text == "١"
 
 
@@ -216,14 +216,14 @@ def test_what_is_no_number_is_unknown(text: str) -> None:
     ],
 )  # fmt: skip
 def test_numbers_are_shown_by_the_drivers_format(value: float, how: str, shown: str) -> None:
-    assert numbers.formatted(value, how).strip() == shown.strip()
+    assert numbers.format_number(value, how).strip() == shown.strip()
 
 
 @given(st.floats(-1e6, 1e6), st.sampled_from([3, 5, 6, 8, 9]))
 def test_sexagesimal_is_the_value_to_its_last_digit(value: float, fraction: int) -> None:
-    shown = numbers.formatted(value, f"%1.{fraction}m")
+    shown = numbers.format_number(value, f"%1.{fraction}m")
     step = {3: 60, 5: 600, 6: 3600, 8: 36_000, 9: 360_000}[fraction]
-    assert numbers.parsed(shown) == pytest.approx(value, abs=0.51 / step + 1e-9)
+    assert numbers.parse_number(shown) == pytest.approx(value, abs=0.51 / step + 1e-9)
     assert ":60" not in shown
 
 

@@ -20,9 +20,9 @@ RECORDED = Path(__file__).parent / "recorded" / "simulators.xml"
 @pytest.fixture
 def devices():
     tree, reader = IndiDeviceTree(), IndiParser()
-    for event in reader.feed(RECORDED.read_bytes()):
+    for event in reader.parse_data(RECORDED.read_bytes()):
         if not isinstance(event, BlobHead | BlobPart | BlobEnd):
-            tree.apply(event, 0)
+            tree.apply_event(event, 0)
     return devices_of(tree, "indi")
 
 

@@ -208,7 +208,7 @@ async def test_raw_messages_are_recorded_with_the_definitions_that_came_with_the
     recorded = McapFile(path)
     read = {number: decoder_of(known) for number, (_, known) in recorded.topics.items()}
     found: dict[str, list] = {}
-    for number, _, data in recorded.messages(list(read)):
+    for number, _, data in recorded.iterate_messages(list(read)):
         found.setdefault(recorded.topics[number][0], []).append(read[number](data))
     recorded.close()
     assert [each.data for each in found["/number"]] == [float(each) for each in range(20)]
@@ -503,14 +503,16 @@ def test_frames_are_read_however_the_pipe_cuts_them(said: list, cut: int) -> Non
             expected.append(ReceivedMessage(*each))
     reader, found = FrameSplitter(), []
     for start in range(0, len(sent), cut):
-        found += reader.feed(sent[start : start + cut])
+        found += reader.split_data(sent[start : start + cut])
     assert found == expected
 
 
 @given(st.binary(max_size=60))
 def test_any_bytes_are_frames_or_a_lost_adapter(data: bytes) -> None:
     with suppress(AdapterLost):
-        assert all(isinstance(each, ReceivedMessage | dict) for each in FrameSplitter().feed(data))
+        assert all(
+            isinstance(each, ReceivedMessage | dict) for each in FrameSplitter().split_data(data)
+        )
 
 
 def test_the_node_gets_nothing_that_is_for_our_python_only() -> None:

@@ -18,8 +18,8 @@ from talaia.gateway.adapters.ros1.master import fields_of, header_of
 from talaia.gateway.adapters.ros1.message_types import definition_of
 from talaia.gateway.adapters.ros1.probe import probe_graph
 from talaia.gateway.errors import AdapterLost, FieldError
-from talaia.model.checks.site_checks import check
-from talaia.model.discovery.generate_description import propose
+from talaia.model.checks.site_checks import check_site
+from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import Found
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
@@ -109,8 +109,8 @@ async def test_a_probe_lists_topics_services_and_actions_of_types_that_no_packag
 
 async def test_the_description_made_of_it_runs_as_it_is(tmp_path: Path) -> None:
     found = await seen(tmp_path)
-    site = propose(found, "old", "Old robot", "UTC").site
-    assert check(site) == []
+    site = propose_description(found, "old", "Old robot", "UTC").site
+    assert check_site(site) == []
     assert load_site(write_description(site)) == site
     assert site.connections["ros1"].master == found.master
     assert site.devices["sensors"].signals["speed_1"].source.name == "speed1"

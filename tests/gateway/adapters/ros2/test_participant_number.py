@@ -20,7 +20,7 @@ from talaia.gateway.adapters.ros2.participant_number import (
     discovery_port,
     domain_of,
 )
-from talaia.sim.ros_domain import environment, reserve
+from talaia.sim.ros_domain import domain_environment, reserve_domain
 
 numbers = st.sampled_from(list(NUMBERS))
 
@@ -55,7 +55,7 @@ def test_a_domain_without_ports_is_left_to_ros(value: str | None, domain: int | 
 
 
 def test_a_number_is_not_taken_again_while_older_ones_are_there(tmp_path: Path) -> None:
-    with reserve() as reservation:
+    with reserve_domain() as reservation:
         domain = reservation.domain
         taken = []
         for _ in range(len(NUMBERS) + 3):
@@ -73,7 +73,7 @@ def test_a_number_is_not_taken_again_while_older_ones_are_there(tmp_path: Path) 
 def test_a_number_of_somebody_who_lives_is_left_to_him_and_lower_ones_are_held(
     tmp_path: Path,
 ) -> None:
-    with reserve() as reservation, contextlib.ExitStack() as others:
+    with reserve_domain() as reservation, contextlib.ExitStack() as others:
         domain = reservation.domain
         neighbour = others.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
         neighbour.bind(("127.0.0.1", discovery_port(domain, 1)))
@@ -116,7 +116,7 @@ def test_a_gateway_after_a_killed_one_is_another_participant(ros_domain: int) ->
     for _ in range(2):
         process = subprocess.Popen(
             [sys.executable, "-c", JOIN],
-            env={**os.environ, **environment(ros_domain)},
+            env={**os.environ, **domain_environment(ros_domain)},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

@@ -16,9 +16,9 @@ from gateway_bench import Peer, addresses_of, running
 from patience import PATIENCE_S
 from rosbags.highlevel import AnyReader
 
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import topic_of
-from talaia.model.discovery.generate_description import propose
+from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import FieldFound, Found
 from talaia.model.site import SignalType
 from talaia.wire.frames import Event, FileOffer, RecorderState, RecordingRequest
@@ -242,7 +242,7 @@ async def test_a_probe_describes_what_only_the_robot_knows(bench: Bench) -> None
     assert topics["/own/nested"].latched
     assert not topics["/diagnostics"].latched
     assert topics["/own/undescribed"].problem == ""
-    site = propose(found, "robot", "Robot", "UTC").site
+    site = propose_description(found, "robot", "Robot", "UTC").site
     motor = site.devices["diagnostics"].signals["motor_left"]
     assert (motor.type, motor.states[2]) == (SignalType.STATE, "Error")
     mode = next(
@@ -252,7 +252,7 @@ async def test_a_probe_describes_what_only_the_robot_knows(bench: Bench) -> None
         if topic_of(signal.source) == "/mode"
     )
     assert mode.max_age == 0
-    assert not [finding for finding in check(site) if "$" in finding.where]
+    assert not [finding for finding in check_site(site) if "$" in finding.where]
 
 
 async def test_a_topic_of_another_type_than_described_is_named(bench: Bench) -> None:

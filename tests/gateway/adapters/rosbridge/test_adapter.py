@@ -32,10 +32,10 @@ from websockets.asyncio.server import serve
 from talaia.gateway.adapters.rosbridge.cbor import read_cbor
 from talaia.gateway.adapters.rosbridge.protocol import (
     bytes_of,
-    ended,
-    nested,
+    nest_fields,
+    outcome_of,
     progress_of,
-    read,
+    read_message,
     type_for,
 )
 from talaia.gateway.errors import FieldError, SettingsError
@@ -282,7 +282,7 @@ async def test_a_token_is_sent_and_stands_in_no_description(
     ],
 )
 def test_answers_of_services_end_a_command(said: str, phase: str, message: str) -> None:
-    outcome = ended(read(f'{{"op": "service_response", "id": "call 1", {said}}}'))
+    outcome = outcome_of(read_message(f'{{"op": "service_response", "id": "call 1", {said}}}'))
     assert (outcome.phase, message in outcome.message) == (phase, True)
 
 
@@ -294,7 +294,7 @@ def test_results_of_actions_end_a_command(status: int, phase: str) -> None:
     said = (
         f'{{"op": "action_result", "id": "1", "values": {{}}, "status": {status}, "result": true}}'
     )
-    assert ended(read(said)).phase == phase
+    assert outcome_of(read_message(said)).phase == phase
 
 
 def test_feedback_tells_the_progress() -> None:
@@ -302,17 +302,19 @@ def test_feedback_tells_the_progress() -> None:
         name="C", target="/c", type="a/action/B", kind=CommandKind.ACTION,
         progress="sequence[0]", progress_end=100,
     )  # fmt: skip
-    said = read('{"op": "action_feedback", "id": "1", "values": {"sequence": [25]}}')
+    said = read_message('{"op": "action_feedback", "id": "1", "values": {"sequence": [25]}}')
     assert progress_of(said, rule).progress == 0.25
-    assert progress_of(read('{"op": "action_feedback", "values": {}}'), rule).progress == 0.0
+    assert (
+        progress_of(read_message('{"op": "action_feedback", "values": {}}'), rule).progress == 0.0
+    )
 
 
 def test_fields_by_path_become_nested_maps_and_lists() -> None:
-    assert nested({"a.b": 1, "a.c": True, "d": "x"}) == {"a": {"b": 1, "c": True}, "d": "x"}
-    assert nested({"a[0].x": 1, "a[1].x": 2}) == {"a": [{"x": 1}, {"x": 2}]}
+    assert nest_fields({"a.b": 1, "a.c": True, "d": "x"}) == {"a": {"b": 1, "c": True}, "d": "x"}
+    assert nest_fields({"a[0].x": 1, "a[1].x": 2}) == {"a": [{"x": 1}, {"x": 2}]}
     for wrong in ({"a[1]": 1}, {"a": 1, "a.b": 2}):
         with pytest.raises(FieldError):
-            nested(wrong)
+            nest_fields(wrong)
 
 
 def test_types_are_written_as_each_ros_does() -> None:
@@ -321,18 +323,18 @@ def test_types_are_written_as_each_ros_does() -> None:
 
 
 def test_what_json_cannot_carry_is_read_as_it_was_meant() -> None:
-    said = read('{"op": "publish", "topic": "/t", "msg": {"data": null}}')
+    said = read_message('{"op": "publish", "topic": "/t", "msg": {"data": null}}')
     assert math.isnan(said.body.data)
-    picture = bytes_of(read('{"op": "publish", "msg": {"data": "AQID"}}').body)
+    picture = bytes_of(read_message('{"op": "publish", "msg": {"data": "AQID"}}').body)
     assert picture.data == b"\x01\x02\x03"
     with pytest.raises(FieldError):
-        bytes_of(read('{"op": "publish", "msg": {"data": "%%%"}}').body)
+        bytes_of(read_message('{"op": "publish", "msg": {"data": "%%%"}}').body)
 
 
 @given(st.one_of(st.text(max_size=60), st.binary(max_size=60)))
 def test_any_frame_is_read_or_refused(data: str | bytes) -> None:
     with suppress(FieldError):
-        read(data)
+        read_message(data)
 
 
 def head(major: int, number: int) -> bytes:

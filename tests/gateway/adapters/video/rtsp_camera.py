@@ -44,7 +44,9 @@ class RtspCamera:
         encoder = Encoder(width=width, height=height, rate=20, bits=4_000_000)
         self._film: list[list[bytes]] = []
         for at, each in enumerate(pictures):
-            made = encoder.encode(Pixels("RGB", width, height, each), at * 50_000, key=at == 0)
+            made = encoder.encode_picture(
+                Pixels("RGB", width, height, each), at * 50_000, key=at == 0
+            )
             assert made is not None
             self._film.append(list(units_of(made.data)))
         self._user = user

@@ -180,7 +180,7 @@ async def test_factor_that_was_not_confirmed_is_not_asked_for(hub) -> None:
 async def test_no_secret_of_a_factor_stands_in_the_database_or_the_audit_log(hub) -> None:
     client = await hub.client("operator")
     totp, codes = await with_factor(client)
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     async with hub.hub.core.database.read() as connection:
         rows = [str(tuple(row)) for row in await connection.execute(select(users))]
         rows += [str(tuple(row)) for row in await connection.execute(text("SELECT * FROM audit"))]
@@ -192,21 +192,21 @@ async def test_no_secret_of_a_factor_stands_in_the_database_or_the_audit_log(hub
 
 async def test_factor_works_on_every_database_and_five_who_race_get_one_in(database) -> None:
     clock = HandClock()
-    user = await People(database, clock).add("ada", "hash", "guest")
+    user = await People(database, clock).add_person("ada", "hash", "guest")
     factors = SecondFactors(database, clock, lambda: Seal(b"k" * 32))
-    secret = await factors.offer(user)
+    secret = await factors.offer_factor(user)
     totp = pyotp.TOTP(secret)
     now_s = clock.wall_ns() // SECOND
-    codes = await factors.confirm(user, totp.at(now_s))
-    assert await factors.use(user, totp.at(now_s)) is CodeVerdict.REPLAYED
+    codes = await factors.confirm_factor(user, totp.at(now_s))
+    assert await factors.use_code(user, totp.at(now_s)) is CodeVerdict.REPLAYED
     clock.advance(MINUTE)
     code = totp.at(clock.wall_ns() // SECOND)
-    verdicts = await asyncio.gather(*(factors.use(user, code) for _ in range(5)))
+    verdicts = await asyncio.gather(*(factors.use_code(user, code) for _ in range(5)))
     assert sorted(each.name for each in verdicts) == ["REPLAYED"] * 4 + ["RIGHT"]
-    verdicts = await asyncio.gather(*(factors.use(user, codes[3]) for _ in range(5)))
+    verdicts = await asyncio.gather(*(factors.use_code(user, codes[3]) for _ in range(5)))
     assert sorted(each.name for each in verdicts) == ["RECOVERY"] + ["WRONG"] * 4
-    assert await factors.remove(user)
-    assert await factors.use(user, codes[4]) is CodeVerdict.WRONG
+    assert await factors.remove_factor(user)
+    assert await factors.use_code(user, codes[4]) is CodeVerdict.WRONG
 
 
 def test_codes_near_now_are_taken_and_no_others() -> None:
@@ -233,11 +233,11 @@ def test_recovery_codes_hold_120_bits_and_the_picture_no_script() -> None:
 
 def test_seal_is_bound_to_its_key_and_to_what_it_is_about(tmp_path) -> None:
     seal = seal_of(tmp_path / "seal.key")
-    kept = seal.close("secret", "one")
-    assert seal_of(tmp_path / "seal.key").open(kept, "one") == "secret"
-    assert seal.open(kept, "two") is None
-    assert Seal(b"k" * 32).open(kept, "one") is None
-    assert seal.open("no such thing", "one") is None
+    kept = seal.seal_text("secret", "one")
+    assert seal_of(tmp_path / "seal.key").open_text(kept, "one") == "secret"
+    assert seal.open_text(kept, "two") is None
+    assert Seal(b"k" * 32).open_text(kept, "one") is None
+    assert seal.open_text("no such thing", "one") is None
     assert (tmp_path / "seal.key").stat().st_mode & 0o777 == 0o600
     (tmp_path / "seal.key").write_bytes(b"short")
     with pytest.raises(CannotStart, match=r"seal\.key holds no key"):
@@ -282,17 +282,17 @@ async def test_wrong_tries_outlast_a_restart_and_are_forgotten_in_time(database)
     throttle = Throttle()
     tries = FailedLogins(database, clock, throttle)
     for _ in range(8):
-        throttle.tried("ada", "10.0.0.1", clock.wall_ns())
-        await tries.keep()
+        throttle.count_attempt("ada", "10.0.0.1", clock.wall_ns())
+        await tries.save_counts()
     left = throttle.wait_ns("ada", "10.0.0.1", clock.wall_ns())
     assert left > 5 * SECOND
     assert (await started()).wait_ns("ada", "10.0.0.1", clock.wall_ns()) == left
-    throttle.succeeded("ada", "10.0.0.1")
-    await tries.keep()
+    throttle.clear_attempts("ada", "10.0.0.1")
+    await tries.save_counts()
     assert (await started()).wait_ns("ada", "10.0.0.1", clock.wall_ns()) == 0
     for _ in range(50):
-        throttle.tried("ada", "10.0.0.1", clock.wall_ns())
-    await tries.keep()
+        throttle.count_attempt("ada", "10.0.0.1", clock.wall_ns())
+    await tries.save_counts()
     clock.advance(16 * MINUTE)
     assert (await started()).wait_ns("ada", "10.0.0.1", clock.wall_ns()) == 0
 
@@ -300,7 +300,7 @@ async def test_wrong_tries_outlast_a_restart_and_are_forgotten_in_time(database)
 def test_wall_clock_that_is_set_back_makes_nobody_wait_longer() -> None:
     throttle = Throttle()
     for _ in range(50):
-        throttle.tried("ada", "10.0.0.1", 10_000 * SECOND)
+        throttle.count_attempt("ada", "10.0.0.1", 10_000 * SECOND)
     assert 0 < throttle.wait_ns("ada", "10.0.0.1", 9_900 * SECOND) <= MINUTE
     assert throttle.wait_ns("ada", "10.0.0.1", 0) == 0
 

@@ -359,7 +359,7 @@ async def test_every_change_is_written_down_without_a_secret(hub) -> None:
     made = await token_of(operator, may("view"))
     await operator.delete(f"/api/me/tokens/{made['id']}")
     await operator.post("/api/me/password", json={"old": PASSWORD, "new": "another password"})
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     rows = (await admin.get("/api/audit", params={"limit": 100})).json()["rows"]
     said = {row["kind"]: (row["who"], row["message"]) for row in rows}
     assert said["person added"] == ("admin", "ada (guest)")
@@ -385,7 +385,7 @@ def test_what_a_token_leaves_is_never_more_than_either() -> None:
         ({Permission(Right.USE, "moon", "base")}, set()),
         (set(), set()),
     ):
-        assert person.limited(frozenset(asked)).permissions == left
+        assert person.limited_to(frozenset(asked)).permissions == left
     assert person.covers(Permission(Right.VIEW, "agv"))
     assert not person.covers(Permission(Right.VIEW))
     assert not person.covers(Permission(Right.USE, "agv2"))

@@ -24,7 +24,7 @@ SPOOFED = {
 
 
 async def addresses(hub, admin) -> set[str]:
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     rows = (await admin.get("/api/audit", params={"kind": "login"})).json()["rows"]
     return {row["address"] for row in rows}
 
@@ -80,7 +80,7 @@ async def test_behind_a_listed_proxy_pages_are_https_and_addresses_are_the_asker
             # The proxy's certificate is not ours to pin.
             assert made.json()["command"].startswith(f"talaia gateway enrol {origin} ")
             assert made.json()["fingerprint"] == ""
-            await running.hub.audit.log.written()
+            await running.hub.audit.log.wait_written()
             audit = await page.get("/api/audit?kind=login", headers={"Cookie": cookie})
             assert [row["address"] for row in audit.json()["rows"]] == ["203.0.113.9"]
 

@@ -51,7 +51,7 @@ async def test_every_kind_of_answer_carries_the_guarding_headers(hub, monkeypatc
     def fail(*_: object) -> None:
         raise RuntimeError("a secret of the inside")
 
-    monkeypatch.setattr(hub.hub.audit.log, "find", fail)
+    monkeypatch.setattr(hub.hub.audit.log, "find_records", fail)
     answers[500] = await admin.get("/api/audit")
     for status, answer in answers.items():
         assert answer.status_code == status
@@ -70,7 +70,7 @@ async def test_failure_inside_tells_nothing_of_the_inside(hub, monkeypatch) -> N
     def fail(*_: object) -> None:
         raise RuntimeError("a secret of the inside")
 
-    monkeypatch.setattr(hub.hub.audit.log, "find", fail)
+    monkeypatch.setattr(hub.hub.audit.log, "find_records", fail)
     answer = await admin.get("/api/audit")
     assert answer.json() == {"code": "failed", "message": "the hub failed; its log says more"}
 

@@ -12,8 +12,8 @@ import sys
 import pytest
 from patience import PATIENCE_S
 
-from talaia.gateway.command_line import parsed, settings_of
-from talaia.gateway.enrolment import enrol
+from talaia.gateway.command_line import parse_arguments, settings_of
+from talaia.gateway.enrolment import enrol_gateway
 from talaia.gateway.errors import EnrolRefused, HubUnreachable, LinkLost, SettingsError
 from talaia.gateway.key_file import KeyFile, KeyPlace, read_key_file
 from talaia.gateway.uplink.tls import HubTrust
@@ -51,7 +51,7 @@ async def code_of(running) -> dict:
 
 def enrolled(url: str, code: str, **more) -> asyncio.Future:
     """Enrol in a thread: the hub runs in this very loop."""
-    return asyncio.to_thread(enrol, url, text=code, name="rover", **more)
+    return asyncio.to_thread(enrol_gateway, url, text=code, name="rover", **more)
 
 
 async def test_code_from_the_page_makes_a_gateway_that_links_without_more_words(
@@ -164,7 +164,7 @@ async def test_mistyped_code_is_seen_before_anybody_is_asked(tmp_path) -> None:
 def test_key_is_kept_by_its_owner_only_and_read_back(tmp_path) -> None:
     path, kept = tmp_path / "agv.key", KeyFile(key="k" * 43, site="agv", hub="wss://h:1")
     place = KeyPlace(path)
-    place.keep(kept)
+    place.save_key(kept)
     place.close()
     assert read_key_file(path) == kept
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
@@ -198,7 +198,7 @@ def test_other_file_is_not_overwritten_and_the_code_not_used(tmp_path) -> None:
 
 
 def settings_from(tmp_path, *words: str):
-    return settings_of(parsed(["site.yaml", *words]), load_site(SITE))
+    return settings_of(parse_arguments(["site.yaml", *words]), load_site(SITE))
 
 
 def test_key_file_says_where_the_hub_is_and_words_win_over_it(tmp_path) -> None:
@@ -238,4 +238,4 @@ async def test_gateway_refuses_a_hub_whose_key_has_changed(hub_that_stores, sett
 def settings_of_hub(kept: KeyFile, port: int):
     from talaia.gateway.settings import HubAddress
 
-    return HubAddress.checked(f"wss://127.0.0.1:{port}", fingerprint=kept.fingerprint)
+    return HubAddress.from_text(f"wss://127.0.0.1:{port}", fingerprint=kept.fingerprint)

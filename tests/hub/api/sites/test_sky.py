@@ -117,7 +117,7 @@ async def test_what_nobody_calls_anything_is_not_found(shared_hub, observatory, 
 
 
 async def test_without_the_catalogue_the_hub_says_so(shared_hub, observatory, monkeypatch) -> None:
-    monkeypatch.setattr(sky_names, "_catalogue", lambda: None)
+    monkeypatch.setattr(sky_names, "_load_catalogue", lambda: None)
     answer = await (await shared_hub.client("operator")).get(
         "/api/sites/agv/sky", params={"name": "M31"}
     )

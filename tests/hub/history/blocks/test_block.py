@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.blocks.block import BlockSamples, concatenate, cut, decode, encode, in_order
+from talaia.hub.history.blocks.block import (
+    BlockSamples,
+    concatenate_samples,
+    decode_block,
+    encode_block,
+    in_order,
+    split_blocks,
+)
 from talaia.hub.history.blocks.journal import part_of, read_row, write_row
 from talaia.hub.history.errors import HistoryError
 from talaia.wire.columns import Columns
@@ -37,7 +44,7 @@ def same(one, other) -> bool:
 
 @given(many())
 def test_a_block_keeps_every_bit(samples) -> None:
-    assert same(decode(encode(samples)), samples)
+    assert same(decode_block(encode_block(samples)), samples)
 
 
 @given(many(), st.data())
@@ -48,14 +55,14 @@ def test_a_journal_row_keeps_every_bit(samples, data) -> None:
     first = data.draw(st.integers(0, channel.size - 1))
     past = data.draw(st.integers(first + 1, channel.size))
     part = read_row(write_row(part_of(columns, first, past)))
-    assert same(part, samples.part(first, past))
+    assert same(part, samples.slice_positions(first, past))
     assert part.channel.tolist() == channel[first:past].tolist()
 
 
 @given(many(least=2))
 def test_cutting_loses_nothing_and_keeps_the_order(samples) -> None:
     samples = in_order(samples)
-    assert same(concatenate(list(cut(samples, BLOCK))), samples)
+    assert same(concatenate_samples(list(split_blocks(samples, BLOCK))), samples)
 
 
 def test_one_time_stamp_keeps_the_order_of_arrival() -> None:
@@ -68,34 +75,36 @@ def test_one_time_stamp_keeps_the_order_of_arrival() -> None:
 
 def test_a_wrong_clock_gets_a_block_of_its_own() -> None:
     time_us = np.concatenate(([0], 1_700_000_000_000_000 + np.arange(100) * 10_000))
-    parts = list(cut(BlockSamples(time_us, np.zeros(101), {}), BLOCK))
+    parts = list(split_blocks(BlockSamples(time_us, np.zeros(101), {}), BLOCK))
     assert [part.time_us.size for part in parts] == [1, 100]
 
 
 def test_a_slow_channel_is_not_cut_at_each_sample() -> None:
     day = 86_400_000_000
-    assert len(list(cut(BlockSamples(np.arange(500) * day, np.zeros(500), {}), BLOCK))) == 1
+    assert (
+        len(list(split_blocks(BlockSamples(np.arange(500) * day, np.zeros(500), {}), BLOCK))) == 1
+    )
 
 
 def test_a_long_tail_becomes_blocks_of_the_usual_size() -> None:
     sizes = [
         part.time_us.size
-        for part in cut(BlockSamples(np.arange(70_000), np.zeros(70_000), {}), BLOCK)
+        for part in split_blocks(BlockSamples(np.arange(70_000), np.zeros(70_000), {}), BLOCK)
     ]
     assert all(BLOCK // 2 < size < 2 * BLOCK for size in sizes)
 
 
 @given(st.binary(max_size=200))
 def test_damaged_bytes_are_a_history_error(data) -> None:
-    for read in (decode, read_row):
+    for read in (decode_block, read_row):
         try:
             read(data)
         except HistoryError:
             continue
 
 
-@pytest.mark.parametrize("read", [decode, read_row])
+@pytest.mark.parametrize("read", [decode_block, read_row])
 def test_bytes_of_a_newer_program_say_so(read) -> None:
-    body = encode(BlockSamples(np.array([1]), np.array([1.0]), {}))
+    body = encode_block(BlockSamples(np.array([1]), np.array([1.0]), {}))
     with pytest.raises(HistoryError, match="version 9"):
         read(b"\x09" + body[1:] + bytes(32))

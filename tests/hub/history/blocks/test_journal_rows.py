@@ -16,22 +16,22 @@ def test_it_counts_as_a_list_of_pairs_does(steps: list[tuple[int, int, int]]) ->
     rows, plain, last = JournalRows(), list[tuple[int, int]](), 0
     for further, samples, behind in steps:
         last += further
-        rows.append(last, samples)
+        rows.append_row(last, samples)
         plain.append((last, samples))
-        rows.forget(last - behind)
+        rows.forget_rows(last - behind)
         plain = [each for each in plain if each[0] > last - behind]
         assert len(rows) == len(plain)
         assert rows.samples == sum(size for _, size in plain)
-        assert rows.below(last) == sum(row < last for row, _ in plain)
+        assert rows.count_below(last) == sum(row < last for row, _ in plain)
         for count in range(1, len(plain) + 1):
-            assert rows.oldest(count) == plain[count - 1][0]
+            assert rows.last_of_oldest(count) == plain[count - 1][0]
 
 
 def test_a_hundred_thousand_rows_take_less_than_two_megabytes() -> None:
     tracemalloc.start()
     rows = JournalRows()
     for row in range(MANY):
-        rows.append(10**9 + row, 300 + row % 7)
+        rows.append_row(10**9 + row, 300 + row % 7)
     held, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     # As pairs they took 12 MB.
@@ -41,8 +41,8 @@ def test_a_hundred_thousand_rows_take_less_than_two_megabytes() -> None:
 def test_rows_that_come_and_go_for_good_take_no_more_than_those_that_are_there() -> None:
     rows = JournalRows()
     for row in range(1, MANY):
-        rows.append(row, 6)
-        rows.forget(row - 3_000)
+        rows.append_row(row, 6)
+        rows.forget_rows(row - 3_000)
     assert len(rows) == 3_000
     assert rows.samples == 18_000
     assert rows.bytes <= 2 * 12 * 3_001

@@ -16,9 +16,9 @@ spans = st.lists(st.tuples(st.integers(0, 40), st.integers(0, 40)), max_size=20)
 def test_a_range_set_is_the_set_of_its_numbers(added, first, past) -> None:
     ranges, numbers = Ranges(added), {n for a, b in added for n in range(a, b)}
     assert {n for a, b in ranges for n in range(a, b)} == numbers
-    missing = [n for a, b in ranges.missing(first, past) for n in range(a, b)]
+    missing = [n for a, b in ranges.missing_ranges(first, past) for n in range(a, b)]
     assert missing == [n for n in range(first, past) if n not in numbers]
-    assert ranges.contiguous() == next(n for n in range(99) if n not in numbers)
+    assert ranges.contiguous_end() == next(n for n in range(99) if n not in numbers)
 
 
 @given(spans)

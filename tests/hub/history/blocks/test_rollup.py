@@ -7,11 +7,11 @@ from hypothesis import given, settings, strategies as st
 
 from talaia.hub.history.blocks.rollup import (
     WIDTHS,
-    cover,
+    cover_window,
     finest_width,
-    join,
-    merge,
-    summarise,
+    join_cells,
+    merge_cells,
+    summarise_samples,
     tier_for,
 )
 from talaia.hub.history.blocks.rows import SUMMARY, cells_to_rows, rows_to_cells
@@ -30,8 +30,8 @@ def columns(pairs):
 @settings(deadline=None)
 @given(runs, st.integers(1, 40))
 def test_merged_sums_are_the_sums_of_all(parts, width) -> None:
-    merged = merge(join([summarise(*columns(part), width) for part in parts]))
-    whole = summarise(*columns([pair for part in parts for pair in part]), width)
+    merged = merge_cells(join_cells([summarise_samples(*columns(part), width) for part in parts]))
+    whole = summarise_samples(*columns([pair for part in parts for pair in part]), width)
     assert merged.bucket_us.tolist() == whole.bucket_us.tolist()
     for name in ("samples", "numbers", "low", "high", "last_us"):
         np.testing.assert_array_equal(getattr(merged, name), getattr(whole, name), name)
@@ -43,7 +43,7 @@ def test_merged_sums_are_the_sums_of_all(parts, width) -> None:
 def test_extremes_and_last_stand_at_their_own_time(parts, width) -> None:
     pairs = [pair for part in parts for pair in part]
     there = {(t, v if v == v else None) for t, v in pairs}
-    cells = summarise(*columns(pairs), width)
+    cells = summarise_samples(*columns(pairs), width)
     for name in ("low", "high", "last"):
         for t, v in zip(getattr(cells, name + "_us"), getattr(cells, name), strict=True):
             assert (t, v if v == v else None) in there
@@ -52,7 +52,7 @@ def test_extremes_and_last_stand_at_their_own_time(parts, width) -> None:
 @settings(deadline=None)
 @given(runs, st.integers(1, 40))
 def test_a_row_gives_back_its_cell(parts, width) -> None:
-    cells = summarise(*columns(parts[0]), width)
+    cells = summarise_samples(*columns(parts[0]), width)
     rows = cells_to_rows(cells, channel_id=1)
     assert all(value is None or math.isfinite(value) for row in rows for value in row.values()), (
         "MariaDB keeps neither NaN nor infinity"
@@ -65,7 +65,7 @@ def test_a_row_gives_back_its_cell(parts, width) -> None:
 @settings(deadline=None)
 @given(st.integers(-(2**50), 2**50), st.integers(0, 2**48), st.sampled_from((0, *WIDTHS)))
 def test_a_cover_fills_the_window_without_overlap(start, span, width) -> None:
-    pieces = cover(start, start + span, width)
+    pieces = cover_window(start, start + span, width)
     at = start
     for piece in pieces:
         assert piece.from_us == at < piece.past_us

@@ -3,7 +3,12 @@
 import numpy as np
 from hypothesis import given, strategies as st
 
-from talaia.hub.history.queries.downsample import edges_of, extremes, groups, pixel_width
+from talaia.hub.history.queries.downsample import (
+    bucket_extremes,
+    bucket_starts,
+    edges_of,
+    pixel_width,
+)
 
 values = st.floats(width=64, allow_nan=True, allow_infinity=True)
 samples = st.lists(st.tuples(st.integers(-1000, 1000), values), min_size=1, max_size=80)
@@ -17,8 +22,8 @@ def columns(pairs):
 @given(samples, st.integers(1, 300))
 def test_extremes_are_the_least_and_the_greatest_of_each_pixel(pairs, pixel) -> None:
     time_us, value = columns(pairs)
-    starts = groups(time_us, pixel)
-    low, high = extremes(value, starts)
+    starts = bucket_starts(time_us, pixel)
+    low, high = bucket_extremes(value, starts)
     for at, start in enumerate(starts):
         inside = value[time_us // pixel == time_us[start] // pixel]
         numbers = inside[~np.isnan(inside)]
@@ -39,7 +44,7 @@ def test_a_window_never_covers_more_pixels_than_the_chart_has(start, span, width
 @given(samples, st.integers(1, 300))
 def test_first_and_last_of_each_pixel_are_its_edges(pairs, pixel) -> None:
     time_us, _ = columns(pairs)
-    kept = edges_of(groups(time_us, pixel), time_us.size)
+    kept = edges_of(bucket_starts(time_us, pixel), time_us.size)
     buckets = (time_us // pixel).tolist()
     wanted = {buckets.index(b) for b in buckets}
     wanted |= {len(buckets) - 1 - buckets[::-1].index(b) for b in buckets}
@@ -48,5 +53,5 @@ def test_first_and_last_of_each_pixel_are_its_edges(pairs, pixel) -> None:
 
 def test_one_pixel_takes_all() -> None:
     assert pixel_width(1000, 1) == 0
-    assert groups(np.array([1, 500, 999]), 0).tolist() == [0]
-    assert groups(np.empty(0, np.int64), 0).size == 0
+    assert bucket_starts(np.array([1, 500, 999]), 0).tolist() == [0]
+    assert bucket_starts(np.empty(0, np.int64), 0).size == 0

@@ -32,7 +32,10 @@ ADDRESSES = [column.address for column in (SPEED, MODE, STATE)]
 
 async def taken(store, columns, form=FileForm.ARROW, window=ALL, width=0):
     return b"".join(
-        [piece async for piece in store.export("agv", columns, *window, form=form, width=width)]
+        [
+            piece
+            async for piece in store.export_samples("agv", columns, *window, form=form, width=width)
+        ]
     )
 
 
@@ -50,7 +53,7 @@ async def test_a_file_holds_every_sample_with_its_kind(url, form) -> None:
     rows += [(0, START + 9, float("nan")), (2, START, 7.0)]
     async with opened(url) as store:
         for at in range(0, len(rows), 50):
-            await store.append(
+            await store.append_samples(
                 "agv", "b1", at, addresses=ADDRESSES, columns=batch(rows[at : at + 50])
             )
         table = table_of(form, await taken(store, [SPEED, MODE, STATE], form))
@@ -77,7 +80,9 @@ async def test_no_cell_of_a_csv_is_a_formula(url) -> None:
     async with opened(url) as store:
         rows = [(0, START + i, text) for i, text in enumerate(texts)]
         rows += [(1, START + i, -1.5) for i in range(8)]
-        await store.append("agv", "b1", 0, addresses=["=cmd()/x", "a/speed"], columns=batch(rows))
+        await store.append_samples(
+            "agv", "b1", 0, addresses=["=cmd()/x", "a/speed"], columns=batch(rows)
+        )
         body = await taken(store, [evil, SPEED], FileForm.CSV)
     table = list(csv.reader(io.StringIO(body.decode(), newline="")))
     assert table[0] == ["time (UTC)", "'=cmd()/x (m)", "a/speed (m/s)"]
@@ -97,7 +102,7 @@ def test_an_export_holds_what_went_in_for_any_order_of_times(some) -> None:
     async def run(url) -> None:
         async with opened(url, SMALL._replace(block=8, recent=4)) as store:
             for at in range(0, len(rows), 20):
-                await store.append(
+                await store.append_samples(
                     "agv", "b1", at, addresses=["a/x", "a/y"], columns=batch(rows[at : at + 20])
                 )
             columns = [ExportColumn("a/x"), ExportColumn("a/y")]
@@ -123,9 +128,9 @@ async def test_what_is_shown_can_be_taken_away_too(url) -> None:
     columns = Columns(np.zeros(3_000, np.uint16), START + np.arange(3_000) * SECOND, value, {})
     window = (START, START + 3_000 * SECOND)
     async with opened(url) as store:
-        await store.append("agv", "b1", 0, addresses=["a/speed"], columns=columns)
+        await store.append_samples("agv", "b1", 0, addresses=["a/speed"], columns=columns)
         table = table_of(FileForm.ARROW, await taken(store, [SPEED], window=window, width=50))
-        (series,) = await store.read("agv", ["a/speed"], *window, width=50)
+        (series,) = await store.read_series("agv", ["a/speed"], *window, width=50)
     assert table.column("time").cast(pa.int64()).to_pylist() == series.time_us.tolist()
     assert table.column("a/speed").to_pylist() == series.value.tolist()
 
@@ -139,11 +144,11 @@ async def test_an_export_takes_no_more_memory_for_more_samples(tmp_path) -> None
             for at in range(first, size, 50_000):
                 time_us = START + np.arange(at, at + 50_000) * 10_000
                 columns = Columns(np.zeros(50_000, np.uint16), time_us, time_us % 977 / 7, {})
-                await store.append("agv", "b1", at, addresses=["a/speed"], columns=columns)
+                await store.append_samples("agv", "b1", at, addresses=["a/speed"], columns=columns)
             for form in FileForm:
                 tracemalloc.start()
                 total = 0
-                async for piece in store.export("agv", [SPEED], *ALL, form=form):
+                async for piece in store.export_samples("agv", [SPEED], *ALL, form=form):
                     total += len(piece)
                 peaks.append(tracemalloc.get_traced_memory()[1])
                 tracemalloc.stop()
@@ -154,8 +159,10 @@ async def test_an_export_takes_no_more_memory_for_more_samples(tmp_path) -> None
 
 async def test_too_many_exports_at_once_are_told_to_wait(url) -> None:
     async with opened(url) as store:
-        await store.append("agv", "b1", 0, addresses=["a/speed"], columns=batch([(0, START, 1.0)]))
-        going = [store.export("agv", [SPEED], *ALL, form=FileForm.CSV) for _ in range(5)]
+        await store.append_samples(
+            "agv", "b1", 0, addresses=["a/speed"], columns=batch([(0, START, 1.0)])
+        )
+        going = [store.export_samples("agv", [SPEED], *ALL, form=FileForm.CSV) for _ in range(5)]
         for each in going[:4]:
             await anext(each)
         with pytest.raises(HistoryBusy, match="try again"):
@@ -175,9 +182,9 @@ async def test_a_state_is_drawn_as_what_held_last(url) -> None:
         for at in range(0, 20_000, 500):
             part = slice(at, at + 500)
             columns = Columns(np.zeros(500, np.uint16), time_us[part], value[part], {})
-            await store.append("agv", "b1", at, addresses=["a/gear"], columns=columns)
+            await store.append_samples("agv", "b1", at, addresses=["a/gear"], columns=columns)
         for width in (1, 4, 15):
-            (series,) = await store.read(
+            (series,) = await store.read_series(
                 "agv", ["a/gear"], START, int(time_us[-1]), width=width, steps={"a/gear"}
             )
             assert series.time_us.size <= 2 * width

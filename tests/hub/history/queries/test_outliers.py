@@ -5,7 +5,7 @@ import pytest
 from sqlalchemy import delete, func, select
 
 from talaia.hub.history.queries import outliers
-from talaia.hub.history.queries.outliers import scattered
+from talaia.hub.history.queries.outliers import scatter_parts
 from talaia.hub.store import history_tables as tables
 
 from ..conftest import opened
@@ -16,7 +16,7 @@ TIMES = START + np.arange(20_000) * SECOND // 100
 
 
 async def found_in(store, first, last, k=1.5, address="base/speed"):
-    steps = [each async for each in store.outliers("agv", address, first, last, k=k)]
+    steps = [each async for each in store.count_outliers("agv", address, first, last, k=k)]
     assert all(each is None for each in steps[:-1])
     return steps[-1]
 
@@ -81,21 +81,21 @@ async def test_who_asks_may_stop_and_the_next_is_answered(url) -> None:
     values = np.random.default_rng(4).normal(0.0, 1.0, TIMES.size)
     async with opened(url, MANY) as store:
         await feed(store, TIMES, values)
-        steps = store.outliers("agv", "base/speed", *ALL, k=1.5)
+        steps = store.count_outliers("agv", "base/speed", *ALL, k=1.5)
         assert await anext(steps) is None
         await steps.aclose()
         check(await found_in(store, *ALL), values, 1.5)
 
 
 def test_parts_are_scattered_so_that_each_beginning_is_even() -> None:
-    order = scattered(list(range(1_000)), 0)
+    order = scatter_parts(list(range(1_000)), 0)
     assert sorted(order) == list(range(1_000))
     for many in (10, 100, 500):
         # Of each tenth of all about a tenth is among them.
         tenths = np.histogram(order[:many], bins=10, range=(0, 1_000))[0]
         assert tenths.min() >= many // 10 - 1
         assert tenths.max() <= many // 10 + 1
-    assert order != scattered(list(range(1_000)), 1)
+    assert order != scatter_parts(list(range(1_000)), 1)
 
 
 async def test_a_block_that_is_gone_leaves_the_rest_and_the_answer_says_so(url) -> None:

@@ -22,7 +22,9 @@ async def feed(store, time_us, value, first=0):
         part = slice(at, at + 500)
         size = time_us[part].size
         columns = Columns(np.zeros(size, np.uint16), time_us[part], value[part], {})
-        await store.append("agv", "b1", first + at, addresses=["base/speed"], columns=columns)
+        await store.append_samples(
+            "agv", "b1", first + at, addresses=["base/speed"], columns=columns
+        )
 
 
 @pytest.mark.parametrize("raw", [200, 10**9])
@@ -36,7 +38,7 @@ async def test_statistics_of_a_window_are_those_of_its_samples(url, raw) -> None
         await store.record_gap(
             "agv", "b1", 30_000, 30_010, from_us=last - 5 * SECOND, to_us=last + SECOND, reason="x"
         )
-        (found,) = await store.statistics("agv", ["base/speed"], first, last)
+        (found,) = await store.read_statistics("agv", ["base/speed"], first, last)
     inside = (time_us >= first) & (time_us <= last)
     there, at = value[inside], time_us[inside]
     assert (found.samples, found.numbers) == (there.size, int(np.isfinite(there).sum()))
@@ -55,7 +57,7 @@ async def test_statistics_count_late_samples_and_what_is_not_in_a_block(url) -> 
         await feed(store, time_us, np.ones(5_000))
         await feed(store, time_us[1000:1700] + 1, np.full(700, 5.0), first=10_000)
         await feed(store, time_us[:3] - 10, np.full(3, -3.0), first=20_000)
-        (found,) = await store.statistics("agv", ["base/speed"], *ALL)
+        (found,) = await store.read_statistics("agv", ["base/speed"], *ALL)
     assert found.samples == 5_703
     assert found.mean == pytest.approx((5_000 + 700 * 5 - 9) / 5_703)
     assert found.first == (START - 10, -3.0, "")
@@ -65,8 +67,8 @@ async def test_statistics_count_late_samples_and_what_is_not_in_a_block(url) -> 
 async def test_texts_have_a_first_and_a_last_and_no_mean(url) -> None:
     async with opened(url) as store:
         rows = [(0, START + i, f"line {i}") for i in range(5)]
-        await store.append("agv", "b1", 0, addresses=["a/mode"], columns=batch(rows))
-        said, nothing = await store.statistics("agv", ["a/mode", "no/such"], *ALL)
+        await store.append_samples("agv", "b1", 0, addresses=["a/mode"], columns=batch(rows))
+        said, nothing = await store.read_statistics("agv", ["a/mode", "no/such"], *ALL)
     assert (said.samples, said.numbers, said.low, said.high) == (5, 0, None, None)
     assert math.isnan(said.mean)
     assert [said.first.text, said.last.text] == ["line 0", "line 4"]
@@ -78,13 +80,15 @@ async def test_the_last_value_before_a_time_is_the_newest_up_to_it(url) -> None:
     async with opened(url) as store:
         await feed(store, time_us, np.arange(3_000.0))
         late = [(0, START + 500 * SECOND + 1, 77.0)] * 40
-        await store.append("agv", "b1", 9_000, addresses=["base/speed"], columns=batch(late))
+        await store.append_samples(
+            "agv", "b1", 9_000, addresses=["base/speed"], columns=batch(late)
+        )
         for at in (0, 31, 32, 33, 1_234, 2_999):
-            found = await store.last("agv", ["base/speed"], START + at * SECOND)
+            found = await store.last_readings("agv", ["base/speed"], START + at * SECOND)
             assert found["base/speed"] == SampleReading(START + at * SECOND, float(at), "")
-        found = await store.last("agv", ["base/speed"], START + 500 * SECOND + 5)
+        found = await store.last_readings("agv", ["base/speed"], START + 500 * SECOND + 5)
         assert found["base/speed"][1] == 77.0
-        assert await store.last("agv", ["base/speed"], START - 1) == {}
+        assert await store.last_readings("agv", ["base/speed"], START - 1) == {}
 
 
 def test_gaps_that_overlap_count_once() -> None:

@@ -49,23 +49,23 @@ async def feed(store, count, rate=100, first=0):
         columns = Columns(
             np.zeros(index.size, np.uint16), START + index * SECOND // rate, index / 8.0, {}
         )
-        await store.append("agv", "b1", at, addresses=["base/speed"], columns=columns)
+        await store.append_samples("agv", "b1", at, addresses=["base/speed"], columns=columns)
 
 
 async def test_a_new_sensor_has_its_view_at_once_and_its_values_as_they_come(url, sql) -> None:
     async with opened(url) as store:
-        await store.describe(site_of(speed=number()))
+        await store.describe_site(site_of(speed=number()))
         assert sql("SELECT * FROM sensor_agv_base_speed") == []
         for at in range(3):
-            await store.append(
+            await store.append_samples(
                 "agv",
                 "b1",
                 at,
                 addresses=["base/speed"],
                 columns=batch([(0, START + at * SECOND, at / 2)]),
             )
-            await store.show()
-            await store.show()
+            await store.write_plain_rows()
+            await store.write_plain_rows()
         rows = sql("SELECT * FROM sensor_agv_base_speed ORDER BY time")
         assert [row["value"] for row in rows] == [0.0, 0.5, 1.0]
         assert {(row["sensor"], row["unit"], row["width_s"]) for row in rows} == {
@@ -84,7 +84,7 @@ async def test_of_very_many_sensors_the_first_have_views(url, sql, monkeypatch, 
     # A slow server's views are waited for.
     monkeypatch.setattr(sensor_registry, "_VIEWS_S", 60.0)
     async with opened(url) as store:
-        await store.describe(site_of(**{f"s{each}": number() for each in range(40)}))
+        await store.describe_site(site_of(**{f"s{each}": number() for each in range(40)}))
     assert len(sql("SELECT view_name FROM history_sensor WHERE made_of <> ''")) == 25
     assert len(sql("SELECT view_name FROM history_sensor")) == 40
     assert "agv has many signals" in caplog.text
@@ -100,7 +100,7 @@ async def test_samples_do_not_wait_for_views(url, monkeypatch) -> None:
     monkeypatch.setattr(sensor_registry, "show_sensors", slow)
     monkeypatch.setattr(sensor_registry, "_VIEWS_S", 0.01)
     async with opened(url) as store:
-        await store.describe(site_of(speed=number()))
+        await store.describe_site(site_of(speed=number()))
         await feed(store, 10)
         assert begun.is_set()
         assert not go_on.is_set()
@@ -109,12 +109,12 @@ async def test_samples_do_not_wait_for_views(url, monkeypatch) -> None:
 
 async def test_a_view_shows_rollups_and_after_them_single_readings(url, sql) -> None:
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
-        await store.describe(site_of(speed=number()))
+        await store.describe_site(site_of(speed=number()))
         for at in range(0, 4_000, 500):
             await feed(store, 500, first=at)
-            await store.show()
+            await store.write_plain_rows()
         await feed(store, 20, first=4_000)
-        await store.show()
+        await store.write_plain_rows()
         rows = sql("SELECT * FROM sensor_agv_base_speed ORDER BY time")
         wide = [row for row in rows if row["width_s"]]
         single = [row for row in rows if not row["width_s"]]
@@ -134,13 +134,13 @@ async def test_states_texts_and_positions_have_columns_of_their_own(url, sql) ->
     fix = Signal(name="Fix", type=SignalType.POSITION, frame=PositionFrame.WGS84, source=SOURCE)
     names = ["base/gear", "base/mode", "base/pose.x", "base/pose.y", "base/pose.yaw"]
     async with opened(url) as store:
-        await store.describe(site_of(gear=gear, mode=mode, pose=pose, fix=fix))
+        await store.describe_site(site_of(gear=gear, mode=mode, pose=pose, fix=fix))
         for at in range(3):
             time = START + at
             rows = [(0, time, float(at)), (1, time, f"line {at // 2}")]
             rows += [(2, time, 1.0 + at), (3, time, 2.0), (4, time, float("nan"))]
-            await store.append("agv", "b1", 5 * at, addresses=names, columns=batch(rows))
-            await store.show()
+            await store.append_samples("agv", "b1", 5 * at, addresses=names, columns=batch(rows))
+            await store.write_plain_rows()
         found = sql("SELECT * FROM sensor_agv_base_gear ORDER BY value")
         assert [row["state"] for row in found] == ["park", "it's", None]
         found = sql("SELECT * FROM sensor_agv_base_mode ORDER BY time")
@@ -154,36 +154,36 @@ async def test_states_texts_and_positions_have_columns_of_their_own(url, sql) ->
 
 async def test_hostile_names_are_only_names(url, sql) -> None:
     async with opened(url) as store:
-        await store.describe(site_of(speed=number(HOSTILE, HOSTILE[:50])))
-        await store.append(
+        await store.describe_site(site_of(speed=number(HOSTILE, HOSTILE[:50])))
+        await store.append_samples(
             "agv", "b1", 0, addresses=["base/speed"], columns=batch([(0, START, 1.0)])
         )
-        await store.show()
+        await store.write_plain_rows()
         (row,) = sql("SELECT * FROM sensor_agv_base_speed")
     assert (row["sensor"], row["unit"]) == (HOSTILE, HOSTILE[:50])
 
 
 async def test_a_renamed_or_removed_sensor_keeps_its_view_and_its_history(url, sql) -> None:
     async with opened(url) as store:
-        await store.describe(site_of(speed=number("Old name"), gone=number()))
+        await store.describe_site(site_of(speed=number("Old name"), gone=number()))
         await feed(store, 3, rate=1)
-        await store.show()
-        await store.describe(site_of(speed=number("New name")))
+        await store.write_plain_rows()
+        await store.describe_site(site_of(speed=number("New name")))
         (row,) = sql("SELECT * FROM sensor_agv_base_speed")
         assert row["sensor"] == "New name"
         assert sql("SELECT * FROM sensor_agv_base_gone") == []
     async with opened(url) as store:
-        await store.describe(site_of(velocity=number("New name")))
+        await store.describe_site(site_of(velocity=number("New name")))
         assert len(sql("SELECT * FROM sensor_agv_base_speed")) == 1
         assert sql("SELECT * FROM sensor_agv_base_velocity") == []
 
 
 async def test_rows_that_rollups_stand_for_are_deleted(url, sql) -> None:
     async with opened(url, SMALL._replace(block=512, recent=512)) as store:
-        await store.describe(site_of(speed=number()))
+        await store.describe_site(site_of(speed=number()))
         for at in range(160):
             await feed(store, 20, first=20 * at)
-            await store.show()
+            await store.write_plain_rows()
         left = sql("SELECT count(*) AS n FROM history_recent")[0]["n"]
         assert 0 < left < 80
 
@@ -201,8 +201,8 @@ def test_view_names_differ_even_where_addresses_look_alike() -> None:
 async def test_what_a_sensor_was_is_known_after_it_is_gone_and_after_a_restart(url) -> None:
     state = Signal(name=HOSTILE, type=SignalType.STATE, states=("off", "on"), source=SOURCE)
     async with opened(url) as store:
-        await store.describe(site_of(mode=state, speed=number()))
-        await store.describe(site_of(speed=number(name="Ground speed")))
+        await store.describe_site(site_of(mode=state, speed=number()))
+        await store.describe_site(site_of(speed=number(name="Ground speed")))
         assert store.kind_of("agv", "base/speed").name == "Ground speed"
     async with opened(url) as store:
         assert store.kind_of("agv", "base/mode") == (HOSTILE, "", "state", ("off", "on"), -1)

@@ -35,7 +35,8 @@ async def main(url):
     while True:
         index = np.arange(first, first + 50)
         columns = Columns((index % 3).astype(np.uint16), index * 10, index.astype(float), {})
-        await store.append("agv", "b", first, addresses=["a/x", "a/y", "a/z"], columns=columns)
+        addresses = ["a/x", "a/y", "a/z"]
+        await store.append_samples("agv", "b", first, addresses=addresses, columns=columns)
         first += 50
         print(first, flush=True)
 
@@ -58,7 +59,7 @@ def test_kill_minus_nine_loses_nothing_that_was_acknowledged(url, after) -> None
             stored = await store.stored_below("agv", "b")
             # What was under way may be there too, all of it or nothing.
             assert stored - said[-1] in (0, 50)
-            series = await store.read("agv", ["a/x", "a/y", "a/z"], 0, 10**12, width=stored)
+            series = await store.read_series("agv", ["a/x", "a/y", "a/z"], 0, 10**12, width=stored)
             for channel, each in enumerate(series):
                 index = np.arange(channel, stored, 3)
                 np.testing.assert_array_equal(each.time_us, index * 10)
@@ -132,7 +133,7 @@ def test_no_crash_point_loses_or_doubles_a_sample_in_any_order(url) -> None:
         site = f"site{next(numbers)}"
 
         async def holds(store, *possible) -> None:
-            found = await store.read(site, addresses, *ALL, width=1000)
+            found = await store.read_series(site, addresses, *ALL, width=1000)
             said = [rows_of(series) for series in found]
             assert said in [
                 [wanted([rows[i] for i in sorted(these)], channel) for channel in range(3)]
@@ -151,7 +152,7 @@ def test_no_crash_point_loses_or_doubles_a_sample_in_any_order(url) -> None:
                         sent = stored | set(range(first, first + len(part)))
                         try:
                             with dying(store, statement):
-                                await store.append(
+                                await store.append_samples(
                                     site, "b", first, addresses=addresses, columns=batch(part)
                                 )
                         except HistoryError:
@@ -161,12 +162,12 @@ def test_no_crash_point_loses_or_doubles_a_sample_in_any_order(url) -> None:
                             waiting.pop(0)
                             stored = sent
                             if show:
-                                await store.show()
+                                await store.write_plain_rows()
                 if died:
                     async with opened(url, TINY) as store:
                         # All of the batch, or nothing of it.
                         await holds(store, stored, sent)
-                        await store.append(
+                        await store.append_samples(
                             site, "b", first, addresses=addresses, columns=batch(part)
                         )
                         stored = sent

@@ -79,7 +79,7 @@ class Sender:
         self.answer = Outcome.SENT
         self.meanwhile = None
 
-    async def send(self, way, secrets, *, target, message, browsers=()) -> DeliveryResult:
+    async def send_message(self, way, secrets, *, target, message, browsers=()) -> DeliveryResult:
         if self.kill == "before":
             raise Killed
         if self.meanwhile:
@@ -101,10 +101,10 @@ class DyingStore(AlarmStore):
 
     kill = ""
 
-    async def commit(self, changes, now_us) -> None:
+    async def commit_changes(self, changes, now_us) -> None:
         if self.kill == "before":
             raise Killed
-        await super().commit(changes, now_us)
+        await super().commit_changes(changes, now_us)
         if self.kill == "after":
             raise Killed
 
@@ -117,7 +117,7 @@ def template() -> Path:
     async def make() -> None:
         database = Database(f"sqlite:///{folder}/talaia.db")
         await database.migrate()
-        await People(database, HandClock()).add("op", "x", "operator")
+        await People(database, HandClock()).add_person("op", "x", "operator")
         await database.close()
 
     asyncio.run(make())
@@ -168,7 +168,7 @@ class Hub(RuleBasedStateMachine):
         self.store = DyingStore(self.database)
         self.notices = NotificationOutbox(self.database)
         sites = Sites()
-        self.live = sites.describe(SITE, "c")
+        self.live = sites.describe_site(SITE, "c")
         self.alarms = AlarmEngine(
             sites=sites,
             browsers=Browsers(),
@@ -184,7 +184,7 @@ class Hub(RuleBasedStateMachine):
             clock=self.clock,
             told=self.alarms.refresh_troubles,
         )
-        await self.delivering.recover()
+        await self.delivering.recover_unsent()
         # The robot says what is so as soon as the hub is back.
         self._sample()
 
@@ -210,18 +210,18 @@ class Hub(RuleBasedStateMachine):
     @rule(kill=st.sampled_from(["", "", "before", "after"]))
     def settle(self, kill: str) -> None:
         self.store.kill = kill
-        self._until_killed(self.alarms.settle())
+        self._until_killed(self.alarms.settle_changes())
 
     @rule(shelve=st.booleans())
     def act(self, *, shelve: bool) -> None:
-        alarm = self.alarms.find("agv", "low")
+        alarm = self.alarms.find_alarm("agv", "low")
         now = self.clock.wall_ns() // 1000
         event = Shelve(now, "op", now + 10_000_000, "") if shelve else Acknowledge(now, "op")
 
         async def do() -> None:
-            asked = asyncio.create_task(self.alarms.act(alarm, event))
+            asked = asyncio.create_task(self.alarms.apply_action(alarm, event))
             await asyncio.sleep(0)
-            await self.alarms.settle()
+            await self.alarms.settle_changes()
             with contextlib.suppress(NotNow):
                 await asked
 
@@ -289,14 +289,14 @@ class Hub(RuleBasedStateMachine):
             self.clock.advance(11 * SECOND)
             self._sample()
             self.alarms.evaluate_conditions()
-            self.runner.run(self.alarms.settle())
+            self.runner.run(self.alarms.settle_changes())
         self.clock.advance(4000 * SECOND)
         self.runner.run(self.delivering.deliver_due())
 
     def _compare(self) -> None:
         assert not self.sender.astray
         for name in ("low", "slow"):
-            assert self.alarms.find("agv", name).state.on is (self.volts < 11), name
+            assert self.alarms.find_alarm("agv", name).state.on is (self.volts < 11), name
         happened, outbox = self.runner.run(self._rows())
         states = Counter(row.state for row in outbox)
         assert set(states) <= {"sent", "unsure"}, states

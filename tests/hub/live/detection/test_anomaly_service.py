@@ -11,7 +11,7 @@ from talaia.clock import SystemClock
 from talaia.hub.api.schemas.anomaly_schemas import AnomalyList
 from talaia.hub.live.detection.anomaly_service import AnomalyService
 from talaia.wire.browser import AnomalyUpdate, EventUpdate, Subscribe, Subscribed, Values
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 from ...conftest import DESCRIPTION
 
@@ -57,7 +57,7 @@ async def test_an_anomaly_is_told_when_it_begins_and_when_it_ends(hub, watched) 
 
 async def test_scores_are_kept_as_a_channel_beside_the_signal(hub, watched, history) -> None:
     await watched.samples(("base/speed", NOW, 0.5), ("base/speed", NOW + SECOND, 2.5))
-    await until(lambda: history.knows("agv", "base/speed~limits"))
+    await until(lambda: history.has_channel("agv", "base/speed~limits"))
     kept = [
         row[1:3]
         for (_, boot), stored in history.samples.items()
@@ -71,14 +71,14 @@ async def test_scores_are_kept_as_a_channel_beside_the_signal(hub, watched, hist
 async def test_samples_out_of_order_are_counted_and_not_looked_at(hub, watched) -> None:
     await watched.samples(("base/speed", NOW, 0.5))
     await watched.samples(("base/speed", NOW - SECOND, 9.0))
-    await until(lambda: hub.hub.anomalies.detectors.of("agv")[0].late == 1)
-    assert hub.hub.anomalies.detectors.of("agv")[0].episodes.began_us == -1
+    await until(lambda: hub.hub.anomalies.detectors.detectors_of("agv")[0].late == 1)
+    assert hub.hub.anomalies.detectors.detectors_of("agv")[0].episodes.began_us == -1
 
 
 async def test_a_person_says_not_an_anomaly_and_the_detector_learns(hub, watched) -> None:
     rows = [("base/speed", NOW + at * SECOND, 0.5 + 0.01 * (at % 5)) for at in range(60)]
     await watched.samples(*rows, ("base/speed", NOW + 60 * SECOND, 0.9))
-    of = hub.hub.anomalies.detectors.of
+    of = hub.hub.anomalies.detectors.detectors_of
     await until(lambda: of("agv") and of("agv")[1].episodes.began_us > 0)
     page = await hub.page("operator")
     client = await hub.client("operator")
@@ -97,11 +97,11 @@ async def test_what_was_learned_survives_the_hub(hub, watched) -> None:
     rows = [("base/speed", NOW + at * SECOND, 0.5 + 0.01 * (at % 5)) for at in range(60)]
     await watched.samples(*rows)
     watching = hub.hub.anomalies.detectors
-    await until(lambda: len(watching.of("agv")[1].detector.recent.came) == 60)
+    await until(lambda: len(watching.detectors_of("agv")[1].detector.recent.came) == 60)
     await watching.close()
-    kept = await watching._learned.of("agv")
+    kept = await watching._learned.states_of("agv")
     assert set(kept) == {("base/speed", "limits"), ("base/speed", "iqr")}
-    live = hub.hub.core.sites.get("agv")
+    live = hub.hub.core.sites.find_site("agv")
     after = AnomalyService(
         sites=hub.hub.core.sites,
         history=hub.history,
@@ -109,8 +109,11 @@ async def test_what_was_learned_survives_the_hub(hub, watched) -> None:
         fanout=hub.hub.core.fanout,
         clock=SystemClock(),
     )
-    await after._wake(live, after._watch(live))
-    assert after.of("agv")[1].detector.recent == watching.of("agv")[1].detector.recent
+    await after._restore_learned(live, after._watch_of(live))
+    assert (
+        after.detectors_of("agv")[1].detector.recent
+        == watching.detectors_of("agv")[1].detector.recent
+    )
 
 
 async def test_a_guest_sees_public_detectors_and_teaches_none(hub, watched) -> None:
@@ -124,16 +127,16 @@ async def test_a_guest_sees_public_detectors_and_teaches_none(hub, watched) -> N
 
 async def test_a_detector_that_fails_begins_anew_and_the_others_go_on(hub, watched) -> None:
     watching = hub.hub.anomalies.detectors
-    live = hub.hub.core.sites.get("agv")
-    limits, broken = watching._watch(live).every()
+    live = hub.hub.core.sites.find_site("agv")
+    limits, broken = watching._watch_of(live).all_runners()
 
     def fail(_time_us: int, _value: float) -> float:
         raise ValueError("broken on purpose")
 
-    broken.see = fail
+    broken.score_sample = fail
     await watched.samples(("base/speed", NOW, 9.0))
     await until(lambda: limits.episodes.began_us == NOW)
-    await until(lambda: watching.of("agv")[1] is not broken)
+    await until(lambda: watching.detectors_of("agv")[1] is not broken)
 
 
 async def test_what_finds_no_room_is_skipped_and_counted(hub, watched) -> None:
@@ -159,7 +162,7 @@ async def test_service_watches_primary_numbers_that_have_no_detector_of_their_ow
     hub, served
 ) -> None:
     found = {}
-    for each in hub.hub.anomalies.detectors.of("agv"):
+    for each in hub.hub.anomalies.detectors.detectors_of("agv"):
         found.setdefault(each.address, []).append(str(each.watch.detector))
     assert found["base/speed"] == ["limits", "iqr"]
     assert found["power/voltage"] == ["together"]
@@ -168,14 +171,18 @@ async def test_service_watches_primary_numbers_that_have_no_detector_of_their_ow
 
 
 async def test_without_the_service_nothing_but_the_described_is_watched(hub, watched) -> None:
-    assert {each.address for each in hub.hub.anomalies.detectors.of("agv")} == {"base/speed"}
+    assert {each.address for each in hub.hub.anomalies.detectors.detectors_of("agv")} == {
+        "base/speed"
+    }
 
 
 async def test_service_looks_at_one_sample_a_second_of_a_fast_signal(hub, served) -> None:
     looked = {"base/turn_rate": [], "base/speed": []}
-    for each in hub.hub.anomalies.detectors.of("agv"):
+    for each in hub.hub.anomalies.detectors.detectors_of("agv"):
         if each.address in looked and each.watch.detector != "iqr":
-            each.see = lambda time_us, _value, seen=looked[each.address]: seen.append(time_us)
+            each.score_sample = lambda time_us, _value, seen=looked[each.address]: seen.append(
+                time_us
+            )
     rows = [("base/turn_rate", NOW + at * SECOND // 100, 0.1) for at in range(300)]
     for at in range(0, 300, 5):
         await served.samples(*rows[at : at + 5])
@@ -204,7 +211,7 @@ async def scores_of(page, *channels: str) -> Subscribed:
 
 async def next_scores(page) -> list[tuple[int, int, float]]:
     news = await page.hear(Values)
-    columns = unpack(news)
+    columns = unpack_columns(news)
     rows = (columns.channel.tolist(), columns.time_us.tolist(), columns.value.tolist())
     return list(zip(*rows, strict=True))
 

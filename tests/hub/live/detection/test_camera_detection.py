@@ -25,7 +25,7 @@ from talaia.wire.browser import (
     Subscribe,
     Values,
 )
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 from ...conftest import DESCRIPTION
 
@@ -117,7 +117,7 @@ async def test_the_hub_sees_frames_counts_and_keeps_what_comes_into_sight(
     news = await page.hear(SightingUpdate)
     assert (news.camera, news.label, news.began_us) == (FRONT, "red thing", began)
     values = await page.hear(Values, lambda values: values.value)
-    columns = unpack(values)
+    columns = unpack_columns(values)
     assert (columns.value[0], columns.time_us[0]) == (1.0, began)
     seq = await eye.show(GREY)
     assert not (await viewer.hear(CameraPictureBoxes, lambda boxes: boxes.seq == seq)).things

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from msgspec import structs
 
-from talaia.hub.live.detection.sighting_limits import SiteSightings, merged, said_of
+from talaia.hub.live.detection.sighting_limits import SiteSightings, merge_sightings, said_of
 from talaia.hub.store.sites.sightings import Sighted
 from talaia.model.yaml_text.load import load_site
 
@@ -23,9 +23,9 @@ def sighted(**said: object) -> Sighted:
 
 def test_a_thousand_are_taken_at_once_and_then_five_a_second() -> None:
     site = SiteSightings(100.0)
-    assert sum(site.spends(100.0) for _ in range(2000)) == 1000
-    assert sum(site.spends(102.0) for _ in range(2000)) == 10
-    assert sum(site.spends(10_000.0) for _ in range(2000)) == 1000
+    assert sum(site.spend_token(100.0) for _ in range(2000)) == 1000
+    assert sum(site.spend_token(102.0) for _ in range(2000)) == 10
+    assert sum(site.spend_token(10_000.0) for _ in range(2000)) == 1000
 
 
 def test_no_more_are_in_sight_and_waiting_than_a_person_could_follow() -> None:
@@ -46,10 +46,10 @@ def test_what_is_left_out_is_told_once_and_counted_until_a_minute_is_calm() -> N
 def test_the_newer_word_counts_and_a_picture_stays_until_there_is_another() -> None:
     first = sighted(picture=b"one", many=1)
     again, other = sighted(many=3), sighted(label="dog")
-    both = merged({first.key: first}, {again.key: again, other.key: other})
+    both = merge_sightings({first.key: first}, {again.key: again, other.key: other})
     assert both == {first.key: sighted(picture=b"one", many=3), other.key: other}
     newer = sighted(picture=b"two")
-    assert merged({first.key: first}, {first.key: newer}) == {first.key: newer}
+    assert merge_sightings({first.key: first}, {first.key: newer}) == {first.key: newer}
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ def picked(thin: Thinning, *rows: tuple[int, float]) -> list[float]:
     """Give the seconds of those samples of a batch that are looked at."""
     channel = np.array([row[0] for row in rows], np.uint16)
     time_us = np.array([NOW + round(row[1] * SECOND) for row in rows], np.int64)
-    at = thin.pick(Columns(channel, time_us, np.zeros(len(rows)), {}), np.arange(len(rows)))
+    at = thin.pick_samples(Columns(channel, time_us, np.zeros(len(rows)), {}), np.arange(len(rows)))
     return [round((int(time_us[each]) - NOW) / SECOND, 3) for each in at]
 
 

@@ -15,7 +15,7 @@ def test_acknowledged_is_what_lies_below_the_first_hole(below, batches) -> None:
     run = StoredRun(below)
     stored = set(range(below))
     for first, count in batches:
-        run.add(first, first + count)
+        run.add_stored(first, first + count)
         stored.update(range(first, first + count))
         hole = next(number for number in range(10_000) if number not in stored)
         assert run.below == hole

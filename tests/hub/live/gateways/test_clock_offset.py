@@ -14,10 +14,10 @@ def test_offset_errs_by_no_more_than_half_of_the_quickest_loop(ways) -> None:
     offset = ClockOffset()
     for there, back in ways[-60:]:
         now += 1_000_000
-        offset.beat(now, now + there + back, now + there + true_offset)
+        offset.add_beat(now, now + there + back, now + there + true_offset)
     best = min(there + back for there, back in ways[-60:])
-    assert abs(offset.ours(now + true_offset) - now) <= best / 2 + 1
+    assert abs(offset.to_ours(now + true_offset) - now) <= best / 2 + 1
 
 
 def test_without_a_beat_nothing_is_known_of_the_other_clock() -> None:
-    assert ClockOffset().ours(1) is None
+    assert ClockOffset().to_ours(1) is None

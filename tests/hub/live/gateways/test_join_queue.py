@@ -17,7 +17,7 @@ from talaia.hub.certificate import own_certificate
 from talaia.hub.errors import HubBusy, StoreDown
 from talaia.hub.live.gateways import link_service as life
 from talaia.hub.live.gateways.join_queue import JoinQueue
-from talaia.hub.live.gc_schedule import collect_at_rest, wants
+from talaia.hub.live.gc_schedule import collect_at_rest, wants_collection
 from talaia.hub.settings import Settings
 from talaia.hub.store.sites.gateway_presence import GatewayPresence
 from talaia.hub.store.sites.site_registry import SiteRegistry
@@ -32,7 +32,7 @@ KEPT_AT_A_HUT = "talaia: 1\nsite: {site}\nname: {site}\ndevices: {{hut: {{name: 
 
 async def test_description_known_word_for_word_is_not_read_again(hub, gateway, monkeypatch) -> None:
     await gateway.close()
-    monkeypatch.setattr(life, "_read", lambda _text: pytest.fail("it was read"))
+    monkeypatch.setattr(life, "_read_site", lambda _text: pytest.fail("it was read"))
     again = await hub.gateway()
     await again.hello()
     await again.close()
@@ -95,14 +95,14 @@ async def test_turns_are_had_in_the_order_they_were_asked_for() -> None:
     admission, order = JoinQueue(), []
 
     async def come(number: int) -> None:
-        async with admission.turn():
+        async with admission.wait_turn():
             order.append(number)
             await asyncio.sleep(0)
 
     await asyncio.gather(*(come(number) for number in range(20)))
     assert order == list(range(20))
     with pytest.raises(ZeroDivisionError):
-        async with admission.turn():
+        async with admission.wait_turn():
             raise ZeroDivisionError
     await asyncio.gather(*(come(number) for number in range(20, 40)))
 
@@ -113,16 +113,16 @@ async def test_when_a_gateway_was_there_is_known_at_once_and_written_together(da
     for number in range(3):
         await registry.new_key(f"s{number}")
         await registry.said_hello(f"s{number}", "text", "c", "1")
-    numbers = [each.id for each in await registry.gateways()]
+    numbers = [each.id for each in await registry.list_gateways()]
     clock.advance(5_000_000_000)
     for number, each in enumerate(numbers):
-        registry.attendance.linked(each, f"s{number}", "2.0", "10.0.0.1")
-    registry.attendance.left(numbers[0], "s0")
-    assert {each.version for each in await registry.gateways()} == {"2.0"}
+        registry.attendance.record_link(each, f"s{number}", "2.0", "10.0.0.1")
+    registry.attendance.record_leave(numbers[0], "s0")
+    assert {each.version for each in await registry.list_gateways()} == {"2.0"}
     fresh = SiteRegistry(database, clock)
-    assert {each.version for each in await fresh.gateways()} == {""}
-    await registry.attendance.write()
-    assert {(each.version, each.address, each.seen_us) for each in await fresh.gateways()} == {
+    assert {each.version for each in await fresh.list_gateways()} == {""}
+    await registry.attendance.write_pending()
+    assert {(each.version, each.address, each.seen_us) for each in await fresh.list_gateways()} == {
         ("2.0", "10.0.0.1", 7_000_000)
     }
     async with database.read() as connection:
@@ -136,21 +136,21 @@ async def test_what_could_not_be_written_of_who_was_there_is_written_the_next_ti
     clock = HandClock(wall_ns=1_000_000_000)
     registry = SiteRegistry(database, clock)
     await registry.new_key("s")
-    [known] = await registry.gateways()
+    [known] = await registry.list_gateways()
 
     class Down:
         """A database that does not answer once; a gateway comes meanwhile."""
 
         def write(self):
             attendance._database = database
-            attendance.linked(known.id, "s", "new", "b")
+            attendance.record_link(known.id, "s", "new", "b")
             raise StoreDown("no")
 
     attendance = GatewayPresence(Down(), clock)
-    attendance.linked(known.id, "s", "old", "a")
+    attendance.record_link(known.id, "s", "old", "a")
     with pytest.raises(StoreDown):
-        await attendance.write()
-    await attendance.write()
+        await attendance.write_pending()
+    await attendance.write_pending()
     async with database.read() as connection:
         row = (await connection.execute(select(gateways.c.version, gateways.c.address))).one()
     assert tuple(row) == ("new", "b")
@@ -211,10 +211,10 @@ async def test_door_that_is_closed_takes_nobody_in(door) -> None:
 
 
 def test_full_collection_waits_for_a_driver_but_not_for_ever() -> None:
-    assert not wants(9, driven=False)
-    assert wants(10, driven=False)
-    assert not wants(99, driven=True)
-    assert wants(100, driven=True)
+    assert not wants_collection(9, driven=False)
+    assert wants_collection(10, driven=False)
+    assert not wants_collection(99, driven=True)
+    assert wants_collection(100, driven=True)
 
 
 async def test_pythons_own_full_collections_are_off_while_ours_run() -> None:
@@ -232,19 +232,19 @@ async def test_pythons_own_full_collections_are_off_while_ours_run() -> None:
 
 async def test_somebody_has_control_from_the_grant_to_its_end(hub, gateway) -> None:
     page = await hub.page("operator")
-    assert not hub.hub.driven()
+    assert not hub.hub.is_driven()
     held = LeaseState(device="base", session="s", who="operator", epoch=1, remains_ms=3000)
     await gateway.say(held)
     await page.hear(LeaseUpdate, lambda news: news.holder == "operator")
-    assert hub.hub.driven()
+    assert hub.hub.is_driven()
     await gateway.say(LeaseState(device="base"))
     await page.hear(LeaseUpdate, lambda news: not news.holder)
-    assert not hub.hub.driven()
+    assert not hub.hub.is_driven()
 
 
 async def test_admission_that_is_full_says_so_and_forgets_nobody() -> None:
     admission = JoinQueue()
     admission.MOST_WAITING = 0
     with pytest.raises(HubBusy):
-        async with admission.turn():
+        async with admission.wait_turn():
             pytest.fail("it was let in")

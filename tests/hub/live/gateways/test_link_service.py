@@ -21,9 +21,9 @@ from talaia.wire.browser import (
     Unsubscribe,
     Values,
 )  # fmt: skip
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 from talaia.wire.frames import Ack, Beat, BeatReply, Bye, Hello, ResendRequest, SampleGap, Welcome
-from talaia.wire.message import PROTOCOL, speaks
+from talaia.wire.message import PROTOCOL, is_compatible
 
 RECORDED = Path(__file__).parents[3] / "wire" / "recorded" / "first.json"
 NOW = 1_700_000_000_000_000
@@ -36,7 +36,7 @@ APRON = """  apron:
 
 
 def columns(values: Values):
-    return unpack(values)
+    return unpack_columns(values)
 
 
 async def subscribed(page, *channels: str, every_ms: int = 0, sub: int = 1) -> Subscribed:
@@ -208,7 +208,7 @@ async def test_gateway_of_an_earlier_version_is_taken_in_by_the_hello_it_recorde
     gateway = await hub.gateway()
     own = {"protocol": PROTOCOL - 1, "site": "agv", "description": gateway.description}
     await gateway.connection.send(msgspec.msgpack.encode({**hello, **own}))
-    assert speaks((await gateway.hear(Welcome)).protocol)
+    assert is_compatible((await gateway.hear(Welcome)).protocol)
     await gateway.close()
     gateway = await hub.gateway()
     await gateway.connection.send(

@@ -63,7 +63,7 @@ async def test_reconnect_to_a_device_is_asked_of_the_gateway_and_its_outcome_is_
     )
     told = await page.hear(page_wire.EventUpdate, lambda news: news.kind == "device reconnected")
     assert (told.device, told.who, told.message) == ("base", "admin", "3 of 3 are there")
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     rows = (await admin.get("/api/audit", params={"device": "base"})).json()["rows"]
     assert [row["kind"] for row in rows] == ["device reconnected", "device reconnect asked"]
 
@@ -94,7 +94,7 @@ async def test_changed_description_is_in_the_audit_log(hub, gateway) -> None:
     await gateway.close()
     again = await hub.gateway()
     await again.hello(again.description.replace("House vehicle", "House <b>vehicle</b>"))
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     admin = await hub.client("admin")
     rows = (await admin.get("/api/audit", params={"kind": "description changed"})).json()["rows"]
     assert [(row["site"], row["good"]) for row in rows] == [("agv", True)]

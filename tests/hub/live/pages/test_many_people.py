@@ -9,7 +9,7 @@ from sqlalchemy import insert
 from talaia.hub.store.tables import permissions, role_permissions, roles
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import browser, frames
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 from ...everyone.world import NOW, World
 
@@ -26,7 +26,7 @@ SITE = f"talaia: 1\nsite: agv\nname: Many\nros2: {{}}\ndevices:\n{_DEVICES}"
 
 async def _populate(world: World) -> None:
     """Make fifty people, each with a role that holds one device."""
-    kept = (await world.hub.people.find("admin")).password_hash
+    kept = (await world.hub.people.find_by_name("admin")).password_hash
     async with world.hub.hub.core.database.write() as connection:
         for at in range(PEOPLE):
             role = await connection.execute(insert(roles).values(name=f"r{at}", seeded=False))
@@ -40,7 +40,7 @@ async def _populate(world: World) -> None:
                 )
             )
     for at in range(PEOPLE):
-        await world.hub.people.add(f"p{at}", kept, f"r{at}")
+        await world.hub.people.add_person(f"p{at}", kept, f"r{at}")
 
 
 async def test_fifty_people_work_side_by_side(world) -> None:
@@ -67,7 +67,7 @@ async def test_fifty_people_work_side_by_side(world) -> None:
         # One that is behind gets fewer: the first, the least, the greatest and the last of them.
         while not got or got[-1] != own[-1]:
             values = await page.hear(browser.Values)
-            batch = unpack(values)
+            batch = unpack_columns(values)
             got += batch.value.tolist()
         # All the while other things are asked, as pages do.
         assert (await client.get("/api/me")).json()["name"] == f"p{at}"

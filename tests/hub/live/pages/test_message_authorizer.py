@@ -8,7 +8,7 @@ import pytest
 
 from talaia.hub.policy import TO_BROWSER, AccessNeed
 from talaia.wire import browser, frames
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 from ...everyone.messages import DEVICES
 from ...everyone.routes import meets
@@ -98,7 +98,7 @@ def wrong_in(each) -> list[str]:
 
 
 def _wrong_values(actor: str, message: browser.Values) -> list[str]:
-    columns = unpack(message)
+    columns = unpack_columns(message)
     seen = set(columns.value[columns.value == columns.value].tolist())
     open_to = {
         number(about, signal)
@@ -176,7 +176,7 @@ async def _end(world, heard) -> None:
 
 
 async def test_nobody_reads_over_http_what_is_not_theirs(world, heard) -> None:
-    await world.hub.hub.audit.log.written()
+    await world.hub.hub.audit.log.wait_written()
     for actor in ACTORS:
         client = await world.client(actor)
         listed = await client.get("/api/devices")

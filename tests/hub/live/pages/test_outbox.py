@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from talaia.hub.live.pages.conflate import conflate, join, newest, weight
 from talaia.hub.live.pages.outbox import Outbox, values_of
 from talaia.wire.browser import TO_BROWSER, Values
-from talaia.wire.columns import Columns, unpack
+from talaia.wire.columns import Columns, unpack_columns
 
 CHANNELS = 5
 
@@ -29,7 +29,7 @@ def drained(outbox: Outbox) -> dict[int, list[tuple[int, float]]]:
         for frame in outbox.next_frames():
             message = TO_BROWSER.decode(frame)
             assert isinstance(message, Values)
-            piece = unpack(message)
+            piece = unpack_columns(message)
             got.setdefault(message.sub, []).extend(
                 zip(piece.channel.tolist(), piece.value.tolist(), strict=True)
             )

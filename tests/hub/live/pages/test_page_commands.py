@@ -239,7 +239,7 @@ async def test_a_page_that_comes_while_somebody_acts_is_told_who_and_for_how_lon
     guest = await hub.page("guest")
     await gateway.say(replace(acting, id="his", over="Base: Wander of Ada (hers)", who="Bob"))
     await before.hear(page_wire.CommandUpdate, lambda news: news.id == "his")
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     admin = await hub.client("admin")
     found = (await admin.get("/api/audit", params={"kind": "command interrupts"})).json()["rows"]
     assert [(row["who"], row["message"]) for row in found] == [
@@ -322,10 +322,10 @@ async def test_what_was_done_is_written_down_in_an_unbroken_chain(hub, gateway) 
     await page.say(STOP)
     await gateway.hear(frames.StopRequest)
     audit: Audit = hub.hub.audit.log
-    await audit.written()
-    kinds = {row.entry.kind for row in (await audit.find(AuditFilter(site="agv"), 100))[0]}
+    await audit.wait_written()
+    kinds = {row.entry.kind for row in (await audit.find_records(AuditFilter(site="agv"), 100))[0]}
     assert {"gateway connected", "lease taken", "stop pressed"} <= kinds
-    assert (await audit.verify()).broken == 0
+    assert (await audit.verify_chain()).broken == 0
 
 
 def picture(seq: int) -> frames.PictureFrame:

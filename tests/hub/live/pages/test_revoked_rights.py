@@ -12,7 +12,7 @@ import pytest
 from sqlalchemy import delete, update
 
 from talaia.clock import SECOND, HandClock
-from talaia.hub.app import build
+from talaia.hub.app import build_hub
 from talaia.hub.settings import Settings
 from talaia.hub.store.tables import role_permissions, roles, users
 from talaia.wire import browser, frames
@@ -52,7 +52,7 @@ async def _right_taken(world) -> None:
 
 
 async def _sessions_ended(world) -> None:
-    person = await world.hub.people.find("driver")
+    person = await world.hub.people.find_by_name("driver")
     await world.hub.hub.people.sessions.end_all(person.id)
 
 
@@ -111,7 +111,7 @@ def test_open_sockets_are_looked_at_more_than_once_a_second(tmp_path) -> None:
 async def test_session_that_grows_too_old_ends_its_socket(hub_that_stores, left) -> None:
     running = hub_that_stores()
     clock = HandClock()
-    running.hub = build(running.settings, clock)
+    running.hub = build_hub(running.settings, clock)
     running.people = running.hub.people.accounts
     async with running:
         world = World(running)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, Subscribe, Subscribed, Values
-from talaia.wire.columns import unpack
+from talaia.wire.columns import unpack_columns
 
 BATCHES = 400
 ROWS = 2_000
@@ -31,6 +31,6 @@ async def test_stalled_page_is_bounded_and_hurts_nobody(hub, gateway) -> None:
     while last != BATCHES - 1:
         message = TO_BROWSER.decode(await stalled.recv())
         if isinstance(message, Values):
-            piece = unpack(message)
+            piece = unpack_columns(message)
             last = piece.value[-1]
     await stalled.close()

@@ -110,7 +110,7 @@ class Gateway:
 @pytest.fixture
 def sites() -> Sites:
     found = Sites()
-    found.describe(load_site(DESCRIPTION), "c1")
+    found.describe_site(load_site(DESCRIPTION), "c1")
     return found
 
 
@@ -131,7 +131,7 @@ async def gateway(sites, fanout) -> Gateway:
 
 def connected(sites: Sites, fanout: TapFanout) -> Gateway:
     gateway = Gateway(fanout)
-    sites.get("farm").attach(gateway, LinkedGateway(), 0)
+    sites.find_site("farm").attach_link(gateway, LinkedGateway(), 0)
     fanout.link_up("farm")
     gateway.say(TopicList(topics=ENTRIES))
     return gateway
@@ -181,7 +181,7 @@ async def test_everyone_gets_what_the_rules_open_to_them_and_nothing_else(
 
 
 async def test_what_no_rule_names_is_for_admins_and_those_who_may_tap(sites, fanout, gateway):
-    fanout.redescribe(sites.describe(load_site(SHUT), "c1"))
+    fanout.redescribe(sites.describe_site(load_site(SHUT), "c1"))
     assert not fanout.topics("farm", OPERATOR)
     assert len(fanout.topics("farm", ADMIN)) == len(fanout.topics("farm", TAPPER)) == len(ENTRIES)
 
@@ -333,7 +333,7 @@ async def test_a_rule_that_is_taken_away_ends_the_taps_it_allowed(sites, fanout,
     fanout.subscribe("farm", "/scan", taker)
     await gateway.now()
     events(taker)
-    fanout.redescribe(sites.describe(load_site(SHUT), "c1"))
+    fanout.redescribe(sites.describe_site(load_site(SHUT), "c1"))
     gateway.publish(1, b"x")
     ended, changed = events(taker)
     assert isinstance(ended, TapEnded)
@@ -345,7 +345,7 @@ async def test_taps_go_on_when_the_gateway_is_back(sites, fanout, gateway) -> No
     taker = fanout.taker(VIEWER)
     fanout.subscribe("farm", "/scan", taker)
     await gateway.now()
-    sites.get("farm").detach(0)
+    sites.find_site("farm").detach_link(0)
     fanout.link_lost("farm")
     assert [found.topic for found in fanout.topics("farm", VIEWER)] == ["/scan", "/slow"]
     again = connected(sites, fanout)

@@ -9,6 +9,8 @@ from talaia.hub.store.sites.detector_state import DetectorState
 async def test_what_is_saved_last_comes_back_byte_by_byte(database) -> None:
     learned = DetectorState(database, HandClock())
     state = bytes(range(256)) + b'it\'s \\ "quoted"'
-    await learned.save([("agv", "power/charge", "together", b"before")])
-    await learned.save([("agv", "power/charge", "together", state), ("moon", "a/b", "flat", b"")])
-    assert await learned.of("agv") == {("power/charge", "together"): state}
+    await learned.save_states([("agv", "power/charge", "together", b"before")])
+    await learned.save_states(
+        [("agv", "power/charge", "together", state), ("moon", "a/b", "flat", b"")]
+    )
+    assert await learned.states_of("agv") == {("power/charge", "together"): state}

@@ -24,28 +24,28 @@ def clock() -> HandClock:
 
 async def test_code_is_used_once_even_when_five_race_for_it(database, clock) -> None:
     enrolment = Enrolment(database, clock)
-    _, secret = await enrolment.offer("agv")
-    answers = await asyncio.gather(*(enrolment.redeem(secret, f"g{n}") for n in range(5)))
+    _, secret = await enrolment.offer_code("agv")
+    answers = await asyncio.gather(*(enrolment.redeem_code(secret, f"g{n}") for n in range(5)))
     won = [answer for answer in answers if isinstance(answer, Enrolled)]
     assert len(won) == 1
     assert answers.count(EnrolmentRefusal.USED) == 4
-    gateways = await SiteRegistry(database, clock).gateways()
+    gateways = await SiteRegistry(database, clock).list_gateways()
     assert [(each.site, each.revoked_us) for each in gateways] == [("agv", 0)]
 
 
 async def test_code_is_dead_after_fifteen_minutes(database, clock) -> None:
     enrolment = Enrolment(database, clock)
-    _, early = await enrolment.offer("agv")
-    _, late = await enrolment.offer("agv")
+    _, early = await enrolment.offer_code("agv")
+    _, late = await enrolment.offer_code("agv")
     clock.advance(15 * MINUTE - 1_000)
-    assert isinstance(await enrolment.redeem(early, ""), Enrolled)
+    assert isinstance(await enrolment.redeem_code(early, ""), Enrolled)
     clock.advance(1_000)
-    assert await enrolment.redeem(late, "") is EnrolmentRefusal.EXPIRED
-    assert await enrolment.open() == []
+    assert await enrolment.redeem_code(late, "") is EnrolmentRefusal.EXPIRED
+    assert await enrolment.list_open() == []
 
 
 async def test_code_is_kept_as_a_hash_only(database, clock) -> None:
-    _, secret = await Enrolment(database, clock).offer("agv", "Rover")
+    _, secret = await Enrolment(database, clock).offer_code("agv", "Rover")
     async with database.read() as connection:
         row = (await connection.execute(text("SELECT * FROM enrolment_codes"))).one()
     assert "Rover" in row
@@ -54,8 +54,8 @@ async def test_code_is_kept_as_a_hash_only(database, clock) -> None:
 
 async def test_new_gateway_of_a_site_makes_the_earlier_key_void(database, clock) -> None:
     enrolment, registry = Enrolment(database, clock), SiteRegistry(database, clock)
-    first = await enrolment.redeem((await enrolment.offer("agv"))[1], "")
-    second = await enrolment.redeem((await enrolment.offer("agv"))[1], "")
+    first = await enrolment.redeem_code((await enrolment.offer_code("agv"))[1], "")
+    second = await enrolment.redeem_code((await enrolment.offer_code("agv"))[1], "")
     assert isinstance(first, Enrolled)
     assert isinstance(second, Enrolled)
     assert second.replaced == [first.gateway]
@@ -67,21 +67,21 @@ async def test_new_gateway_of_a_site_makes_the_earlier_key_void(database, clock)
 
 async def test_withdrawn_code_is_nobodys(database, clock) -> None:
     enrolment = Enrolment(database, clock)
-    made, secret = await enrolment.offer("agv")
-    assert await enrolment.withdraw(made.id) == made
-    assert await enrolment.withdraw(made.id) is None
-    assert await enrolment.redeem(secret, "") is EnrolmentRefusal.UNKNOWN
+    made, secret = await enrolment.offer_code("agv")
+    assert await enrolment.withdraw_code(made.id) == made
+    assert await enrolment.withdraw_code(made.id) is None
+    assert await enrolment.redeem_code(secret, "") is EnrolmentRefusal.UNKNOWN
 
 
 async def test_used_code_is_told_from_an_unknown_one_for_a_day(database, clock) -> None:
     enrolment = Enrolment(database, clock)
-    _, secret = await enrolment.offer("agv")
-    await enrolment.redeem(secret, "")
+    _, secret = await enrolment.offer_code("agv")
+    await enrolment.redeem_code(secret, "")
     clock.advance(20 * MINUTE)
-    assert await enrolment.redeem(secret, "") is EnrolmentRefusal.USED
+    assert await enrolment.redeem_code(secret, "") is EnrolmentRefusal.USED
     clock.advance(25 * 60 * MINUTE)
-    await enrolment.offer("agv")
-    assert await enrolment.redeem(secret, "") is EnrolmentRefusal.UNKNOWN
+    await enrolment.offer_code("agv")
+    assert await enrolment.redeem_code(secret, "") is EnrolmentRefusal.UNKNOWN
 
 
 # ── the code itself ──
@@ -94,8 +94,8 @@ def test_code_reads_as_it_is_written_and_as_people_type_it() -> None:
     assert read_code(written) == code
     assert read_code(f"  {written.lower().replace('-', ' ')} ") == code
     assert read_code(written.replace("0", "O").replace("1", "l")) == code
-    assert code.fits(KEY_HASH)
-    assert not code.fits("5f" * 12 + "5e" * 20)
+    assert code.matches_key(KEY_HASH)
+    assert not code.matches_key("5f" * 12 + "5e" * 20)
 
 
 def test_every_single_slip_of_the_finger_is_seen() -> None:
@@ -178,7 +178,7 @@ async def test_every_refusal_says_what_to_do(hub) -> None:
     }
     assert "compare it with the page" in found["mistyped"][1]
     assert "make a new one" in found["used"][1]
-    await hub.hub.audit.log.written()
+    await hub.hub.audit.log.wait_written()
     rows = (await admin.get("/api/audit", params={"kind": "gateway enrol refused"})).json()["rows"]
     assert [row["message"] for row in rows] == ["used", "unknown", "mistyped"]
     assert not any(row["good"] for row in rows)

@@ -97,9 +97,9 @@ class IndiAdapter:
         setups = {device.indi: device.setup for device in scope.devices.values() if device.setup}
         # Outlives a connection: who was disconnected by a person stays so.
         self._connections = DriverConnections(setups, connect=settings.connect)
-        self._answers = DriverAnswers(self._tree, self._send, self._record_event)
-        self._commands = CommandsUnderWay(self._tree, self._send)
-        self._pictures = PictureReception(self._names, self._tree, context, self._send)
+        self._answers = DriverAnswers(self._tree, self._send_bytes, self._record_event)
+        self._commands = CommandsUnderWay(self._tree, self._send_bytes)
+        self._pictures = PictureReception(self._names, self._tree, context, self._send_bytes)
         self._readings = SignalReadings(scope, self._tree, context.clock, context.samples)
         self._found = FoundDevices(scope, settings, self._connections, status)
 
@@ -121,7 +121,7 @@ class IndiAdapter:
         self._status.up()
         tasks = [
             asyncio.ensure_future(self._read_events(reader)),
-            asyncio.ensure_future(self._tick()),
+            asyncio.ensure_future(self._tick_loop()),
         ]
         try:
             # Reading ends with the connection; ticking ends only by an error.
@@ -164,7 +164,7 @@ class IndiAdapter:
                 held.name.endswith(("ABORT_MOTION", "ABORT_EXPOSURE"))
                 and held.kind is VectorKind.SWITCH
             ):
-                self._send(new_vector(VectorKind.SWITCH, name, held.name, {"ABORT": True}))
+                self._send_bytes(new_vector(VectorKind.SWITCH, name, held.name, {"ABORT": True}))
 
     def act(
         self,
@@ -186,7 +186,7 @@ class IndiAdapter:
         if cancel is not None and target == "CONNECTION":
             # Who disconnects a driver by hand must not find it connected again by us.
             connect = fields.get("CONNECT") is True or fields.get(CHOICE) in ("CONNECT", "Connect")
-            self._connections.command(described.indi, connect=connect, now_ns=now_ns)
+            self._connections.set_wanted(described.indi, connect=connect, now_ns=now_ns)
         return cancel
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
@@ -196,13 +196,13 @@ class IndiAdapter:
             done(CommandOutcome(CommandPhase.FAILED, "the INDI server is not connected"))
             return
         self._connections.connect_again(name)
-        self._send(ask_properties(name))
+        self._send_bytes(ask_properties(name))
         self._commands.await_connection(name, self._clock.monotonic_ns(), done)
 
     # ── the connection ──
 
     def _begin_connection(self, writer: asyncio.StreamWriter) -> None:
-        self._tree.clear()
+        self._tree.forget_all()
         self._writer = writer
         self._connections.restart()
         self._answers.restart()
@@ -210,16 +210,16 @@ class IndiAdapter:
         self._began_ns = self._pinged_ns = self._clock.monotonic_ns()
         self._found.note_change(self._began_ns)
         # Until it is asked, a server says nothing at all.
-        self._send(ask_properties())
+        self._send_bytes(ask_properties())
 
     def _end_connection(self) -> None:
         """The server is gone: nothing is known any more, and nobody will answer."""
         self._writer = None
-        self._tree.clear()
+        self._tree.forget_all()
         self._commands.lose_all()
         self._readings.forget_all()
 
-    def _send(self, data: bytes) -> None:
+    def _send_bytes(self, data: bytes) -> None:
         writer = self._writer
         if writer is None or not data:
             return
@@ -236,7 +236,7 @@ class IndiAdapter:
         while data := await reader.read(READ_BYTES):
             touched: set[str] = set()
             now_ns = self._clock.monotonic_ns()
-            for event in parser.feed(data):
+            for event in parser.parse_data(data):
                 match event:
                     case BlobHead():
                         await self._pictures.begin_picture(event)
@@ -256,8 +256,10 @@ class IndiAdapter:
             self._readings.publish_devices(touched)
 
     def _apply_event(self, event: Vector | Deleted | DriverMessage, now_ns: int) -> None:
-        known = self._tree.get(event.device, event.name) if isinstance(event, Vector) else None
-        held = self._tree.apply(event, now_ns)
+        known = (
+            self._tree.find_vector(event.device, event.name) if isinstance(event, Vector) else None
+        )
+        held = self._tree.apply_event(event, now_ns)
         if held is not None and known is None:
             self._found.note_change(now_ns)
             if held.name == "CONNECTION":
@@ -273,7 +275,7 @@ class IndiAdapter:
 
     # ── what goes by time ──
 
-    async def _tick(self) -> None:
+    async def _tick_loop(self) -> None:
         while True:
             await asyncio.sleep(TICK_S)
             now_ns = self._clock.monotonic_ns()
@@ -293,9 +295,9 @@ class IndiAdapter:
             # Another's devices on the same server are left as they are.
             if not self._found.is_served(device.name):
                 continue
-            for due in self._connections.step(device, now_ns):
+            for due in self._connections.next_actions(device, now_ns):
                 if isinstance(due, bytes):
-                    self._send(due)
+                    self._send_bytes(due)
                     continue
                 log.warning("%s: %s: %s", device.name, due.kind, due.message)
                 self._record_event(due.kind, device.name, due.message, good=False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.indi.goals import IndiGoal, begin
+from talaia.gateway.adapters.indi.goals import IndiGoal, begin_goal
 from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
@@ -59,18 +59,20 @@ class CommandsUnderWay:
         now_ns: int,
         done: Callable[[CommandOutcome], None],
     ) -> Callable[[], None] | None:
-        """Begin a command of an INDI device; see `goals.begin`.
+        """Begin a command of an INDI device; see `goals.begin_goal`.
 
         Returns:
             What asks the driver to end it early; none if it was refused.
 
         """
-        goal = begin(book=self._tree, device=device, target=target, fields=fields, now_ns=now_ns)
+        goal = begin_goal(
+            book=self._tree, device=device, target=target, fields=fields, now_ns=now_ns
+        )
         if isinstance(goal, str):
             done(CommandOutcome(CommandPhase.REFUSED, goal))
             return None
         try:
-            data = goal.sends(self._tree)
+            data = goal.outgoing_bytes(self._tree)
         except ValueError as error:
             # A value that the property does not take.
             done(CommandOutcome(CommandPhase.REFUSED, str(error)))
@@ -97,7 +99,7 @@ class CommandsUnderWay:
         """Take in that a camera's picture is kept, or why it is not: an exposure ends with that."""
         for under_way in self._commands:
             if under_way.goal.device == device:
-                under_way.goal.picture(problem)
+                under_way.goal.handle_picture(problem)
         self.follow_commands(now_ns, device)
 
     def await_connection(
@@ -138,4 +140,4 @@ class CommandsUnderWay:
     def _cancel_command(self, under_way: _UnderWay) -> None:
         # Its end may have come first.
         if under_way in self._commands:
-            self._send(under_way.goal.cancel(self._tree))
+            self._send(under_way.goal.cancel_bytes(self._tree))

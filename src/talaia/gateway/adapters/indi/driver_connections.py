@@ -113,7 +113,7 @@ class DriverConnections:
         known.in_vain = 0
         known.writes.clear()
 
-    def command(self, device: str, *, connect: bool, now_ns: int) -> None:
+    def set_wanted(self, device: str, *, connect: bool, now_ns: int) -> None:
         """Take in that a person connects or disconnects it."""
         known = self._drivers.setdefault(device, _Driver())
         known.left = not connect
@@ -129,12 +129,12 @@ class DriverConnections:
         known = self._drivers.get(device)
         return known is not None and known.left
 
-    def tried(self, device: str) -> int:
+    def count_tries(self, device: str) -> int:
         """Tell how often it was told to connect without having been connected since."""
         known = self._drivers.get(device)
         return 0 if known is None else known.in_vain
 
-    def step(self, device: IndiDevice, now_ns: int) -> Iterator[bytes | DriverProblem]:
+    def next_actions(self, device: IndiDevice, now_ns: int) -> Iterator[bytes | DriverProblem]:
         """Give what is to be sent and written down now."""
         held = device.vectors.get("CONNECTION")
         known = self._drivers.setdefault(device.name, _Driver())
@@ -173,7 +173,11 @@ class DriverConnections:
         """
         for name, values in self._setups.get(device.name, {}).items():
             held = device.vectors.get(name)
-            if held is not None and not _holds(held, values) and not _misfit(held, values):
+            if (
+                held is not None
+                and not _has_values(held, values)
+                and not _misfit_reason(held, values)
+            ):
                 yield _asked_for(held, device.name, name, values)
 
     def _on_connected(
@@ -189,7 +193,9 @@ class DriverConnections:
             known.tries = known.due_ns = 0
         for name, write in list(known.writes.items()):
             values = self._setups[device.name][name]
-            yield from _written(device=device, name=name, values=values, write=write, now_ns=now_ns)
+            yield from _write_property(
+                device=device, name=name, values=values, write=write, now_ns=now_ns
+            )
             if _is_written(device.vectors.get(name), values, write):
                 del known.writes[name]
 
@@ -197,15 +203,15 @@ class DriverConnections:
 def _is_written(held: StoredVector | None, values: Mapping[str, Value], write: _Write) -> bool:
     if held is None:
         return False
-    if _holds(held, values):
+    if _has_values(held, values):
         return True
     # A driver may round, or write an angle in its own way: that it took it is enough.
     later = write.sets is not None and held.sets > write.sets
     return later and held.state in (PropertyState.OK, PropertyState.IDLE)
 
 
-def _holds(held: StoredVector, values: Mapping[str, Value]) -> bool:
-    return all(_same(held.value(element), value) for element, value in values.items())
+def _has_values(held: StoredVector, values: Mapping[str, Value]) -> bool:
+    return all(_same_value(held.element_value(element), value) for element, value in values.items())
 
 
 def _asked_for(held: StoredVector, device: str, name: str, values: Mapping[str, Value]) -> bytes:
@@ -215,7 +221,7 @@ def _asked_for(held: StoredVector, device: str, name: str, values: Mapping[str, 
     return new_vector(held.kind, device, name, {**known, **values})
 
 
-def _written(
+def _write_property(
     *, device: IndiDevice, name: str, values: Mapping[str, Value], write: _Write, now_ns: int
 ) -> Iterator[bytes | DriverProblem]:
     """Ask for one property's values, unless they are there or it is not time."""
@@ -227,7 +233,7 @@ def _written(
             write.told = True
             yield DriverProblem("driver_not_set_up", f"it has no property {name}")
         return
-    problem = _misfit(held, values)
+    problem = _misfit_reason(held, values)
     if not problem and write.sets is not None and held.state is PropertyState.ALERT:
         problem = device.said[-1].message if device.said else "the driver says Alert"
     if problem and not write.told:
@@ -236,13 +242,13 @@ def _written(
     again = CONNECT_AGAIN_NS[min(write.tries, len(CONNECT_AGAIN_NS) - 1)]
     write.tries += 1
     write.due_ns = now_ns + again
-    if _misfit(held, values):
+    if _misfit_reason(held, values):
         return
     write.sets = held.sets
     yield _asked_for(held, device.name, name, values)
 
 
-def _misfit(held: StoredVector, values: Mapping[str, Value]) -> str:
+def _misfit_reason(held: StoredVector, values: Mapping[str, Value]) -> str:
     """Say why these values cannot be written to a property; empty where they can."""
     if held.perm is PropertyPermission.READ or held.kind not in (
         VectorKind.NUMBER,
@@ -266,7 +272,7 @@ def _misfit(held: StoredVector, values: Mapping[str, Value]) -> str:
     return ""
 
 
-def _same(now: Value | None, wanted: Value) -> bool:
+def _same_value(now: Value | None, wanted: Value) -> bool:
     if isinstance(now, bool) or isinstance(wanted, bool) or now is None:
         return now is wanted
     if isinstance(now, str) or isinstance(wanted, str):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.indi.state import IndiDevice, IndiDeviceTree
     from talaia.gateway.fits.header import Value
 
-__all__ = ["circumstances", "precessed"]
+__all__ = ["header_cards", "precess_to_j2000"]
 
 _DEG = math.pi / 180
 _J2000_JD = 2_451_545.0
@@ -48,7 +48,7 @@ _SAFE = {
 }
 
 
-def precessed(ra_deg: float, dec_deg: float, unix_s: float) -> tuple[float, float]:
+def precess_to_j2000(ra_deg: float, dec_deg: float, unix_s: float) -> tuple[float, float]:
     """Carry a direction of the equator and equinox of a date over to J2000 (degrees).
 
     IAU 1976 precession (Lieske 1979); nutation and aberration, up to half an arcminute together,
@@ -67,7 +67,7 @@ def precessed(ra_deg: float, dec_deg: float, unix_s: float) -> tuple[float, floa
     return (there / _DEG) % 360.0, math.atan2(c, math.hypot(a, b)) / _DEG
 
 
-def circumstances(
+def header_cards(
     *,
     book: IndiDeviceTree,
     camera: str,
@@ -96,36 +96,38 @@ def circumstances(
     device = book.devices.get(camera)
     if device is None:
         return cards
-    telescope = _used(book, device, "ACTIVE_TELESCOPE", Interface.TELESCOPE)
+    telescope = _find_device(book, device, "ACTIVE_TELESCOPE", Interface.TELESCOPE)
     if telescope is not None:
-        cards += _site(telescope)
+        cards += _site_cards(telescope)
         cards.append(HeaderCard("TELESCOP", telescope.name, "mount"))
-        cards += _pointing(telescope, device, header, unix_s)
-    cards += _state(book, device, header)
+        cards += _pointing_cards(telescope, device, header, unix_s)
+    cards += _camera_cards(book, device, header)
     weather = [device for device in book if device.interface & Interface.WEATHER]
     if weather:
-        cards += _weather(weather[0], unix_s)
+        cards += _weather_cards(weather[0], unix_s)
     return cards
 
 
-def _used(book: IndiDeviceTree, camera: IndiDevice, role: str, bit: int) -> IndiDevice | None:
+def _find_device(
+    book: IndiDeviceTree, camera: IndiDevice, role: str, bit: int
+) -> IndiDevice | None:
     """Find the device a camera's driver was told to look at, or else the only one of its kind."""
-    named = book.devices.get(str(camera.value("ACTIVE_DEVICES", role) or ""))
+    named = book.devices.get(str(camera.element_value("ACTIVE_DEVICES", role) or ""))
     if named is not None and named.interface & bit:
         return named
     fitting = [device for device in book if device.interface & bit]
     return fitting[0] if len(fitting) == 1 else None
 
 
-def _number(device: IndiDevice, name: str, element: str) -> float | None:
-    value = device.value(name, element)
+def _read_number(device: IndiDevice, name: str, element: str) -> float | None:
+    value = device.element_value(name, element)
     return value if isinstance(value, float) and math.isfinite(value) else None
 
 
-def _site(telescope: IndiDevice) -> list[HeaderCard]:
-    latitude = _number(telescope, "GEOGRAPHIC_COORD", "LAT")
-    longitude = _number(telescope, "GEOGRAPHIC_COORD", "LONG")
-    height = _number(telescope, "GEOGRAPHIC_COORD", "ELEV")
+def _site_cards(telescope: IndiDevice) -> list[HeaderCard]:
+    latitude = _read_number(telescope, "GEOGRAPHIC_COORD", "LAT")
+    longitude = _read_number(telescope, "GEOGRAPHIC_COORD", "LONG")
+    height = _read_number(telescope, "GEOGRAPHIC_COORD", "ELEV")
     if latitude is None or longitude is None:
         return []
     east = longitude - 360.0 if longitude > 180.0 else longitude
@@ -136,28 +138,28 @@ def _site(telescope: IndiDevice) -> list[HeaderCard]:
     ]
 
 
-def _pointing(
+def _pointing_cards(
     telescope: IndiDevice, camera: IndiDevice, header: Mapping[str, Value], unix_s: float
 ) -> list[HeaderCard]:
     ra, dec = header.get("RA"), header.get("DEC")
     if not isinstance(ra, int | float) or not isinstance(dec, int | float):
-        hours = _number(telescope, "EQUATORIAL_EOD_COORD", "RA")
-        degrees = _number(telescope, "EQUATORIAL_EOD_COORD", "DEC")
+        hours = _read_number(telescope, "EQUATORIAL_EOD_COORD", "RA")
+        degrees = _read_number(telescope, "EQUATORIAL_EOD_COORD", "DEC")
         if hours is None or degrees is None:
             return []
-        ra, dec = precessed(hours * 15.0, degrees, unix_s)
+        ra, dec = precess_to_j2000(hours * 15.0, degrees, unix_s)
     cards = [
         HeaderCard("RA", float(ra), "[deg] J2000, where the mount pointed"),
         HeaderCard("DEC", float(dec), "[deg] J2000, where the mount pointed"),
         HeaderCard("EQUINOX", 2000.0, "of RA and DEC"),
     ]
-    focal = _number(telescope, "TELESCOPE_INFO", "TELESCOPE_FOCAL_LENGTH")
-    aperture = _number(telescope, "TELESCOPE_INFO", "TELESCOPE_APERTURE")
+    focal = _read_number(telescope, "TELESCOPE_INFO", "TELESCOPE_FOCAL_LENGTH")
+    aperture = _read_number(telescope, "TELESCOPE_INFO", "TELESCOPE_APERTURE")
     if focal:
         cards.append(HeaderCard("FOCALLEN", focal, "[mm] focal length"))
     if aperture:
         cards.append(HeaderCard("APTDIA", aperture, "[mm] aperture"))
-    pixel = _number(camera, "CCD_INFO", "CCD_PIXEL_SIZE_X") or _number(
+    pixel = _read_number(camera, "CCD_INFO", "CCD_PIXEL_SIZE_X") or _read_number(
         camera, "CCD_INFO", "CCD_PIXEL_SIZE"
     )
     width, height = header.get("NAXIS1"), header.get("NAXIS2")
@@ -170,7 +172,7 @@ def _pointing(
     ):
         binned = header.get("XBINNING")
         across = binned if isinstance(binned, int) and binned > 0 else 1
-        cards += _world(
+        cards += _world_cards(
             ra=float(ra),
             dec=float(dec),
             width=width,
@@ -180,7 +182,9 @@ def _pointing(
     return cards
 
 
-def _world(*, ra: float, dec: float, width: int, height: int, scale_deg: float) -> list[HeaderCard]:
+def _world_cards(
+    *, ra: float, dec: float, width: int, height: int, scale_deg: float
+) -> list[HeaderCard]:
     """A tangent plane about the middle, north up and east left: without the camera's turn."""
     return [
         HeaderCard("CTYPE1", "RA---TAN", "estimate from the mount, not from stars"),
@@ -197,7 +201,7 @@ def _world(*, ra: float, dec: float, width: int, height: int, scale_deg: float) 
     ]
 
 
-def _state(
+def _camera_cards(
     book: IndiDeviceTree, camera: IndiDevice, header: Mapping[str, Value]
 ) -> list[HeaderCard]:
     cards = []
@@ -205,30 +209,30 @@ def _state(
         cards.append(
             HeaderCard(
                 "CCD-TEMP",
-                _number(camera, "CCD_TEMPERATURE", "CCD_TEMPERATURE_VALUE"),
+                _read_number(camera, "CCD_TEMPERATURE", "CCD_TEMPERATURE_VALUE"),
                 "[deg C] sensor",
             )
         )
-    wheel = _used(book, camera, "ACTIVE_FILTER", Interface.FILTER)
-    slot = None if wheel is None else _number(wheel, "FILTER_SLOT", "FILTER_SLOT_VALUE")
+    wheel = _find_device(book, camera, "ACTIVE_FILTER", Interface.FILTER)
+    slot = None if wheel is None else _read_number(wheel, "FILTER_SLOT", "FILTER_SLOT_VALUE")
     if wheel is not None and slot is not None and not header.get("FILTER"):
-        name = wheel.value("FILTER_NAME", f"FILTER_SLOT_NAME_{round(slot)}")
+        name = wheel.element_value("FILTER_NAME", f"FILTER_SLOT_NAME_{round(slot)}")
         cards.append(HeaderCard("FILTER", str(name or f"slot {round(slot)}"), "filter"))
-    focuser = _used(book, camera, "ACTIVE_FOCUSER", Interface.FOCUSER)
+    focuser = _find_device(book, camera, "ACTIVE_FOCUSER", Interface.FOCUSER)
     if focuser is not None and "FOCUSPOS" not in header:
-        position = _number(focuser, "ABS_FOCUS_POSITION", "FOCUS_ABSOLUTE_POSITION")
+        position = _read_number(focuser, "ABS_FOCUS_POSITION", "FOCUS_ABSOLUTE_POSITION")
         if position is not None:
             cards.append(HeaderCard("FOCUSPOS", round(position), "[steps] focuser"))
     return [card for card in cards if card.value is not None]
 
 
-def _weather(device: IndiDevice, unix_s: float) -> list[HeaderCard]:
+def _weather_cards(device: IndiDevice, unix_s: float) -> list[HeaderCard]:
     held = device.vectors.get("WEATHER_PARAMETERS")
     if held is None:
         return []
     cards = []
     for element, key, comment in _WEATHER:
-        value = _number(device, held.name, element)
+        value = _read_number(device, held.name, element)
         if value is not None:
             cards.append(HeaderCard(key, value, comment))
     status = device.vectors.get("WEATHER_STATUS")

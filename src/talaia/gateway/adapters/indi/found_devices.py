@@ -88,7 +88,7 @@ class FoundDevices:
         return (
             device.connected
             or "CONNECTION" not in device.vectors
-            or self._connections.tried(device.name) > 1
+            or self._connections.count_tries(device.name) > 1
             or not self._settings.connect
         )
 

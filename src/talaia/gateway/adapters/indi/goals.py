@@ -14,7 +14,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.clock import SECOND
-from talaia.gateway.adapters.indi.numbers import formatted
+from talaia.gateway.adapters.indi.numbers import format_number
 from talaia.gateway.adapters.indi.protocol import (
     PropertyPermission,
     PropertyState,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.indi.protocol import Value
     from talaia.gateway.adapters.indi.state import IndiDevice, IndiDeviceTree, StoredVector
 
-__all__ = ["CHOICE", "IndiGoal", "begin"]
+__all__ = ["CHOICE", "IndiGoal", "begin_goal"]
 
 # The field that takes the name of the element to switch on, instead of a value for an element.
 CHOICE = "*"
@@ -80,7 +80,7 @@ class _Ask(NamedTuple):
     values: dict[str, Value]
 
 
-def begin(
+def begin_goal(
     *, book: IndiDeviceTree, device: str, target: str, fields: Mapping[str, Value], now_ns: int
 ) -> IndiGoal | str:
     """Begin a command: give its goal, or the sentence that says why it cannot be asked.
@@ -108,16 +108,16 @@ def begin(
         wanted.setdefault(before or target, {})[element] = value
     asks: list[_Ask] = []
     for name in [*(value for value in wanted if value != target), target]:
-        ask = _asked(found, name, wanted.get(name, {}))
+        ask = _make_ask(found, name, wanted.get(name, {}))
         if isinstance(ask, str):
             return ask
         if ask is not None:
             asks.append(ask)
-    barred = _barred(found, asks)
+    barred = _motion_problem(found, asks)
     return barred or IndiGoal(found, target, asks, now_ns)
 
 
-def _asked(device: IndiDevice, name: str, values: dict[str, Value]) -> _Ask | str | None:
+def _make_ask(device: IndiDevice, name: str, values: dict[str, Value]) -> _Ask | str | None:
     held = device.vectors.get(name)
     if held is None:
         return f"{device.name} has no property {name} now"
@@ -130,7 +130,7 @@ def _asked(device: IndiDevice, name: str, values: dict[str, Value]) -> _Ask | st
     filled: dict[str, Value] = {}
     for element, value in values.items():
         if element == CHOICE:
-            chosen = _chosen(held, str(value))
+            chosen = _choose_element(held, str(value))
             if chosen is None:
                 known = ", ".join(
                     element.label or element.name for element in held.elements.values()
@@ -140,14 +140,14 @@ def _asked(device: IndiDevice, name: str, values: dict[str, Value]) -> _Ask | st
             continue
         if element not in held.elements:
             return f"{name} of {device.name} has no {element}"
-        problem = _beyond(held, element, value)
+        problem = _range_problem(held, element, value)
         if problem:
             return problem
         filled[element] = value
     return _Ask(held, filled) if filled else None
 
 
-def _chosen(held: StoredVector, word: str) -> str | None:
+def _choose_element(held: StoredVector, word: str) -> str | None:
     """Find an element by its name or label, as a person writes it."""
     asked = word.strip().lower()
     for element in held.elements.values():
@@ -159,7 +159,7 @@ def _chosen(held: StoredVector, word: str) -> str | None:
     return tails[0] if len(tails) == 1 else None
 
 
-def _beyond(held: StoredVector, element: str, value: Value) -> str:
+def _range_problem(held: StoredVector, element: str, value: Value) -> str:
     known = held.elements[element]
     label = known.label or known.name
     if held.kind is not VectorKind.NUMBER:
@@ -168,16 +168,16 @@ def _beyond(held: StoredVector, element: str, value: Value) -> str:
         return f"{label}: expected a finite number"
     # Equal limits mean none.
     if known.minimum < known.maximum and not known.minimum <= value <= known.maximum:
-        low, high = (formatted(limit, "%g") for limit in (known.minimum, known.maximum))
+        low, high = (format_number(limit, "%g") for limit in (known.minimum, known.maximum))
         return f"{label}: {value:g} is not within {low} and {high}"
     return ""
 
 
-def _barred(device: IndiDevice, asks: list[_Ask]) -> str:
+def _motion_problem(device: IndiDevice, asks: list[_Ask]) -> str:
     names = [ask.held.name for ask in asks]
-    if _POINTING in names and device.value("TELESCOPE_PARK", "PARK") is True:
+    if _POINTING in names and device.element_value("TELESCOPE_PARK", "PARK") is True:
         return f"{device.name} is parked; unpark it first"
-    if "ABS_DOME_POSITION" in names and device.value("DOME_PARK", "PARK") is True:
+    if "ABS_DOME_POSITION" in names and device.element_value("DOME_PARK", "PARK") is True:
         return f"{device.name} is parked; unpark it first"
     exposing = device.vectors.get(_EXPOSURE)
     if _EXPOSURE in names and exposing is not None and exposing.state is PropertyState.BUSY:
@@ -198,19 +198,19 @@ class IndiGoal:
         # Under way already: asked once more, a mount aborts its parking. It is waited for instead.
         self._under_way = {ask.held.name for ask in asks if _is_under_way(ask)}
         self._rest_ns: int | None = None
-        self._start = self._distance(device)
+        self._start = self._goal_distance(device)
         self._picture: str | None = None
         self._cancelled = False
         self._told = ""
 
-    def sends(self, book: IndiDeviceTree) -> bytes:
+    def outgoing_bytes(self, book: IndiDeviceTree) -> bytes:
         """Give what is sent to the server. Other members of a vector go along as they are."""
         parts = []
         for held, values in self._asks:
             if held.name in self._under_way:
                 continue
             filled = dict(values)
-            now = book.get(held.device, held.name)
+            now = book.find_vector(held.device, held.name)
             if held.kind is not VectorKind.SWITCH and now is not None:
                 rest = {element.name: element.value for element in now.elements.values()}
                 filled = {
@@ -221,16 +221,16 @@ class IndiGoal:
             parts.append(new_vector(held.kind, held.device, held.name, filled))
         return b"".join(parts)
 
-    def cancel(self, book: IndiDeviceTree) -> bytes:
+    def cancel_bytes(self, book: IndiDeviceTree) -> bytes:
         """Give what stops it; nothing where the device has no way to stop."""
         stop = _STOPS.get(self.target)
-        held = book.get(self.device, stop[0]) if stop is not None else None
+        held = book.find_vector(self.device, stop[0]) if stop is not None else None
         if stop is None or held is None:
             return b""
         self._cancelled = True
         return new_vector(VectorKind.SWITCH, self.device, stop[0], {stop[1]: True})
 
-    def picture(self, problem: str) -> None:
+    def handle_picture(self, problem: str) -> None:
         """Note that a picture of the device has come, with what is wrong with it, if so."""
         if self.target == _EXPOSURE:
             self._picture = problem
@@ -248,39 +248,39 @@ class IndiGoal:
                     CommandPhase.FAILED, f"the picture is of no use: {self._picture}"
                 )
             return CommandOutcome(
-                CommandPhase.SUCCEEDED, self._words(device) or "the picture has come"
+                CommandPhase.SUCCEEDED, self._newest_words(device) or "the picture has come"
             )
-        if not all(self._later(device, ask.held.name) for ask in self._asks):
+        if not all(self._is_later(device, ask.held.name) for ask in self._asks):
             return None
-        words = self._words(device)
+        words = self._newest_words(device)
         # Drivers call the abort of a motion an Alert: that nothing moves any more is what counts.
         if held.state is PropertyState.ALERT and not self.target.endswith(_ABORTS):
             return CommandOutcome(CommandPhase.FAILED, words or "the driver says Alert")
-        if self._moves(device, held):
+        if self._still_moves(device, held):
             self._rest_ns = None
-            return self._running(device, held, words)
+            return self._running_outcome(device, held, words)
         if self._cancelled:
             return CommandOutcome(CommandPhase.CANCELLED, words or "stopped")
         if self.target == _EXPOSURE:
-            return self._exposed(device, held, words, now_ns)
-        if self._reached(device):
-            return CommandOutcome(CommandPhase.SUCCEEDED, words or self._shown(held))
+            return self._exposure_outcome(device, held, words, now_ns)
+        if self._has_reached(device):
+            return CommandOutcome(CommandPhase.SUCCEEDED, words or self._show_vector(held))
         # At rest, and elsewhere.
-        problem = self._problem(device)
+        problem = self._driver_problem(device)
         if problem:
             return CommandOutcome(CommandPhase.REFUSED, problem)
         if self._rest_ns is None:
             self._rest_ns = now_ns
         if now_ns - self._rest_ns < SETTLE_NS:
             return None
-        rests = f"it rests at {self._shown(held)}"
+        rests = f"it rests at {self._show_vector(held)}"
         return CommandOutcome(CommandPhase.FAILED, f"{rests}; {words}" if words else rests)
 
-    def _later(self, device: IndiDevice, name: str) -> bool:
+    def _is_later(self, device: IndiDevice, name: str) -> bool:
         held = device.vectors.get(name)
         return name in self._under_way or (held is not None and held.sets > self._sets[name])
 
-    def _moves(self, device: IndiDevice, held: StoredVector) -> bool:
+    def _still_moves(self, device: IndiDevice, held: StoredVector) -> bool:
         others = (device.vectors.get(name) for name in _MOVES_WITH.get(self.target, ()))
         busy = held.state is PropertyState.BUSY and not self._settled_while_busy(held)
         return busy or any(
@@ -291,27 +291,29 @@ class IndiGoal:
         """A switch of which any may be on is as it is asked for at once, whatever its state."""
         return held.kind is VectorKind.SWITCH and held.rule is SwitchRule.ANY
 
-    def _running(self, device: IndiDevice, held: StoredVector, words: str) -> CommandOutcome | None:
+    def _running_outcome(
+        self, device: IndiDevice, held: StoredVector, words: str
+    ) -> CommandOutcome | None:
         progress = 0.0
         if self.target == _EXPOSURE:
-            asked = self._number(_EXPOSURE, "CCD_EXPOSURE_VALUE")
-            left = held.value("CCD_EXPOSURE_VALUE")
+            asked = self._asked_number(_EXPOSURE, "CCD_EXPOSURE_VALUE")
+            left = held.element_value("CCD_EXPOSURE_VALUE")
             if asked and isinstance(left, float):
                 progress = 1.0 - left / asked
         elif self._start:
-            left_now = self._distance(device)
+            left_now = self._goal_distance(device)
             progress = 0.0 if left_now is None else 1.0 - left_now / self._start
         said = words if words != self._told else ""
         self._told = words
         return CommandOutcome(CommandPhase.RUNNING, said, min(1.0, max(0.0, progress)))
 
-    def _exposed(
+    def _exposure_outcome(
         self, device: IndiDevice, held: StoredVector, words: str, now_ns: int
     ) -> CommandOutcome | None:
         """Over without a picture: aborted, or it was kept where the driver runs."""
         if held.state is PropertyState.IDLE:
             return CommandOutcome(CommandPhase.CANCELLED, words or "the exposure was aborted")
-        if device.value("UPLOAD_MODE", "UPLOAD_LOCAL") is True:
+        if device.element_value("UPLOAD_MODE", "UPLOAD_LOCAL") is True:
             return CommandOutcome(
                 CommandPhase.SUCCEEDED, words or "the picture is kept by the driver"
             )
@@ -324,10 +326,10 @@ class IndiGoal:
             else None
         )
 
-    def _reached(self, device: IndiDevice) -> bool:
-        return all(self._there(device, ask) for ask in self._asks)
+    def _has_reached(self, device: IndiDevice) -> bool:
+        return all(self._is_there(device, ask) for ask in self._asks)
 
-    def _there(self, device: IndiDevice, ask: _Ask) -> bool:
+    def _is_there(self, device: IndiDevice, ask: _Ask) -> bool:
         name = ask.held.name
         held = device.vectors.get(name)
         if held is None:
@@ -335,7 +337,7 @@ class IndiGoal:
         if name in _RELATIVE:
             return True
         if name == _POINTING:
-            left = self._distance(device)
+            left = self._goal_distance(device)
             return left is not None and left <= _NEAR_SKY_DEG
         if (
             held.kind is VectorKind.SWITCH
@@ -344,50 +346,50 @@ class IndiGoal:
         ):
             return True  # a button: it springs back
         for element, asked in ask.values.items():
-            now = held.value(element)
+            now = held.element_value(element)
             if held.kind is VectorKind.NUMBER:
-                if not isinstance(now, float) or not _near(held, element, now, float(asked)):
+                if not isinstance(now, float) or not _is_near(held, element, now, float(asked)):
                     return False
             elif now != asked:
                 return False
         return True
 
-    def _distance(self, device: IndiDevice) -> float | None:
+    def _goal_distance(self, device: IndiDevice) -> float | None:
         """How far it is from the goal: degrees on the sky, or in the property's unit."""
         if self.target == _POINTING:
-            ra, dec = (device.value(_POINTING, element) for element in ("RA", "DEC"))
-            asked = (self._number(_POINTING, "RA"), self._number(_POINTING, "DEC"))
+            ra, dec = (device.element_value(_POINTING, element) for element in ("RA", "DEC"))
+            asked = (self._asked_number(_POINTING, "RA"), self._asked_number(_POINTING, "DEC"))
             if not isinstance(ra, float) or not isinstance(dec, float) or None in asked:
                 return None
-            return _apart(ra * 15.0, dec, (asked[0] or 0.0) * 15.0, asked[1] or 0.0)
+            return _angular_separation(ra * 15.0, dec, (asked[0] or 0.0) * 15.0, asked[1] or 0.0)
         if self.target in _RELATIVE or not self._asks:
             return None
         held, values = self._asks[-1]
         if held.kind is not VectorKind.NUMBER or len(values) != 1:
             return None
         (element, asked_value), *_ = values.items()
-        now = device.value(held.name, element)
+        now = device.element_value(held.name, element)
         if not isinstance(now, float):
             return None
-        return _difference(held.name, now, float(asked_value))
+        return _value_difference(held.name, now, float(asked_value))
 
-    def _number(self, name: str, element: str) -> float | None:
+    def _asked_number(self, name: str, element: str) -> float | None:
         for held, values in self._asks:
             if held.name == name and element in values:
                 return float(values[element])
         return None
 
-    def _words(self, device: IndiDevice) -> str:
+    def _newest_words(self, device: IndiDevice) -> str:
         """Give the driver's newest sentence since the command began."""
         said = [message.message for message in device.said if message.mono_ns >= self._began_ns]
-        return _plain(said[-1]) if said else ""
+        return _strip_level(said[-1]) if said else ""
 
-    def _problem(self, device: IndiDevice) -> str:
+    def _driver_problem(self, device: IndiDevice) -> str:
         said = [message.message for message in device.said if message.mono_ns >= self._began_ns]
         bad = [text for text in said if text.startswith(("[WARNING]", "[ERROR]"))]
-        return _plain(bad[-1]) if bad else ""
+        return _strip_level(bad[-1]) if bad else ""
 
-    def _shown(self, held: StoredVector) -> str:
+    def _show_vector(self, held: StoredVector) -> str:
         if held.kind is VectorKind.SWITCH:
             on = [
                 element.label or element.name
@@ -398,7 +400,7 @@ class IndiGoal:
         if held.kind is VectorKind.NUMBER:
             return ", ".join(
                 f"{element.label or element.name} "
-                f"{formatted(float(element.value), element.format).strip()}"
+                f"{format_number(float(element.value), element.format).strip()}"
                 for element in held.elements.values()
             )
         return ", ".join(str(element.value) for element in held.elements.values())
@@ -410,18 +412,18 @@ def _is_under_way(ask: _Ask) -> bool:
         held.kind is VectorKind.SWITCH
         and held.state is PropertyState.BUSY
         and len(held.elements) > 1
-        and all(held.value(element) == asked for element, asked in ask.values.items())
+        and all(held.element_value(element) == asked for element, asked in ask.values.items())
     )
 
 
-def _near(held: StoredVector, element: str, now: float, asked: float) -> bool:
+def _is_near(held: StoredVector, element: str, now: float, asked: float) -> bool:
     step = held.elements[element].step
     # A step of the hardware may be coarse; a tenth of it is surely the same place.
     near = max(_NEAR.get(held.name, 0.0), step / 10 if step > 0 else 0.0, 1e-6 * abs(asked), 1e-9)
-    return _difference(held.name, now, asked) <= near
+    return _value_difference(held.name, now, asked) <= near
 
 
-def _difference(name: str, now: float, asked: float) -> float:
+def _value_difference(name: str, now: float, asked: float) -> float:
     apart = abs(now - asked)
     if name in _CIRCLES:
         apart %= 360.0
@@ -429,14 +431,14 @@ def _difference(name: str, now: float, asked: float) -> float:
     return apart
 
 
-def _apart(ra1: float, dec1: float, ra2: float, dec2: float) -> float:
+def _angular_separation(ra1: float, dec1: float, ra2: float, dec2: float) -> float:
     """Angle between two directions (all in degrees), exact for small ones (haversine)."""
     a1, d1, a2, d2 = map(math.radians, (ra1, dec1, ra2, dec2))
     half = math.sin((d2 - d1) / 2) ** 2 + math.cos(d1) * math.cos(d2) * math.sin((a2 - a1) / 2) ** 2
     return math.degrees(2 * math.asin(min(1.0, math.sqrt(half))))
 
 
-def _plain(message: str) -> str:
+def _strip_level(message: str) -> str:
     """Take off the driver's level: ``[INFO] Dome is parked.``."""
     if message.startswith("[") and "] " in message:
         return message.split("] ", 1)[1]

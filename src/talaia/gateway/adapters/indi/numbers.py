@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import re
 
-__all__ = ["formatted", "parsed", "written"]
+__all__ = ["format_number", "parse_number", "write_number"]
 
 _PLAIN = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,4})?\Z")
 _SIXTY = re.compile(
@@ -26,7 +26,7 @@ _PARTS = {3: 60, 5: 600, 6: 3600, 8: 36_000, 9: 360_000}
 _MAX_TEXT = 64
 
 
-def parsed(text: str) -> float:
+def parse_number(text: str) -> float:
     """Read a number; NaN where it is none (drivers do send ``nan``, and worse).
 
     The sign holds for all parts: ``-0:30`` is -0.5.
@@ -41,7 +41,7 @@ def parsed(text: str) -> float:
     return -value if match["sign"] == "-" else value
 
 
-def written(value: float) -> str:
+def write_number(value: float) -> str:
     """Write a finite number so that any driver reads it back to the same value.
 
     Raises:
@@ -53,13 +53,13 @@ def written(value: float) -> str:
     return repr(float(value))
 
 
-def formatted(value: float, how: str) -> str:
+def format_number(value: float, how: str) -> str:
     """Show a number by a driver's format; one that is no format shows it plainly."""
     match = _FORMAT.match(how.strip())
     if match is None or not math.isfinite(value):
         return f"{value:g}"
     if match["kind"] == "m":
-        return _sixty(value, int(match["frac"] or 3)).rjust(int(match["width"] or 0))
+        return _format_sexagesimal(value, int(match["frac"] or 3)).rjust(int(match["width"] or 0))
     if match["kind"] in "diu":
         return str(round(value))
     if match["kind"] not in "eEfFgG":
@@ -68,7 +68,7 @@ def formatted(value: float, how: str) -> str:
     return f"{value:.{digits}{match['kind']}}"
 
 
-def _sixty(value: float, fraction: int) -> str:
+def _format_sexagesimal(value: float, fraction: int) -> str:
     """Round once, in the smallest part that is shown, so that 59.99 s never shows as 60."""
     base = _PARTS.get(fraction, 3600)
     sign = "-" if value < 0 else ""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.indi.fits_circumstances import circumstances
+from talaia.gateway.adapters.indi.fits_circumstances import header_cards
 from talaia.gateway.adapters.indi.protocol import ask_blobs
-from talaia.gateway.fits.header import rewritten, values_of
+from talaia.gateway.fits.header import rewrite_header, values_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -100,9 +100,9 @@ class PictureReception:
         """Write into a picture's header what all devices say now."""
         # Drivers write some of it themselves; what they know better stays (`circumstances`).
         known = values_of(header)
-        return rewritten(
+        return rewrite_header(
             header,
-            circumstances(
+            header_cards(
                 book=self._tree,
                 camera=camera,
                 site=self._site,

@@ -75,7 +75,7 @@ async def _probe_server(host: str, port: int, seconds: float, *, connect: bool) 
     began = time.monotonic()
     try:
         async with asyncio.timeout(seconds):
-            await looking.listen()
+            await looking.listen_until_quiet()
     except TimeoutError:
         pass
     except (OSError, IndiError) as error:
@@ -106,7 +106,7 @@ class _Look:
         self._connect = connect
         self._asked: set[str] = set()
 
-    async def listen(self) -> None:
+    async def listen_until_quiet(self) -> None:
         """Take in what comes until nothing new has come for a while."""
         words = IndiParser()
         self._writer.write(ask_properties())
@@ -119,26 +119,26 @@ class _Look:
                 return
             if not data:
                 raise IndiError("it closed the connection")
-            if self._apply(words, data):
+            if self._apply_data(words, data):
                 quiet_at = time.monotonic() + QUIET_S
 
-    def _apply(self, words: IndiParser, data: bytes) -> bool:
+    def _apply_data(self, words: IndiParser, data: bytes) -> bool:
         """Take bytes in; tell whether they brought more than values of what was known."""
         news = False
-        for event in words.feed(data):
+        for event in words.parse_data(data):
             if isinstance(event, BlobHead | BlobPart | BlobEnd):
                 continue
             before = sum(len(device.vectors) for device in self.book)
-            held = self.book.apply(event, time.monotonic_ns())
+            held = self.book.apply_event(event, time.monotonic_ns())
             news |= sum(len(device.vectors) for device in self.book) != before
             if held is not None and held.name == "CONNECTION":
                 # It answers at once or after a while; in between nothing comes.
-                news |= held.state is PropertyState.BUSY or self._ask(held)
+                news |= held.state is PropertyState.BUSY or self._ask_connect(held)
         return news
 
-    def _ask(self, held: StoredVector) -> bool:
+    def _ask_connect(self, held: StoredVector) -> bool:
         """Tell a driver to connect, once."""
-        if not self._connect or held.device in self._asked or held.value("CONNECT") is True:
+        if not self._connect or held.device in self._asked or held.element_value("CONNECT") is True:
             return False
         self._asked.add(held.device)
         asked = {"CONNECT": True, "DISCONNECT": False}
@@ -157,9 +157,9 @@ def _devices_found(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
         found.append(
             DeviceFound(
                 device.name,
-                _driver(device),
+                _driver_name(device),
                 there,
-                tuple(_property(vector) for vector in device.vectors.values()),
+                tuple(_property_found(vector) for vector in device.vectors.values()),
                 word,
                 one if there else None,
             )
@@ -167,13 +167,16 @@ def _devices_found(book: IndiDeviceTree) -> tuple[DeviceFound, ...]:
     return tuple(found)
 
 
-def _driver(device: IndiDevice) -> str:
+def _driver_name(device: IndiDevice) -> str:
     """Name the program and its version, as ``DRIVER_INFO`` has them."""
-    words = (device.value("DRIVER_INFO", element) for element in ("DRIVER_EXEC", "DRIVER_VERSION"))
+    words = (
+        device.element_value("DRIVER_INFO", element)
+        for element in ("DRIVER_EXEC", "DRIVER_VERSION")
+    )
     return " ".join(str(word) for word in words if word)
 
 
-def _property(held: StoredVector) -> PropertyFound:
+def _property_found(held: StoredVector) -> PropertyFound:
     return PropertyFound(
         held.name,
         held.kind.value.lower(),
@@ -181,11 +184,11 @@ def _property(held: StoredVector) -> PropertyFound:
         held.group,
         held.state.value,
         held.perm is not PropertyPermission.READ,
-        tuple(_element(held.kind, element) for element in held.elements.values()),
+        tuple(_element_found(held.kind, element) for element in held.elements.values()),
     )
 
 
-def _element(kind: VectorKind, element: Element) -> ElementFound:
+def _element_found(kind: VectorKind, element: Element) -> ElementFound:
     match element.value:
         case bool() as on:
             value = "on" if on else "off"

@@ -19,7 +19,7 @@ from xml.parsers import expat
 from xml.sax.saxutils import escape, quoteattr
 
 from talaia.gateway.adapters.indi.errors import IndiError
-from talaia.gateway.adapters.indi.numbers import parsed, written
+from talaia.gateway.adapters.indi.numbers import parse_number, write_number
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -96,7 +96,7 @@ class Element(NamedTuple):
         value: a number (NaN where the driver's text is none), a switch as a truth, a text, or a
             light's state as its word; for a BLOB the empty text.
         minimum: of a number; equal to ``maximum`` where there is no limit (the protocol's way).
-        format: of a number, see `numbers.formatted`.
+        format: of a number, see `numbers.format_number`.
 
     """
 
@@ -203,10 +203,10 @@ class IndiParser:
         self._text: list[str] = []
         self._length = 0
         self._blob: _Base64 | None = None
-        self._parser = _parser(self)
+        self._parser = _make_parser(self)
         self._parser.Parse("<indi>")
 
-    def feed(self, data: bytes) -> list[Event]:
+    def parse_data(self, data: bytes) -> list[Event]:
         """Take the next bytes, cut anywhere, and give what they complete.
 
         Raises:
@@ -226,7 +226,7 @@ class IndiParser:
 
     # ── called by expat ──
 
-    def start(self, name: str, attributes: dict[str, str]) -> None:
+    def start_element(self, name: str, attributes: dict[str, str]) -> None:
         """Note the beginning of an element."""
         self._pending = 0
         self._depth += 1
@@ -241,7 +241,7 @@ class IndiParser:
         elif self._depth > 3:
             raise IndiError(f"the INDI server nests {name[:40]!r} deeper than INDI does")
 
-    def characters(self, text: str) -> None:
+    def add_characters(self, text: str) -> None:
         """Take text inside a member; elsewhere it is white space."""
         self._pending = 0
         if self._depth != 3:
@@ -256,21 +256,21 @@ class IndiParser:
             raise IndiError(f"the INDI server sends a text of more than {MAX_TEXT} characters")
         self._text.append(text)
 
-    def end(self, name: str) -> None:
+    def end_element(self, name: str) -> None:
         """Close an element; a top one becomes an event."""
         self._pending = 0
         self._depth -= 1
         if self._depth == 2:
             if self._blob is not None:
-                self._events.append(BlobEnd(self._blob.end()))
+                self._events.append(BlobEnd(self._blob.finish_decoding()))
                 self._blob = None
             if self._member is not None:
-                element = _element(*self._member, "".join(self._text))
+                element = _make_element(*self._member, "".join(self._text))
                 if element is not None:
                     self._members.append(element)
             self._member = None
         elif self._depth == 1 and self._top is not None:
-            event = _event(*self._top, tuple(self._members))
+            event = _make_event(*self._top, tuple(self._members))
             if event is not None:
                 self._events.append(event)
             self._top = None
@@ -279,11 +279,11 @@ class IndiParser:
 
     def _begin_blob(self, attributes: dict[str, str]) -> None:
         assert self._top is not None  # noqa: S101 - asked by the caller
-        size = parsed(attributes.get("size", ""))
+        size = parse_number(attributes.get("size", ""))
         head = BlobHead(
-            _name(self._top[1], "device"),
-            _name(self._top[1], "name"),
-            _name(attributes, "name"),
+            _read_name(self._top[1], "device"),
+            _read_name(self._top[1], "name"),
+            _read_name(attributes, "name"),
             attributes.get("format", "").strip()[:40],
             int(size) if 0 <= size < 2**53 else 0,
         )
@@ -291,22 +291,22 @@ class IndiParser:
         self._events.append(head)
 
 
-def _parser(reader: IndiParser) -> expat.XMLParserType:
+def _make_parser(reader: IndiParser) -> expat.XMLParserType:
     parser = expat.ParserCreate()
     # Expat may wait for more before it looks again at a token that was cut; a command's answer
     # must not wait, and our own bound keeps the cost down.
     defer = getattr(parser, "SetReparseDeferralEnabled", None)
     if defer is not None:
         defer(0)
-    parser.StartElementHandler = reader.start
-    parser.EndElementHandler = reader.end
-    parser.CharacterDataHandler = reader.characters
-    parser.StartDoctypeDeclHandler = _refuse
-    parser.EntityDeclHandler = _refuse
+    parser.StartElementHandler = reader.start_element
+    parser.EndElementHandler = reader.end_element
+    parser.CharacterDataHandler = reader.add_characters
+    parser.StartDoctypeDeclHandler = _refuse_doctype
+    parser.EntityDeclHandler = _refuse_doctype
     return parser
 
 
-def _refuse(*_: object) -> None:
+def _refuse_doctype(*_: object) -> None:
     raise IndiError("the INDI server declares a document type or an entity; INDI has none")
 
 
@@ -335,19 +335,19 @@ class _Base64:
             return b""
         return data
 
-    def end(self) -> str:
+    def finish_decoding(self) -> str:
         if self._rest and not self._problem:
             return "its base64 is cut short"
         return self._problem
 
 
-def _name(attributes: dict[str, str], key: str) -> str:
+def _read_name(attributes: dict[str, str], key: str) -> str:
     return attributes.get(key, "")[:MAX_NAME]
 
 
-def _element(tag: str, attributes: dict[str, str], text: str) -> Element | None:
+def _make_element(tag: str, attributes: dict[str, str], text: str) -> Element | None:
     match = _MEMBER.match(tag)
-    name = _name(attributes, "name")
+    name = _read_name(attributes, "name")
     if match is None or not name:
         return None
     text = text.strip()
@@ -355,11 +355,11 @@ def _element(tag: str, attributes: dict[str, str], text: str) -> Element | None:
     limits = (0.0, 0.0, 0.0)
     match VectorKind(match[1]):
         case VectorKind.NUMBER:
-            value = parsed(text)
+            value = parse_number(text)
             limits = (
-                parsed(attributes.get("min", "0")),
-                parsed(attributes.get("max", "0")),
-                parsed(attributes.get("step", "0")),
+                parse_number(attributes.get("min", "0")),
+                parse_number(attributes.get("max", "0")),
+                parse_number(attributes.get("step", "0")),
             )
         case VectorKind.SWITCH:
             value = text == "On"
@@ -376,20 +376,20 @@ _PERMS = frozenset(permission.value for permission in PropertyPermission)
 _RULES = frozenset(rule.value for rule in SwitchRule)
 
 
-def _event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -> Event | None:
+def _make_event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -> Event | None:
     """Give the event of a top element, or none for one that is not known (or not for clients)."""
     message = attributes.get("message", "").strip()[:MAX_TEXT]
-    device = _name(attributes, "device")
+    device = _read_name(attributes, "device")
     if tag == "message":
         return DriverMessage(device, message) if message else None
     if tag == "delProperty":
-        return Deleted(device, _name(attributes, "name"), message)
+        return Deleted(device, _read_name(attributes, "name"), message)
     match = _VECTOR.match(tag)
-    name = _name(attributes, "name")
+    name = _read_name(attributes, "name")
     if match is None or not device or not name:
         return None
     state, perm, rule = (attributes.get(key, "") for key in ("state", "perm", "rule"))
-    timeout = parsed(attributes.get("timeout", "0"))
+    timeout = parse_number(attributes.get("timeout", "0"))
     return Vector(
         match[1] == "def",
         VectorKind(match[2]),
@@ -413,7 +413,9 @@ def _event(tag: str, attributes: dict[str, str], members: tuple[Element, ...]) -
 def ask_properties(device: str = "", name: str = "") -> bytes:
     """Ask for all properties, or those of a device, or one."""
     given = "".join(
-        f" {key}={_quoted(value)}" for key, value in (("device", device), ("name", name)) if value
+        f" {key}={_quote_word(value)}"
+        for key, value in (("device", device), ("name", name))
+        if value
     )
     return f'<getProperties version="1.7"{given}/>\n'.encode()
 
@@ -421,7 +423,7 @@ def ask_properties(device: str = "", name: str = "") -> bytes:
 def ask_blobs(device: str, *, wanted: bool = True) -> bytes:
     """Ask for the pictures of a device beside everything else, or for none."""
     word = "Also" if wanted else "Never"
-    return f"<enableBLOB device={_quoted(device)}>{word}</enableBLOB>\n".encode()
+    return f"<enableBLOB device={_quote_word(device)}>{word}</enableBLOB>\n".encode()
 
 
 def new_vector(kind: VectorKind, device: str, name: str, values: Mapping[str, Value]) -> bytes:
@@ -434,10 +436,10 @@ def new_vector(kind: VectorKind, device: str, name: str, values: Mapping[str, Va
     if kind not in (VectorKind.NUMBER, VectorKind.SWITCH, VectorKind.TEXT):
         raise ValueError(f"a {kind} cannot be sent")
     members = "".join(
-        f"<one{kind} name={_quoted(element)}>{escape(_value_text(kind, value))}</one{kind}>"
+        f"<one{kind} name={_quote_word(element)}>{escape(_value_text(kind, value))}</one{kind}>"
         for element, value in values.items()
     )
-    head = f"<new{kind}Vector device={_quoted(device)} name={_quoted(name)}>"
+    head = f"<new{kind}Vector device={_quote_word(device)} name={_quote_word(name)}>"
     return f"{head}{members}</new{kind}Vector>\n".encode("utf-8", "replace")
 
 
@@ -445,9 +447,9 @@ def _value_text(kind: VectorKind, value: Value) -> str:
     if kind is VectorKind.SWITCH:
         return "On" if value else "Off"
     if kind is VectorKind.NUMBER:
-        return written(float(value))
+        return write_number(float(value))
     return _UNSEEN.sub("\ufffd", str(value))
 
 
-def _quoted(word: str) -> str:
+def _quote_word(word: str) -> str:
     return quoteattr(_UNSEEN.sub("\ufffd", word))

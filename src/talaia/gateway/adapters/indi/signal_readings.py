@@ -138,7 +138,7 @@ class SignalReadings:
             return math.nan
         value = float(found.value) * (signal.scale if signal.type is SignalType.NUMBER else 1.0)
         if plan.tapped:
-            self._tap(plan, value, found.mono_ns)
+            self._keep_reading(plan, value, found.mono_ns)
         return value
 
     def _read_property(self, plan: _Plan) -> PropertyReading | None:
@@ -155,7 +155,7 @@ class SignalReadings:
             )
         return read_number(self._tree, device, source.property, source.element)
 
-    def _tap(self, plan: _Plan, value: float, mono_ns: int) -> None:
+    def _keep_reading(self, plan: _Plan, value: float, mono_ns: int) -> None:
         """Keep a reading that safety depends on; with a stamp, from when that advanced."""
         source = plan.source
         if not source.stamp:

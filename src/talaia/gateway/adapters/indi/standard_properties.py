@@ -116,9 +116,9 @@ def read_number(
     """Read a number: a switch as 0 or 1, a light as its place in `LIGHTS`; NaN is unknown."""
     found = book.devices.get(device)
     held = None if found is None else found.vectors.get(name)
-    if found is None or held is None or not _known(found, held):
+    if found is None or held is None or not _is_known(found, held):
         return None
-    value = held.value(element)
+    value = held.element_value(element)
     if value is None:
         return None
     if isinstance(value, str):
@@ -134,7 +134,7 @@ def read_state(
     """Read a state as its place in ``states``; NaN where none of them fits."""
     found = book.devices.get(device)
     held = None if found is None else found.vectors.get(name)
-    if found is None or held is None or not _known(found, held):
+    if found is None or held is None or not _is_known(found, held):
         return None
     return PropertyReading(_place(held, element, states), clock_of(found, held))
 
@@ -148,7 +148,7 @@ def _place(held: StoredVector, element: str, states: tuple[str, ...]) -> float:
         )
 
     if element:
-        value = held.value(element)
+        value = held.element_value(element)
         if value is None:
             return math.nan
         if isinstance(value, bool):
@@ -162,7 +162,7 @@ def _place(held: StoredVector, element: str, states: tuple[str, ...]) -> float:
     on = [element for element in held.elements.values() if element.value is True]
     ways = _WORDS.get(held.name)
     if ways is not None:
-        at = place_of(_way(held, [element.name for element in on], ways))
+        at = place_of(_way_of(held, [element.name for element in on], ways))
         if at is not None:
             return float(at)
     if not on:
@@ -178,7 +178,7 @@ def _by_word(at: int | None, index: int | None, states: tuple[str, ...]) -> floa
     return float(found) if found is not None and found < len(states) else math.nan
 
 
-def _way(held: StoredVector, on: list[str], ways: dict[str, tuple[str, str]]) -> str:
+def _way_of(held: StoredVector, on: list[str], ways: dict[str, tuple[str, str]]) -> str:
     if held.state is PropertyState.ALERT:
         return "error"
     known = [name for name in on if name in ways]
@@ -195,10 +195,10 @@ def read_text(book: IndiDeviceTree, device: str, name: str, element: str) -> Pro
     if name == MESSAGE:
         return PropertyReading(found.said[-1].message if found.said else "", found.heard_ns)
     held = found.vectors.get(name)
-    if held is None or not _known(found, held):
+    if held is None or not _is_known(found, held):
         return None
     if element:
-        value = held.value(element)
+        value = held.element_value(element)
         if value is None:
             return None
         text = value if isinstance(value, str) else f"{float(value):g}"
@@ -214,7 +214,7 @@ def read_text(book: IndiDeviceTree, device: str, name: str, element: str) -> Pro
     return PropertyReading(text, clock_of(found, held))
 
 
-def _known(device: IndiDevice, held: StoredVector) -> bool:
+def _is_known(device: IndiDevice, held: StoredVector) -> bool:
     """Tell whether the driver itself stands by its value."""
     if held.name in ("CONNECTION", "DRIVER_INFO"):
         return True

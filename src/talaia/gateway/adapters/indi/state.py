@@ -65,7 +65,7 @@ class StoredVector:
     stamps: StampAge = field(default_factory=StampAge)
     advanced_ns: int | None = None
 
-    def value(self, element: str) -> Value | None:
+    def element_value(self, element: str) -> Value | None:
         """Give an element's value, or none where there is no such element."""
         found = self.elements.get(element)
         return None if found is None else found.value
@@ -96,19 +96,19 @@ class IndiDevice:
     @property
     def connected(self) -> bool:
         """Whether the driver says that it is connected to its hardware."""
-        return self.value("CONNECTION", "CONNECT") is True
+        return self.element_value("CONNECTION", "CONNECT") is True
 
     @property
     def interface(self) -> int:
         """What kinds of device it is, as the bits of ``DRIVER_INFO``."""
-        text = self.value("DRIVER_INFO", "DRIVER_INTERFACE")
+        text = self.element_value("DRIVER_INFO", "DRIVER_INTERFACE")
         digits = str(text).strip()[:12]
         return int(digits) if digits.isascii() and digits.isdigit() else 0
 
-    def value(self, name: str, element: str) -> Value | None:
+    def element_value(self, name: str, element: str) -> Value | None:
         """Give the value of an element, or none where there is no such."""
         held = self.vectors.get(name)
-        return None if held is None else held.value(element)
+        return None if held is None else held.element_value(element)
 
 
 class IndiDeviceTree:
@@ -122,12 +122,14 @@ class IndiDeviceTree:
         """Go through the devices in the order in which they came."""
         return iter(self.devices.values())
 
-    def get(self, device: str, name: str) -> StoredVector | None:
+    def find_vector(self, device: str, name: str) -> StoredVector | None:
         """Find a vector."""
         found = self.devices.get(device)
         return None if found is None else found.vectors.get(name)
 
-    def apply(self, event: Vector | Deleted | DriverMessage, now_ns: int) -> StoredVector | None:
+    def apply_event(
+        self, event: Vector | Deleted | DriverMessage, now_ns: int
+    ) -> StoredVector | None:
         """Take an event, and give the vector that it touched, if one.
 
         Raises:
@@ -136,9 +138,9 @@ class IndiDeviceTree:
         """
         match event:
             case Vector():
-                return self._vector(event, now_ns)
+                return self._apply_vector(event, now_ns)
             case Deleted():
-                self._delete(event, now_ns)
+                self._delete_vector(event, now_ns)
             case DriverMessage():
                 found = self.devices.get(event.device)
                 if found is not None:
@@ -146,11 +148,11 @@ class IndiDeviceTree:
                     _log_message(found, event.message, now_ns)
         return None
 
-    def clear(self) -> None:
+    def forget_all(self) -> None:
         """Forget all: the server is gone, and what it said may be wrong by now."""
         self.devices.clear()
 
-    def _vector(self, event: Vector, now_ns: int) -> StoredVector | None:
+    def _apply_vector(self, event: Vector, now_ns: int) -> StoredVector | None:
         device = self.devices.get(event.device)
         if device is None:
             if not event.new:
@@ -163,14 +165,14 @@ class IndiDeviceTree:
             _log_message(device, event.message, now_ns)
         held = device.vectors.get(event.name)
         if event.new:
-            return self._define(device, held, event, now_ns)
+            return self._define_vector(device, held, event, now_ns)
         # A set of another kind than was defined, or of what never was, means nothing.
         if held is None or held.kind is not event.kind:
             return None
         for element in event.elements:
             known = held.elements.get(element.name)
             if known is not None:
-                held.elements[element.name] = _updated(known, element)
+                held.elements[element.name] = _update_element(known, element)
         if event.state is not None:
             held.state = event.state
         if event.timeout > 0:
@@ -178,10 +180,10 @@ class IndiDeviceTree:
         held.arrived_ns = now_ns
         held.sets += 1
         held.timestamp = event.timestamp
-        held.advanced_ns = held.stamps.arrived(iso_stamp_ns(event.timestamp), now_ns)
+        held.advanced_ns = held.stamps.add_stamp(iso_stamp_ns(event.timestamp), now_ns)
         return held
 
-    def _define(
+    def _define_vector(
         self, device: IndiDevice, held: StoredVector | None, event: Vector, now_ns: int
     ) -> StoredVector:
         elements = {element.name: element for element in event.elements}
@@ -211,7 +213,7 @@ class IndiDeviceTree:
         device.vectors[event.name] = held
         return held
 
-    def _delete(self, event: Deleted, now_ns: int) -> None:
+    def _delete_vector(self, event: Deleted, now_ns: int) -> None:
         if not event.device:
             self.devices.clear()
         elif not event.name:
@@ -225,7 +227,7 @@ class IndiDeviceTree:
                 del self.devices[event.device]
 
 
-def _updated(known: Element, element: Element) -> Element:
+def _update_element(known: Element, element: Element) -> Element:
     """Take the new value; limits only where the set carries them."""
     if element.minimum or element.maximum:
         return known._replace(value=element.value, minimum=element.minimum, maximum=element.maximum)

@@ -84,7 +84,7 @@ class Ros1Adapter:
         """See `Adapter.run`."""
         loop = asyncio.get_running_loop()
         # Before a process is started for nothing.
-        await loop.run_in_executor(None, self._master.check)
+        await loop.run_in_executor(None, self._master.check_master)
         failed: asyncio.Future[str] = loop.create_future()
         signs = NodeSigns(self._master)
         worker = PictureWorker(self._pictures, self._clock)
@@ -92,7 +92,7 @@ class Ros1Adapter:
         self._topics.number_topics(worker)
 
         def fail(why: str) -> None:
-            loop.call_soon_threadsafe(_settle, failed, why)
+            loop.call_soon_threadsafe(_settle_future, failed, why)
 
         node = attending = None
         try:
@@ -125,7 +125,7 @@ class Ros1Adapter:
             if node is not None:
                 node.hang_up()
                 # Shielded: a gateway that ends must wait, too, until the zeros are said.
-                await asyncio.shield(loop.run_in_executor(None, node.wait))
+                await asyncio.shield(loop.run_in_executor(None, node.wait_ended))
             # Only now: the node's thread reads with both until it has ended.
             self._topics.forget_types()
             worker.close()
@@ -239,11 +239,11 @@ class Ros1Adapter:
     def _on_frame(self, frame: dict[str, Any], signs: NodeSigns) -> None:
         match frame["op"]:
             case "ready":
-                signs.ready(frame["node"])
+                signs.mark_ready(frame["node"])
             case "pong":
-                signs.answered()
+                signs.mark_answered()
             case "working":
-                signs.working()
+                signs.mark_working()
             case "outcome":
                 self._calls.report_outcome(frame)
             case "missing":
@@ -261,7 +261,7 @@ class Ros1Adapter:
             self._events.report_event("type_missing", problem)
 
 
-def _settle(future: asyncio.Future[str], why: str) -> None:
+def _settle_future(future: asyncio.Future[str], why: str) -> None:
     # The process's end may be told when nobody waits for it any more.
     if not future.done():
         future.set_result(why)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.reconnection import WAIT_S, rejoined
+from talaia.gateway.adapters.reconnection import WAIT_S, reconnection_outcome
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
 from talaia.model.site import CommandKind
@@ -33,13 +33,13 @@ async def await_endpoints(
     until = loop.time() + WAIT_S
     while True:
         try:
-            graph = await loop.run_in_executor(None, master.graph)
+            graph = await loop.run_in_executor(None, master.read_graph)
         except AdapterLost as error:
             done(CommandOutcome(CommandPhase.FAILED, str(error)))
             return
         absent = absent_endpoints(graph, topics, commands)
         if not absent or loop.time() >= until:
-            done(rejoined(len(topics) + len(commands), absent))
+            done(reconnection_outcome(len(topics) + len(commands), absent))
             return
         await asyncio.sleep(_LOOK_S)
 

@@ -46,7 +46,7 @@ class FrameSplitter:
         """Start with nothing waiting."""
         self._waiting = bytearray()
 
-    def feed(self, data: bytes) -> Iterator[ReceivedMessage | dict[str, Any]]:
+    def split_data(self, data: bytes) -> Iterator[ReceivedMessage | dict[str, Any]]:
         """Take what came and give the frames that are whole.
 
         Raises:
@@ -65,12 +65,12 @@ class FrameSplitter:
                     break
                 body = bytes(self._waiting[start + _HEAD.size : end])
                 start = end
-                yield _read(kind, body)
+                yield _read_frame(kind, body)
         finally:
             del self._waiting[:start]
 
 
-def _read(kind: int, body: bytes) -> ReceivedMessage | dict[str, Any]:
+def _read_frame(kind: int, body: bytes) -> ReceivedMessage | dict[str, Any]:
     if kind == _MESSAGE and len(body) >= _STAMP.size:
         topic, time_us = _STAMP.unpack_from(body)
         return ReceivedMessage(topic, time_us, body[_STAMP.size :])

@@ -53,7 +53,7 @@ class RosMaster:
         """Take ``http://host:port``."""
         self.uri = uri
 
-    def _ask(self, method: str, *words: str) -> tuple[int, object]:
+    def _call_master(self, method: str, *words: str) -> tuple[int, object]:
         try:
             # Anew for each question: an old connection may hang on a master that is gone.
             with xmlrpc.client.ServerProxy(self.uri, transport=_Transport()) as proxy:
@@ -65,25 +65,25 @@ class RosMaster:
             raise AdapterLost(f"what answers at {self.uri} is no ROS master") from error
         return code, value
 
-    def check(self) -> None:
+    def check_master(self) -> None:
         """Say that it is there.
 
         Raises:
             AdapterLost: it is not.
 
         """
-        self._ask("getPid")
+        self._call_master("getPid")
 
-    def knows(self, node: str) -> bool:
+    def knows_node(self, node: str) -> bool:
         """Tell whether a node is registered; one that began anew knows none.
 
         Raises:
             AdapterLost: it is not there.
 
         """
-        return self._ask("lookupNode", node)[0] == 1
+        return self._call_master("lookupNode", node)[0] == 1
 
-    def lives(self, node: str) -> bool:
+    def ping_node(self, node: str) -> bool:
         """Ask a node itself, at the address that the master has of it.
 
         https://wiki.ros.org/ROS/Slave_API
@@ -92,7 +92,7 @@ class RosMaster:
             AdapterLost: the master is not there.
 
         """
-        code, where = self._ask("lookupNode", node)
+        code, where = self._call_master("lookupNode", node)
         if code != 1:
             return False
         try:
@@ -102,14 +102,14 @@ class RosMaster:
             return False
         return True
 
-    def graph(self) -> GraphState:
+    def read_graph(self) -> GraphState:
         """Tell what is registered.
 
         Raises:
             AdapterLost: it is not there.
 
         """
-        _, value = self._ask("getSystemState")
+        _, value = self._call_master("getSystemState")
         try:
             parts = cast("list[list[tuple[str, list[str]]]]", value)
             return GraphState(
@@ -118,14 +118,14 @@ class RosMaster:
         except (TypeError, ValueError) as error:
             raise AdapterLost(f"what answers at {self.uri} is no ROS master") from error
 
-    def types(self) -> dict[str, str]:
+    def read_types(self) -> dict[str, str]:
         """Tell the types of topics, ``package/Name``; those that nobody has told are left out.
 
         Raises:
             AdapterLost: it is not there.
 
         """
-        _, value = self._ask("getTopicTypes")
+        _, value = self._call_master("getTopicTypes")
         try:
             found = {str(topic): str(kind) for topic, kind in cast("list", value)}  # type: ignore[type-arg]
         except (TypeError, ValueError) as error:
@@ -139,7 +139,7 @@ class RosMaster:
             AdapterLost: the master is not there.
 
         """
-        code, uri = self._ask("lookupService", service)
+        code, uri = self._call_master("lookupService", service)
         where = urlsplit(str(uri))
         try:
             if code != 1 or not where.hostname or not where.port:
@@ -151,8 +151,8 @@ class RosMaster:
                         {"callerid": "/talaia", "md5sum": "*", "probe": "1", "service": service}
                     )
                 )
-                size = _SIZE.unpack(_exactly(asked, _SIZE.size))[0]
-                said = fields_of(_exactly(asked, min(size, _MAX_HEADER)))
+                size = _SIZE.unpack(_read_exactly(asked, _SIZE.size))[0]
+                said = fields_of(_read_exactly(asked, min(size, _MAX_HEADER)))
         except (OSError, ValueError, struct.error):
             return ""
         return said.get("type", "")
@@ -177,7 +177,7 @@ def fields_of(body: bytes) -> dict[str, str]:
     return found
 
 
-def _exactly(asked: socket.socket, size: int) -> bytes:
+def _read_exactly(asked: socket.socket, size: int) -> bytes:
     data = b""
     while len(data) < size:
         more = asked.recv(size - len(data))

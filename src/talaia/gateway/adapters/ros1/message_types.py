@@ -49,8 +49,8 @@ def definition_of(text: str, type_name: str) -> MessageDefinition:
     except (TypesysError, ValueError, KeyError, RecursionError) as error:
         raise FieldError("", f"the definition of {type_name} is not understood") from error
     kinds = {
-        _short(name): RosMessageType(
-            tuple((field, _declared(kind)) for field, kind in fields),
+        _short_name(name): RosMessageType(
+            tuple((field, _declared_type(kind)) for field, kind in fields),
             {
                 name: value
                 for name, _, value in constants
@@ -59,31 +59,31 @@ def definition_of(text: str, type_name: str) -> MessageDefinition:
         )
         for name, (constants, fields) in found.items()
     }
-    comments = _comments(text, type_name)
+    comments = _read_comments(text, type_name)
     return MessageDefinition(kinds, lambda kind, field: comments.get(kind, {}).get(field, ""))
 
 
-def _comments(text: str, type_name: str) -> dict[str, dict[str, str]]:
+def _read_comments(text: str, type_name: str) -> dict[str, dict[str, str]]:
     first, *others = _RULE.split(text)
     found = {type_name: comments_in(first)}
     for part in others:
         named = _NAMED.match(part)
         if named is not None:
-            found[_short(named[1])] = comments_in(part[named.end() :])
+            found[_short_name(named[1])] = comments_in(part[named.end() :])
     return found
 
 
-def _short(name: str) -> str:
+def _short_name(name: str) -> str:
     return name.replace("/msg/", "/")
 
 
-def _declared(kind: FieldDesc) -> str:
+def _declared_type(kind: FieldDesc) -> str:
     """Write a type as ROS 2 does."""
     node, inner = kind
     if node == Nodetype.NAME:
-        return _short(str(inner))
+        return _short_name(str(inner))
     if node == Nodetype.BASE:
         return str(inner[0])
     item, size = cast("tuple[FieldDesc, int]", inner)
-    named = _declared(item)
+    named = _declared_type(item)
     return f"{named}[{size}]" if node == Nodetype.ARRAY else f"sequence<{named}>"

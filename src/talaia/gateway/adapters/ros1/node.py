@@ -92,7 +92,10 @@ class NodeProcess:
         self._last_words = ""
         self._threads = [
             threading.Thread(target=work, name=name, daemon=True)
-            for work, name in ((self._read, "talaia-ros1"), (self._log, "talaia-ros1-log"))
+            for work, name in (
+                (self._read_loop, "talaia-ros1"),
+                (self._log_errors, "talaia-ros1-log"),
+            )
         ]
         for thread in self._threads:
             thread.start()
@@ -104,9 +107,9 @@ class NodeProcess:
         if self._ended:
             return
         self._waiting += frame_of(what)
-        self._flush()
+        self._flush_output()
 
-    def _flush(self) -> None:
+    def _flush_output(self) -> None:
         try:
             while self._waiting:
                 del self._waiting[: os.write(self._in, self._waiting[:65_536])]
@@ -116,17 +119,17 @@ class NodeProcess:
             # It has ended; the reading thread tells of it.
             self._waiting.clear()
         if len(self._waiting) > _MAX_WAITING:
-            self.kill()
+            self.kill_process()
         wanted = bool(self._waiting) and not self._ended
         if wanted and not self._writing:
-            self._loop.add_writer(self._in, self._flush)
+            self._loop.add_writer(self._in, self._flush_output)
         elif self._writing and not wanted:
             self._loop.remove_writer(self._in)
         self._writing = wanted
 
     # ── from it, on threads ──
 
-    def _read(self) -> None:
+    def _read_loop(self) -> None:
         reader, why = FrameSplitter(), ""
         try:
             while True:
@@ -134,7 +137,7 @@ class NodeProcess:
                     data = os.read(self._out, 1 << 20)
                     if not data:
                         break
-                    for frame in reader.feed(data):
+                    for frame in reader.split_data(data):
                         self._heard(frame)
                 self._turned()
         except AdapterLost as error:
@@ -144,7 +147,7 @@ class NodeProcess:
             why = f"{type(error).__name__}: {error}"
         self._failed(why or f"ROS 1's node ended ({self._last_words or 'without a word'})")
 
-    def _log(self) -> None:
+    def _log_errors(self) -> None:
         assert self._process.stderr is not None  # noqa: S101 - asked for above
         for line in self._process.stderr:
             text = line.decode("utf-8", "replace").rstrip()
@@ -154,12 +157,12 @@ class NodeProcess:
 
     # ── its end ──
 
-    def kill(self) -> None:
+    def kill_process(self) -> None:
         """End it at once."""
         self._process.kill()
 
     def hang_up(self) -> None:
-        """Say no more; it says its zeros and ends. On the event loop; `wait` follows."""
+        """Say no more; it says its zeros and ends. On the event loop; `wait_ended` follows."""
         if self._writing:
             self._loop.remove_writer(self._in)
             self._writing = False
@@ -168,12 +171,12 @@ class NodeProcess:
         # Its buffer is empty: all was written past it.
         self._process.stdin.close()
 
-    def wait(self) -> None:
+    def wait_ended(self) -> None:
         """Wait until it has ended; kill it if it does not. Blocks."""
         try:
             self._process.wait(_END_S)
         except subprocess.TimeoutExpired:
-            self.kill()
+            self.kill_process()
             self._process.wait()
         for thread in self._threads:
             thread.join(_END_S)

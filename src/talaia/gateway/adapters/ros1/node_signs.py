@@ -40,16 +40,16 @@ class NodeSigns:
         # Whether it is through with what it was told first.
         self._settled = False
 
-    def ready(self, name: str) -> None:
+    def mark_ready(self, name: str) -> None:
         """Take in that it has joined ROS."""
         if not self._name.done():
             self._name.set_result(name)
 
-    def working(self) -> None:
+    def mark_working(self) -> None:
         """Take in that it works through what it was told."""
         self._signs += 1
 
-    def answered(self) -> None:
+    def mark_answered(self) -> None:
         """Take in its answer to a ping: all that was sent before is done."""
         self._signs += 1
         self._settled = True
@@ -92,8 +92,8 @@ class NodeSigns:
             missed = missed + 1 if self._signs == seen else 0
             seen = self._signs
             if missed >= (_MISSES if self._settled else _MISSES_FIRST):
-                node.kill()
+                node.kill_process()
                 raise AdapterLost("ROS 1's node hangs")
             # On another thread: the master may take its time-out to answer.
-            if not await loop.run_in_executor(None, self._master.knows, name):
+            if not await loop.run_in_executor(None, self._master.knows_node, name):
                 raise AdapterLost(f"the ROS master at {self._master.uri} began anew")

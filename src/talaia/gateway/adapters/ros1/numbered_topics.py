@@ -74,8 +74,8 @@ class NumberedTopics:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # A plan's number is its place here.
-        self._plans = plans_of(scope, self.latest, unreadable.report, header_times=True)
-        self._parameters = parameter_plans_of(scope, self.latest, unreadable.report)
+        self._plans = plans_of(scope, self.latest, unreadable.report_unreadable, header_times=True)
+        self._parameters = parameter_plans_of(scope, self.latest, unreadable.report_unreadable)
         self._topics: dict[int, _Topic] = {}
         # By address: cameras, which are listened to only while somebody looks at them.
         self._streams: dict[str, int] = {}
@@ -202,10 +202,10 @@ class NumberedTopics:
                 raise FieldError("", "its type is not known")
             return known(raw)
 
-        reader = PictureStream(address, stream, decode, self._unreadable.report)
+        reader = PictureStream(address, stream, decode, self._unreadable.report_unreadable)
 
         def read(heard: ReceivedMessage) -> None:
-            worker.offer(reader, heard.raw)
+            worker.offer_raw(reader, heard.raw)
 
         source = source_as(stream.source, RosSource)
         # A little more than is shown, so that the two paces do not lose every other one.

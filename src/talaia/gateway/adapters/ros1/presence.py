@@ -72,8 +72,8 @@ class Ros1Presence:
             if turn % _GRAPH_EVERY == 0:
                 # A master that is gone is told by who watches over it.
                 with contextlib.suppress(AdapterLost):
-                    graph = await loop.run_in_executor(None, self._master.graph)
-                    self._offers = {name: self._offer(name, graph) for name in self._topics}
+                    graph = await loop.run_in_executor(None, self._master.read_graph)
+                    self._offers = {name: self._endpoints_of(name, graph) for name in self._topics}
             turn += 1
             heard = {
                 name: max((self.heard_ns.get(topic, 0) for topic in topics), default=0)
@@ -83,7 +83,7 @@ class Ros1Presence:
                 self._clock.monotonic_ns(), self._offers, heard
             ):
                 if node not in self._asking:
-                    asked = loop.run_in_executor(None, self._master.lives, node)
+                    asked = loop.run_in_executor(None, self._master.ping_node, node)
                     self._asking[node] = asked
                     asked.add_done_callback(partial(self._on_answer, node))
             await asyncio.sleep(LOOK_S)
@@ -94,11 +94,11 @@ class Ros1Presence:
             # The master is gone, see above.
             return
         if asked.result():
-            self._presence.answered(node, self._clock.monotonic_ns())
+            self._presence.mark_alive(node, self._clock.monotonic_ns())
         else:
-            self._presence.gone(node)
+            self._presence.mark_dead(node)
 
-    def _offer(self, device: str, graph: GraphState) -> DeviceEndpoints:
+    def _endpoints_of(self, device: str, graph: GraphState) -> DeviceEndpoints:
         places, names = (
             (graph.published, self._topics[device])
             if self._topics[device]

@@ -66,7 +66,7 @@ class _Heard:
         self.names: dict[str, None] = {}
         self._decode: Callable[[bytes], object] | None = None
 
-    def learn(self, type_name: str, definition: str) -> None:
+    def learn_definition(self, type_name: str, definition: str) -> None:
         """Take what the publisher says its messages are."""
         self.type, self.definition = type_name, definition
         try:
@@ -82,9 +82,9 @@ class _Heard:
         kind = full_name(self.type) if self.type else ""
         if kind in NAMED_TYPES and len(self.names) < 500:
             with contextlib.suppress(FieldError):
-                self.names |= dict.fromkeys(names_in(self.message(), kind))
+                self.names |= dict.fromkeys(names_in(self.decode_message(), kind))
 
-    def message(self) -> object:
+    def decode_message(self) -> object:
         """Decode the last message; none where none came.
 
         Raises:
@@ -93,7 +93,7 @@ class _Heard:
         """
         return self._decode(self.raw) if self._decode is not None and self.count else None
 
-    def rate(self) -> float:
+    def message_rate(self) -> float:
         """Give messages a second, by their spacing; 0 where that is not known."""
         if self.count > 1 and self.last_us > self.first_us:
             return (self.count - 1) * 1e6 / (self.last_us - self.first_us)
@@ -112,7 +112,7 @@ def probe_graph(uri: str, seconds: float, python: str = Ros1Connection().python)
         AdapterLost: no master answers, or there is no rospy.
 
     """
-    return asyncio.run(_Look(RosMaster(uri), seconds, python).found())
+    return asyncio.run(_Look(RosMaster(uri), seconds, python).find_all())
 
 
 class _Look:
@@ -128,9 +128,9 @@ class _Look:
         self._changed = asyncio.Event()
         self._name = self._ended = ""
 
-    async def found(self) -> Found:
+    async def find_all(self) -> Found:
         loop = asyncio.get_running_loop()
-        await loop.run_in_executor(None, self._master.check)
+        await loop.run_in_executor(None, self._master.check_master)
 
         def fail(why: str) -> None:
             self._ended = self._ended or why
@@ -140,7 +140,7 @@ class _Look:
             if isinstance(frame, ReceivedMessage):
                 self._heard[frame.topic].count_message(frame)
             else:
-                self._hear(frame)
+                self._handle_message(frame)
                 loop.call_soon_threadsafe(self._changed.set)
 
         node = NodeProcess(
@@ -152,12 +152,12 @@ class _Look:
         )
         try:
             node.send_frame(node=self._settings.node, namespace="/")
-            await self._until(lambda: bool(self._name), START_S)
+            await self._wait_until(lambda: bool(self._name), START_S)
             if not self._name:
                 raise AdapterLost("ROS 1 cannot be joined: its node does not begin")
-            await self._listen(node)
-            system = await loop.run_in_executor(None, self._master.graph)
-            types = await loop.run_in_executor(None, self._master.types)
+            await self._listen_topics(node)
+            system = await loop.run_in_executor(None, self._master.read_graph)
+            types = await loop.run_in_executor(None, self._master.read_types)
             kinds = {
                 name: await loop.run_in_executor(None, self._master.service_type, name)
                 for name in sorted(system.services)
@@ -168,10 +168,10 @@ class _Look:
             await self._describe(node, types, kinds)
         finally:
             node.hang_up()
-            await loop.run_in_executor(None, node.wait)
+            await loop.run_in_executor(None, node.wait_ended)
         return self._describe_found(system, types, kinds)
 
-    async def _until(self, holds: Callable[[], bool], seconds: float) -> None:
+    async def _wait_until(self, holds: Callable[[], bool], seconds: float) -> None:
         """Wait until it holds, or so long (s).
 
         Raises:
@@ -188,12 +188,12 @@ class _Look:
 
     # ── on the node's thread ──
 
-    def _hear(self, said: dict[str, Any]) -> None:
+    def _handle_message(self, said: dict[str, Any]) -> None:
         match said["op"]:
             case "ready":
                 self._name = said["node"]
             case "type":
-                self._heard[said["topic"]].learn(said["type"], said["definition"])
+                self._heard[said["topic"]].learn_definition(said["type"], said["definition"])
             case "described":
                 self._described[said["what"], said["type"]] = said["definition"]
             case _:
@@ -201,37 +201,37 @@ class _Look:
 
     # ── listening ──
 
-    async def _listen(self, node: NodeProcess) -> None:
+    async def _listen_topics(self, node: NodeProcess) -> None:
         loop = asyncio.get_running_loop()
         until = time.monotonic() + self._seconds
         known: set[str] = set()
         while (left := until - time.monotonic()) > 0:
-            system = await loop.run_in_executor(None, self._master.graph)
+            system = await loop.run_in_executor(None, self._master.read_graph)
             for topic in sorted(system.published.keys() - known - PLUMBING):
                 known.add(topic)
                 self._heard.append(_Heard(topic))
                 number = len(self._heard) - 1
                 node.send_frame(op="listen", topic=number, name=topic, rate=0.0, deep=DEPTH)
-            await self._until(lambda: False, min(LOOK_AGAIN_S, left))
+            await self._wait_until(lambda: False, min(LOOK_AGAIN_S, left))
 
     async def _describe(
         self, node: NodeProcess, types: dict[str, str], kinds: dict[str, str]
     ) -> None:
         """Ask this machine's packages for what nobody has told yet."""
         silent = {types[topic.topic] for topic in self._heard if not topic.type}
-        goals = {_goal_type(types.get(f"{name}/goal", "")) for name in _actions(types)}
+        goals = {_goal_type(types.get(f"{name}/goal", "")) for name in _find_actions(types)}
         for what, wanted in (("msg", silent | goals), ("srv", set(kinds.values()))):
             for name in sorted(type_name for type_name in wanted if "/" in type_name):
                 self._asked.add((what, name))
                 node.send_frame(op="describe", what=what, type=name)
-        await self._until(lambda: self._asked <= self._described.keys(), DESCRIBE_S)
+        await self._wait_until(lambda: self._asked <= self._described.keys(), DESCRIBE_S)
 
     # ── telling ──
 
     def _describe_found(
         self, system: GraphState, types: dict[str, str], kinds: dict[str, str]
     ) -> Found:
-        actions = _actions(types)
+        actions = _find_actions(types)
         parts = {f"{name}/{part}" for name in actions for part in ACTION_PARTS}
         return Found(
             talaia_probe=FORMAT,
@@ -239,12 +239,12 @@ class _Look:
             where=f"ROS 1, master {self._master.uri}",
             seconds=self._seconds,
             master=self._master.uri,
-            topics=tuple(self._topics(system, types, parts)),
-            services=tuple(self._service(name, kind) for name, kind in kinds.items()),
-            actions=tuple(self._action(name, types[f"{name}/goal"]) for name in actions),
+            topics=tuple(self._describe_topics(system, types, parts)),
+            services=tuple(self._describe_service(name, kind) for name, kind in kinds.items()),
+            actions=tuple(self._describe_action(name, types[f"{name}/goal"]) for name in actions),
         )
 
-    def _topics(
+    def _describe_topics(
         self, system: GraphState, types: dict[str, str], parts: set[str]
     ) -> Iterator[TopicFound]:
         heard = {topic.topic: topic for topic in self._heard}
@@ -256,21 +256,21 @@ class _Look:
                 continue
             one = heard.get(topic)
             shape, problem = (
-                self._read(one, kind) if one is not None else (ReadableFields((), ()), "")
+                self._read_fields(one, kind) if one is not None else (ReadableFields((), ()), "")
             )
             yield TopicFound(
                 topic=topic,
                 type=full_name(kind),
                 publishers=publishers,
                 subscribers=subscribers,
-                rate=round(one.rate(), 2) if one is not None else 0.0,
+                rate=round(one.message_rate(), 2) if one is not None else 0.0,
                 fields=shape.fields,
                 names=tuple(sorted(one.names)) if one is not None else (),
                 left_out=shape.left_out,
                 problem=problem,
             )
 
-    def _read(self, heard: _Heard, kind: str) -> tuple[ReadableFields, str]:
+    def _read_fields(self, heard: _Heard, kind: str) -> tuple[ReadableFields, str]:
         if heard.problem:
             return ReadableFields((), ()), heard.problem
         text = heard.definition if heard.type else self._described.get(("msg", kind))
@@ -279,30 +279,30 @@ class _Look:
                 (), ()
             ), f"nothing came, and the type {kind} is not installed here"
         try:
-            return _shape(text, kind, heard.message()), ""
+            return _readable_fields(text, kind, heard.decode_message()), ""
         except FieldError as error:
             return ReadableFields((), ()), str(error)
 
-    def _service(self, name: str, kind: str) -> ServiceFound:
+    def _describe_service(self, name: str, kind: str) -> ServiceFound:
         if not kind:
             return ServiceFound(name, "", (), "it does not answer")
         package, _, short = kind.partition("/")
-        fields, problem = self._request("srv", kind, f"{kind}Request")
+        fields, problem = self._read_request("srv", kind, f"{kind}Request")
         return ServiceFound(name, f"{package}/srv/{short}", fields, problem)
 
-    def _action(self, name: str, goal: str) -> ActionFound:
+    def _describe_action(self, name: str, goal: str) -> ActionFound:
         package, _, short = goal.removesuffix("ActionGoal").partition("/")
-        fields, problem = self._request("msg", _goal_type(goal), _goal_type(goal))
+        fields, problem = self._read_request("msg", _goal_type(goal), _goal_type(goal))
         return ActionFound(name, f"{package}/action/{short}", fields, problem)
 
-    def _request(self, what: str, kind: str, named: str) -> tuple[tuple[FieldFound, ...], str]:
+    def _read_request(self, what: str, kind: str, named: str) -> tuple[tuple[FieldFound, ...], str]:
         """Read what a request or a goal holds; lists in it cannot be filled from a form."""
         text = self._described.get((what, kind))
         if text is None:
             package = kind.partition("/")[0]
             return (), f"the package {package} is not installed here; install it to call this"
         try:
-            shape = _shape(text, named, None)
+            shape = _readable_fields(text, named, None)
         except FieldError as error:
             return (), str(error)
         lists = [field.split(":", 1)[0] for field in shape.left_out]
@@ -310,7 +310,7 @@ class _Look:
         return fields, f"its request holds lists ({', '.join(lists)})" if lists else ""
 
 
-def _shape(text: str, kind: str, message: object) -> ReadableFields:
+def _readable_fields(text: str, kind: str, message: object) -> ReadableFields:
     definition = definition_of(text, kind)
     return shape_of(
         kind=definition.kinds[kind],
@@ -321,7 +321,7 @@ def _shape(text: str, kind: str, message: object) -> ReadableFields:
     )
 
 
-def _actions(types: dict[str, str]) -> list[str]:
+def _find_actions(types: dict[str, str]) -> list[str]:
     """Find the names under which there is a status of goals and a topic that takes them."""
     names = (topic.removesuffix("/status") for topic, kind in types.items() if kind == STATUS)
     return sorted(name for name in names if types.get(f"{name}/goal", "").endswith("ActionGoal"))

@@ -19,7 +19,7 @@ from rclpy.serialization import deserialize_message
 from talaia.gateway.adapters.ros2.requests import fill, outcome_of
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import CommandOutcome
-from talaia.gateway.samples.field_paths import getter
+from talaia.gateway.samples.field_paths import compile_getter
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class Ros2Action:
         self._result = _Calls(node, kind.Impl.GetResultService, f"{name}/get_result", thread)
         self._cancel = _Calls(node, CancelGoal, f"{name}/cancel_goal", thread)
         message = kind.Impl.FeedbackMessage
-        self._progress = getter(command.progress) if command.progress else None
+        self._progress = compile_getter(command.progress) if command.progress else None
 
         def on_feedback(raw: bytes, _: Any) -> None:  # noqa: ANN401
             self._feedback(deserialize_message(raw, message))

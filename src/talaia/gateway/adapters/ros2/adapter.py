@@ -210,7 +210,7 @@ class Ros2Adapter:
             clock=self._clock,
             gathered=self._gathered,
             latest=self._latest,
-            complain=self._unreadable.report,
+            complain=self._unreadable.report_unreadable,
         )
         self._presence = Ros2Presence(
             scope=self._scope,
@@ -258,7 +258,7 @@ class Ros2Adapter:
         self._motion = self._commands = self._parameters = self._presence = None
         if thread is not None:
             thread.end()
-        self._rejoining.end()
+        self._rejoining.end_attempts()
         if self._worker is not None:
             self._worker.close()
         if self._types is not None:
@@ -287,7 +287,7 @@ class Ros2Adapter:
         self._update_subscriptions()
 
     def _plans_of(self, scope: ConnectionScope) -> list[TopicPlan]:
-        return plans_of(scope, self._latest, self._unreadable.report, header_times=True)
+        return plans_of(scope, self._latest, self._unreadable.report_unreadable, header_times=True)
 
     def _tell_missing(self, error: TypeMissing) -> None:
         if str(error) not in self._missing:
@@ -306,7 +306,7 @@ class Ros2Adapter:
         columns = self._gathered.take_columns()
         if columns is not None:
             self._samples.put_samples(columns)
-        self._arrivals.awake(self._clock.monotonic_ns())
+        self._arrivals.mark_awake(self._clock.monotonic_ns())
         return held
 
     def _on_idle(self) -> None:
@@ -343,7 +343,7 @@ class Ros2Adapter:
             return sorted(listening.name_unheard(wanted)) + commands.absent(device)
 
         count = len(wanted) + len(self._scope.devices[device].commands)
-        self._rejoining.begin(count, absent, done)
+        self._rejoining.begin_attempt(count, absent, done)
 
     def _update_subscriptions(self, *, everything: bool = True) -> None:
         if self._listening is not None:

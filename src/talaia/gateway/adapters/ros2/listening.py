@@ -182,7 +182,9 @@ class Ros2Listening:
 
         def read_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
             now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
-            time_us = self._arrivals.at(info["received_timestamp"] // 1000, now_us, now_ns)
+            time_us = self._arrivals.arrival_time(
+                info["received_timestamp"] // 1000, now_us, now_ns
+            )
             self._heard_ns[topic] = now_ns
             typed.read_message(raw, time_us, now_ns)
 
@@ -204,10 +206,10 @@ class Ros2Listening:
         if kind is None:
             return
         decode = decoder_for(source.type, lambda data: deserialize_message(data, kind))
-        pictures = PictureStream(address, stream, decode, self._unreadable.report)
+        pictures = PictureStream(address, stream, decode, self._unreadable.report_unreadable)
 
         def offer_picture(raw: bytes, _: Any) -> None:  # noqa: ANN401
-            self._worker.offer(pictures, raw)
+            self._worker.offer_raw(pictures, raw)
 
         reader = _TimedReader(_any_version, offer_picture)
         self._subscriptions.want(

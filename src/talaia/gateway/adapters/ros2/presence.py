@@ -107,7 +107,7 @@ class Ros2Presence:
             self._clients[node] = client
 
             def on_answer(_number: int, _response: object) -> None:
-                self._presence.answered(node, self._clock.monotonic_ns())
+                self._presence.mark_alive(node, self._clock.monotonic_ns())
 
             self._thread.add_client(client.handle, GetParameters.Response, on_answer)
         return bool(client.service_is_ready())

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 
-from talaia.gateway.adapters.reconnection import rejoined
+from talaia.gateway.adapters.reconnection import reconnection_outcome
 from talaia.gateway.adapters.rosbridge.camera_subscriptions import CameraSubscriptions
 from talaia.gateway.adapters.rosbridge.credentials import read_credentials
 from talaia.gateway.adapters.rosbridge.outgoing_frames import OutgoingFrames, ServerTopics
 from talaia.gateway.adapters.rosbridge.pending_calls import PendingCalls
-from talaia.gateway.adapters.rosbridge.protocol import frame, nested, read
+from talaia.gateway.adapters.rosbridge.protocol import nest_fields, read_message, write_frame
 from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
@@ -79,7 +79,9 @@ class RosbridgeAdapter:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # One for each topic and type.
-        self._plans = plans_of(scope, self._latest, self._unreadable.report, header_times=True)
+        self._plans = plans_of(
+            scope, self._latest, self._unreadable.report_unreadable, header_times=True
+        )
         # Messages come without their type: of two types for one topic the later one is read.
         self._by_topic = {plan.topic: plan for plan in self._plans}
         # Decodes pictures beside the event loop, in each run.
@@ -89,7 +91,7 @@ class RosbridgeAdapter:
         self._outgoing = OutgoingFrames()
         self._topics = ServerTopics(self._outgoing, settings.ros)
         self._cameras = CameraSubscriptions(
-            scope, self._topics, self._unreadable.report, cbor=settings.cbor
+            scope, self._topics, self._unreadable.report_unreadable, cbor=settings.cbor
         )
         self._calls = PendingCalls()
         # Topics of which a message has come in this connection.
@@ -126,7 +128,7 @@ class RosbridgeAdapter:
         finally:
             self._connected = False
             self._latest.clear()
-            self._outgoing.clear()
+            self._outgoing.clear_frames()
             self._calls.lose_all()
             # It joins a thread, which may be in the middle of a picture.
             await asyncio.get_running_loop().run_in_executor(None, worker.close)
@@ -161,7 +163,11 @@ class RosbridgeAdapter:
             try:
                 # One after the other all the same: a topic's messages keep their order.
                 large = len(data) > _LARGE
-                heard = await loop.run_in_executor(None, read, data) if large else read(data)
+                heard = (
+                    await loop.run_in_executor(None, read_message, data)
+                    if large
+                    else read_message(data)
+                )
                 self._on_message(heard)
             except FieldError as error:
                 self._unreadable.report_once("rosbridge", str(error))
@@ -202,8 +208,8 @@ class RosbridgeAdapter:
         described = self._scope.devices.get(device)
         if self._connected and described is not None and described.drive is not None:
             rule = described.drive
-            fields = nested(velocity_fields(rule, linear, angular, key))
-            text = frame("publish", topic=rule.topic, msg=fields)
+            fields = nest_fields(velocity_fields(rule, linear, angular, key))
+            text = write_frame("publish", topic=rule.topic, msg=fields)
             if key:
                 # Characters may add up: none takes another's place.
                 self._outgoing.append_frame(text)
@@ -216,7 +222,7 @@ class RosbridgeAdapter:
         if self._connected and described is not None and described.drive is not None:
             topic = described.drive.stop.topic
             if topic:
-                text = frame("publish", topic=topic, msg={"data": stopped})
+                text = write_frame("publish", topic=topic, msg={"data": stopped})
                 self._outgoing.replace_newest(f"stop {device}", text)
 
     def act(
@@ -232,7 +238,7 @@ class RosbridgeAdapter:
             return None
         described = self._scope.devices[device].commands[command]
         try:
-            body = nested(fields)
+            body = nest_fields(fields)
         except FieldError as error:
             done(CommandOutcome(CommandPhase.REFUSED, str(error)))
             return None
@@ -267,7 +273,7 @@ class RosbridgeAdapter:
             if plan.topic in topics:
                 self._subscribe_again(plan)
         self._cameras.subscribe_again(device)
-        done(rejoined(len(topics), []))
+        done(reconnection_outcome(len(topics), []))
 
     # ── to the server ──
 
@@ -276,20 +282,20 @@ class RosbridgeAdapter:
         for device in self._scope.devices.values():
             rule = device.drive
             if rule is not None:
-                self._topics.advertise(rule.topic, rule.message.value)
+                self._topics.advertise_topic(rule.topic, rule.message.value)
                 if rule.stop.topic:
                     # Latched: a node of the robot that starts later hears of a STOP.
-                    self._topics.advertise(rule.stop.topic, BOOL, latch=True)
+                    self._topics.advertise_topic(rule.stop.topic, BOOL, latch=True)
             for command in device.commands.values():
                 if command.kind is CommandKind.TOPIC:
-                    self._topics.advertise(command.target, command.type)
+                    self._topics.advertise_topic(command.target, command.type)
         for plan in self._plans:
-            self._topics.subscribe(f"signal {plan.topic}", plan.topic, plan.type_name)
+            self._topics.subscribe_topic(f"signal {plan.topic}", plan.topic, plan.type_name)
         self._cameras.begin_connection()
 
     def _subscribe_again(self, plan: TopicPlan) -> None:
-        self._topics.unsubscribe(f"signal {plan.topic}", plan.topic)
-        self._topics.subscribe(f"signal {plan.topic}", plan.topic, plan.type_name)
+        self._topics.unsubscribe_topic(f"signal {plan.topic}", plan.topic)
+        self._topics.subscribe_topic(f"signal {plan.topic}", plan.topic, plan.type_name)
 
     # ── from the server ──
 
@@ -316,7 +322,7 @@ class RosbridgeAdapter:
             self._publish_samples()
         if self._worker is not None:
             for reader in self._cameras.readers_of(heard.topic):
-                self._worker.offer(reader, heard.body)
+                self._worker.offer_raw(reader, heard.body)
 
     def _publish_samples(self) -> None:
         columns = self._gathered.take_columns()

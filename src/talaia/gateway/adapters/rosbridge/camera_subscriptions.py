@@ -52,7 +52,7 @@ class CameraSubscriptions:
         """Subscribe what is watched at a server that has just come."""
         self._readers.clear()
         for address in self._watched_streams():
-            self._subscribe(address)
+            self._subscribe_camera(address)
 
     def watch_streams(self, streams: Collection[str], *, connected: bool) -> None:
         """Take which streams are watched from now on."""
@@ -61,16 +61,16 @@ class CameraSubscriptions:
             return
         for address in sorted(before ^ self._watched):
             if address in self._watched:
-                self._subscribe(address)
+                self._subscribe_camera(address)
             else:
-                self._unsubscribe(address)
+                self._unsubscribe_camera(address)
 
     def subscribe_again(self, device: str) -> None:
         """Subscribe a device's watched cameras anew."""
         for address in self._watched_streams():
             if address.startswith(f"{device}/"):
-                self._unsubscribe(address)
-                self._subscribe(address)
+                self._unsubscribe_camera(address)
+                self._subscribe_camera(address)
 
     def readers_of(self, topic: str) -> list[PictureStream]:
         """Give what reads the pictures of a topic now."""
@@ -79,7 +79,7 @@ class CameraSubscriptions:
     def _watched_streams(self) -> Iterable[str]:
         return sorted(self._watched & self._streams.keys())
 
-    def _subscribe(self, address: str) -> None:
+    def _subscribe_camera(self, address: str) -> None:
         stream = self._streams.get(address)
         if stream is None:
             return
@@ -89,7 +89,7 @@ class CameraSubscriptions:
         # A little sooner than shown, so that the two paces do not lose every other picture.
         # Only pictures as CBOR: a server on ROS 2 cannot write lists of fixed length that way (the
         # covariance of an odometry), and pictures are what is worth it.
-        self._topics.subscribe(
+        self._topics.subscribe_topic(
             f"stream {address}",
             source.topic,
             source.type,
@@ -98,9 +98,9 @@ class CameraSubscriptions:
             compression="cbor" if self._cbor else "none",
         )
 
-    def _unsubscribe(self, address: str) -> None:
+    def _unsubscribe_camera(self, address: str) -> None:
         stream = self._streams.get(address)
         if stream is not None:
             topic = topic_of(stream.source)
             self._readers.get(topic, {}).pop(address, None)
-            self._topics.unsubscribe(f"stream {address}", topic)
+            self._topics.unsubscribe_topic(f"stream {address}", topic)

@@ -47,7 +47,7 @@ def read_cbor(data: bytes, make: Callable[[dict[str, object]], object]) -> objec
     """
     reader = _Reader(data, make)
     try:
-        value = reader.item(0)
+        value = reader.read_item(0)
     except (IndexError, struct.error, UnicodeDecodeError, ValueError) as error:
         raise FieldError("", f"is not CBOR: {error}") from error
     if reader.at != len(data):
@@ -61,7 +61,7 @@ class _Reader:
         self._make = make
         self.at = 0
 
-    def item(self, depth: int) -> object:
+    def read_item(self, depth: int) -> object:
         """Read the next item."""
         if depth > _MAX_DEPTH:
             raise ValueError("it is nested too deeply")
@@ -69,58 +69,58 @@ class _Reader:
         self.at += 1
         major, low = first >> 5, first & 31
         if major == 7:
-            return self._simple(low)
-        number = self._number(low)
+            return self._read_simple(low)
+        number = self._read_number(low)
         match major:
             case 0:
                 return number
             case 1:
                 return -1 - number
             case 2:
-                return self._bytes(number)
+                return self._read_bytes(number)
             case 3:
-                return self._bytes(number).decode()
+                return self._read_bytes(number).decode()
             case 4:
                 # An item takes a byte at least, so a length beyond the rest is a lie.
-                self._fits(number)
-                return [self.item(depth + 1) for _ in range(number)]
+                self._check_length(number)
+                return [self.read_item(depth + 1) for _ in range(number)]
             case 5:
-                self._fits(number)
-                return self._make(dict(self._pair(depth) for _ in range(number)))
+                self._check_length(number)
+                return self._make(dict(self._read_pair(depth) for _ in range(number)))
             case _:
-                return self._tagged(number, self.item(depth + 1))
+                return self._read_tagged(number, self.read_item(depth + 1))
 
-    def _number(self, low: int) -> int:
+    def _read_number(self, low: int) -> int:
         if low < 24:
             return low
         if low > 27:
             raise ValueError("a length that is not told beforehand")
-        return int.from_bytes(self._bytes(1 << (low - 24)), "big")
+        return int.from_bytes(self._read_bytes(1 << (low - 24)), "big")
 
-    def _bytes(self, count: int) -> bytes:
-        self._fits(count)
+    def _read_bytes(self, count: int) -> bytes:
+        self._check_length(count)
         self.at += count
         return self._data[self.at - count : self.at]
 
-    def _fits(self, count: int) -> None:
+    def _check_length(self, count: int) -> None:
         if count > len(self._data) - self.at:
             raise ValueError("it is cut off")
 
-    def _pair(self, depth: int) -> tuple[str, object]:
-        key = self.item(depth + 1)
+    def _read_pair(self, depth: int) -> tuple[str, object]:
+        key = self.read_item(depth + 1)
         if not isinstance(key, str):
             raise ValueError("a key that is no text")  # noqa: TRY004 - about the data
-        return key, self.item(depth + 1)
+        return key, self.read_item(depth + 1)
 
-    def _simple(self, low: int) -> object:
+    def _read_simple(self, low: int) -> object:
         if low in _FLOATS:
             kind = _FLOATS[low]
-            return struct.unpack(kind, self._bytes(struct.calcsize(kind)))[0]
+            return struct.unpack(kind, self._read_bytes(struct.calcsize(kind)))[0]
         if low not in _SIMPLE:
             raise ValueError(f"a simple value {low}")
         return _SIMPLE[low]
 
-    def _tagged(self, tag: int, value: object) -> object:
+    def _read_tagged(self, tag: int, value: object) -> object:
         kind = _ARRAYS.get(tag)
         if kind is not None and isinstance(value, bytes):
             return np.frombuffer(value, kind)

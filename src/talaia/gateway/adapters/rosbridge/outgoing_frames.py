@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from websockets.exceptions import ConnectionClosed
 
-from talaia.gateway.adapters.rosbridge.protocol import frame, type_for
+from talaia.gateway.adapters.rosbridge.protocol import type_for, write_frame
 
 if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
@@ -50,7 +50,7 @@ class OutgoingFrames:
         if len(self._waiting) >= _MAX_WAITING:
             # A server that takes nothing for so long is noticed by its pings.
             self._waiting.popleft()
-        self.append_frame(frame(op, **fields))
+        self.append_frame(write_frame(op, **fields))
 
     async def write_frames(self, socket: ClientConnection) -> None:
         """Write what there is to say, until cancelled or the connection ends."""
@@ -73,7 +73,7 @@ class OutgoingFrames:
             except (ConnectionClosed, TimeoutError):
                 break
 
-    def clear(self) -> None:
+    def clear_frames(self) -> None:
         """Forget all: it was for a connection that is gone."""
         self._waiting.clear()
         self._newest.clear()
@@ -90,19 +90,19 @@ class ServerTopics:
         """Write a type as the server takes it."""
         return type_for(name, self._ros)
 
-    def advertise(self, topic: str, type_name: str, *, latch: bool = False) -> None:
+    def advertise_topic(self, topic: str, type_name: str, *, latch: bool = False) -> None:
         """Say that we publish on a topic."""
         kind = self.type_name(type_name)
         self._outgoing.send_operation(
             "advertise", topic=topic, type=kind, latch=latch, queue_size=1
         )
 
-    def subscribe(self, name: str, topic: str, type_name: str, **more: object) -> None:
+    def subscribe_topic(self, name: str, topic: str, type_name: str, **more: object) -> None:
         """Ask for a topic's messages under a name of ours."""
         self._outgoing.send_operation(
             "subscribe", id=name, topic=topic, type=self.type_name(type_name), **more
         )
 
-    def unsubscribe(self, name: str, topic: str) -> None:
+    def unsubscribe_topic(self, name: str, topic: str) -> None:
         """Ask for them no more. Others' subscriptions of the topic go on: the name is ours."""
         self._outgoing.send_operation("unsubscribe", topic=topic, id=name)

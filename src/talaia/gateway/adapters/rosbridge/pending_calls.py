@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import count
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.gateway.adapters.rosbridge.protocol import ended, progress_of
+from talaia.gateway.adapters.rosbridge.protocol import outcome_of, progress_of
 from talaia.gateway.ports import CommandOutcome
 from talaia.wire.frames import CommandPhase
 
@@ -59,7 +59,7 @@ class PendingCalls:
         """Take in an answer, or the result of an action."""
         call = self._calls.pop(answer.id, None)
         if call is not None:
-            call.done(ended(answer))
+            call.done(outcome_of(answer))
 
     def report_progress(self, feedback: ServerMessage) -> None:
         """Take in an action's feedback."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from talaia.gateway.adapters.rosbridge.cbor import read_cbor
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import CommandOutcome
-from talaia.gateway.samples.field_paths import getter, number_of, parse_path
+from talaia.gateway.samples.field_paths import compile_getter, number_of, parse_path
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -27,12 +27,12 @@ __all__ = [
     "MessageAttributes",
     "ServerMessage",
     "bytes_of",
-    "ended",
-    "frame",
-    "nested",
+    "nest_fields",
+    "outcome_of",
     "progress_of",
-    "read",
+    "read_message",
     "type_for",
+    "write_frame",
 ]
 
 # As action_msgs/GoalStatus counts.
@@ -83,12 +83,12 @@ def type_for(name: str, ros: int) -> str:
     return f"{package}/{short}" if ros == 1 else name
 
 
-def frame(op: str, **what: object) -> str:
+def write_frame(op: str, **what: object) -> str:
     """Write a frame to the server."""
     return json.dumps({"op": op, **what}, allow_nan=False)
 
 
-def nested(fields: Mapping[str, Scalar]) -> dict[str, object]:
+def nest_fields(fields: Mapping[str, Scalar]) -> dict[str, object]:
     """Turn fields by path into nested maps; the server gives the others their defaults.
 
     Raises:
@@ -101,12 +101,12 @@ def nested(fields: Mapping[str, Scalar]) -> dict[str, object]:
         steps = parse_path(path)
         at: object = root
         for step, following in pairwise(steps):
-            at = _below(at, step, [] if isinstance(following, int) else {}, path)
-        _below(at, steps[-1], value, path)
+            at = _step_into(at, step, [] if isinstance(following, int) else {}, path)
+        _step_into(at, steps[-1], value, path)
     return root
 
 
-def _below(at: object, step: str | int, fresh: object, path: str) -> object:
+def _step_into(at: object, step: str | int, fresh: object, path: str) -> object:
     """Give what is at a step; put ``fresh`` there if nothing is."""
     if isinstance(at, dict) and isinstance(step, str):
         return at.setdefault(step, fresh)
@@ -119,7 +119,7 @@ def _below(at: object, step: str | int, fresh: object, path: str) -> object:
     raise FieldError(path, "goes through a value that is already set")
 
 
-def read(data: str | bytes) -> ServerMessage:
+def read_message(data: str | bytes) -> ServerMessage:
     """Read a frame of the server.
 
     Raises:
@@ -130,7 +130,7 @@ def read(data: str | bytes) -> ServerMessage:
         found = read_cbor(data, MessageAttributes)
     else:
         try:
-            found = json.loads(data, object_hook=_made)
+            found = json.loads(data, object_hook=_make_attributes)
         except (ValueError, RecursionError) as error:
             raise FieldError("", f"the server sent no JSON: {error}") from error
     said = getattr(found, "__dict__", {}) if isinstance(found, MessageAttributes) else {}
@@ -150,7 +150,7 @@ def read(data: str | bytes) -> ServerMessage:
     )
 
 
-def _made(fields: dict[str, object]) -> MessageAttributes:
+def _make_attributes(fields: dict[str, object]) -> MessageAttributes:
     # JSON has no NaN, so the server writes null.
     return MessageAttributes(
         {key: math.nan if value is None else value for key, value in fields.items()}
@@ -175,7 +175,7 @@ def bytes_of(message: object) -> object:
     return message
 
 
-def ended(said: ServerMessage) -> CommandOutcome:
+def outcome_of(said: ServerMessage) -> CommandOutcome:
     """Read the answer to a call or the result of an action."""
     body = said.body
     words = body if isinstance(body, str) else getattr(body, "message", "")
@@ -197,7 +197,7 @@ def progress_of(said: ServerMessage, command: Command) -> CommandOutcome:
     progress = 0.0
     if command.progress:
         try:
-            value = number_of(getter(command.progress)(said.body), command.progress)
+            value = number_of(compile_getter(command.progress)(said.body), command.progress)
             progress = value / command.progress_end
         except FieldError:
             progress = 0.0

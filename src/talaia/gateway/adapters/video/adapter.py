@@ -73,7 +73,7 @@ class VideoAdapter(UndrivenAdapter):
         finally:
             worker, self._worker = self._worker, None
             for camera in self._cameras.values():
-                camera.end()
+                camera.end_camera()
             self._cameras.clear()
             await asyncio.shield(asyncio.to_thread(worker.close))
 
@@ -86,7 +86,7 @@ class VideoAdapter(UndrivenAdapter):
         if self._worker is None:
             return
         for address in self._cameras.keys() - self._watched:
-            self._cameras.pop(address).end()
+            self._cameras.pop(address).end_camera()
         for address in self._watched - self._cameras.keys():
             device, _, name = address.partition("/")
             described = self._scope.devices.get(device)
@@ -118,13 +118,13 @@ class VideoAdapter(UndrivenAdapter):
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Open the device's cameras anew."""
         for address in [camera for camera in self._cameras if camera.split("/", 1)[0] == device]:
-            self._cameras.pop(address).end()
+            self._cameras.pop(address).end_camera()
         self._update_cameras()
         done(CommandOutcome(CommandPhase.SUCCEEDED))
 
 
 class _Camera:
-    """One camera that is read until `end`."""
+    """One camera that is read until `end_camera`."""
 
     def __init__(
         self,
@@ -140,35 +140,35 @@ class _Camera:
         self._settings = settings
         self._context = context
         self._worker = worker
-        self._taker = PictureStream(address, stream, _read, self._complain)
+        self._taker = PictureStream(address, stream, _read_pixels, self._report_problem)
         self._ended = threading.Event()
         self._well = True
-        threading.Thread(target=self._run, name=f"talaia-{address}", daemon=True).start()
+        threading.Thread(target=self._read_loop, name=f"talaia-{address}", daemon=True).start()
 
-    def end(self) -> None:
+    def end_camera(self) -> None:
         """Read no more; what is under way ends by itself within seconds."""
         self._ended.set()
 
-    def _complain(self, address: str, problem: str) -> None:
+    def _report_problem(self, address: str, problem: str) -> None:
         self._context.events.report_event("camera", problem, device=address.split("/", 1)[0])
 
-    def _run(self) -> None:
+    def _read_loop(self) -> None:
         while not self._ended.is_set():
             try:
-                with self._open() as container:
-                    self._play(container)
+                with self._open_container() as container:
+                    self._play_stream(container)
             except CameraRefused as error:
-                self._lost(str(error))
+                self._handle_lost(str(error))
             except (av.FFmpegError, OSError, ValueError, FieldError) as error:
                 # The codec's own words may repeat the address, with the password in it.
-                self._lost(str(error).split(":")[0])
+                self._handle_lost(str(error).split(":")[0])
             else:
                 if not self._ended.is_set():
-                    self._lost("the camera has ended its stream")
+                    self._handle_lost("the camera has ended its stream")
             self._ended.wait(AGAIN_S)
 
     @contextlib.contextmanager
-    def _open(self) -> Iterator[InputContainer]:
+    def _open_container(self) -> Iterator[InputContainer]:
         source, timeout = self._source, (OPEN_S, SILENT_S)
         if source.file:
             with av.open(source.file, format="v4l2", timeout=timeout) as container:
@@ -191,7 +191,7 @@ class _Camera:
                     raise relay.refusal from None
                 raise
 
-    def _play(self, container: InputContainer) -> None:
+    def _play_stream(self, container: InputContainer) -> None:
         if not container.streams.video:
             raise FieldError("", "there are no pictures in what it sends")
         video = container.streams.video[0]
@@ -205,15 +205,15 @@ class _Camera:
                 self._context.events.report_event(
                     "camera back", self._address, device=self._address.split("/", 1)[0], good=True
                 )
-            self._worker.offer(self._taker, frame)
+            self._worker.offer_raw(self._taker, frame)
 
-    def _lost(self, why: str) -> None:
+    def _handle_lost(self, why: str) -> None:
         where = self._source.url or self._source.file
         said = f"{where}: {why}"
         if self._well:
             self._well = False
             log.warning("%s: %s", self._address, said)
-            self._complain(self._address, said)
+            self._report_problem(self._address, said)
         self._context.pictures.trouble(self._address, f"{said}; trying again")
 
 
@@ -241,5 +241,5 @@ def pixels_in(frame: av.VideoFrame) -> Pixels:
     return Pixels("I420", width, height, np.asarray(planes, np.uint8))
 
 
-def _read(raw: object) -> object:
+def _read_pixels(raw: object) -> object:
     return pixels_in(cast("av.VideoFrame", raw))

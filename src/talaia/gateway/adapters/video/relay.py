@@ -79,7 +79,7 @@ class CameraResponseFilter:
         self._got += data
         passed = b""
         while end := _END.search(self._got[:_MAX_HEAD]):
-            head, size = self._head(self._got[: end.start()])
+            head, size = self._filter_head(self._got[: end.start()])
             if len(self._got) < end.end() + size:
                 break
             passed += head + self._got[end.end() : end.end() + size]
@@ -89,12 +89,12 @@ class CameraResponseFilter:
                 raise CameraRefused("it sends something that is not RTSP")
         return passed
 
-    def rest(self) -> bytes:
+    def take_rest(self) -> bytes:
         """Give what has not gone on yet."""
         rest, self._got = self._got, b""
         return rest
 
-    def _head(self, head: bytes) -> tuple[bytes, int]:
+    def _filter_head(self, head: bytes) -> tuple[bytes, int]:
         first, *lines = head.replace(b"\r", b"").decode("latin-1").split("\n")
         status = _STATUS.match(first)
         if status is None:
@@ -110,13 +110,13 @@ class CameraResponseFilter:
             word = key.strip().lower()
             if word == "content-length":
                 sizes.append(value.strip())
-            kept.append(self._transport(line) if word == "transport" else line)
+            kept.append(self._filter_transport(line) if word == "transport" else line)
         size = int(sizes[0]) if sizes and re.fullmatch(r"[0-9]{1,7}", sizes[0]) else 0
         if len(sizes) > 1 or (sizes and str(size) != sizes[0]) or size > _MAX_BODY:
             raise CameraRefused("it does not say how long its answer is")
         return ("\r\n".join(kept) + "\r\n\r\n").encode("latin-1"), size
 
-    def _transport(self, line: str) -> str:
+    def _filter_transport(self, line: str) -> str:
         # The client sends packets to the source that is named here: never another.
         if "," in line:
             raise CameraRefused("it answers with several ways to send its film")
@@ -139,10 +139,10 @@ class CameraRelay:
         """
         parts = urlsplit(url)
         host, port = parts.hostname or "", parts.port or _PORTS[parts.scheme]
-        self._far = _connected(addresses_of(host, port, here=here), port, timeout)
+        self._far = _connect_any(addresses_of(host, port, here=here), port, timeout)
         try:
             if parts.scheme == "rtsps":
-                self._far = _encrypted(self._far, host)
+                self._far = _wrap_tls(self._far, host)
             address, *_ = self._far.getpeername()
             self._answers = CameraResponseFilter(address)
             v6 = self._far.family == socket.AF_INET6
@@ -157,7 +157,7 @@ class CameraRelay:
         self.url = urlunsplit(parts._replace(scheme="rtsp", netloc=place))
         self.refusal: CameraRefused | None = None
         self._wake, self._ended = socket.socketpair()
-        self._thread = threading.Thread(target=self._run, name="talaia-relay", daemon=True)
+        self._thread = threading.Thread(target=self._run_relay, name="talaia-relay", daemon=True)
 
     def __enter__(self) -> Self:
         """Begin."""
@@ -171,7 +171,7 @@ class CameraRelay:
             self._door.shutdown(socket.SHUT_RDWR)
         self._thread.join()
 
-    def _run(self) -> None:
+    def _run_relay(self) -> None:
         with self._door, self._far, self._ended, contextlib.suppress(OSError):
             near, _ = self._door.accept()
             self._door.close()
@@ -180,11 +180,11 @@ class CameraRelay:
             near.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, True)  # noqa: FBT003 - its shape
             with near:
                 try:
-                    self._carry(near)
+                    self._carry_data(near)
                 except CameraRefused as error:
                     self.refusal = error
 
-    def _carry(self, near: socket.socket) -> None:
+    def _carry_data(self, near: socket.socket) -> None:
         playing = False
         with selectors.DefaultSelector() as ready:
             for connection in (near, self._far, self._ended):
@@ -199,14 +199,14 @@ class CameraRelay:
                         return
                     if not playing and asked.startswith(b"PLAY "):
                         playing = True
-                        near.sendall(self._answers.rest())
+                        near.sendall(self._answers.take_rest())
                     self._far.sendall(asked)
                 if self._far in speaking and not self._pass_on(near, playing=playing):
                     return
 
     def _pass_on(self, near: socket.socket, *, playing: bool) -> bool:
         """Carry what has come from the camera; false when it has hung up."""
-        while (got := self._heard()) is not None:
+        while (got := self._receive_data()) is not None:
             if not got:
                 return False
             near.sendall(got if playing else self._answers.filter_bytes(got))
@@ -215,7 +215,7 @@ class CameraRelay:
                 break
         return True
 
-    def _heard(self) -> bytes | None:
+    def _receive_data(self) -> bytes | None:
         """Give what the camera has sent, nothing when it has hung up, `None` for no words yet.
 
         An encrypted line wakes us for a ticket, or for a part of a record, which hold no words:
@@ -231,7 +231,7 @@ class CameraRelay:
             self._far.settimeout(patience)
 
 
-def _connected(addresses: Iterable[str], port: int, timeout: float) -> socket.socket:
+def _connect_any(addresses: Iterable[str], port: int, timeout: float) -> socket.socket:
     problem: OSError | None = None
     for address in addresses:
         try:
@@ -241,7 +241,7 @@ def _connected(addresses: Iterable[str], port: int, timeout: float) -> socket.so
     raise problem or OSError("it has no address")
 
 
-def _encrypted(far: socket.socket, host: str) -> ssl.SSLSocket:
+def _wrap_tls(far: socket.socket, host: str) -> ssl.SSLSocket:
     # Cameras sign their certificates themselves: the line is secret, not proven.
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname = False

@@ -74,19 +74,21 @@ class Authentication:
 
         """
         # Counted before anything is looked at: who breaks off half-way has tried, too.
-        ask = await self.begin(request, name)
-        person = await self._known(
+        ask = await self.begin_attempt(request, name)
+        person = await self._check_password(
             request, name=name, password=password, status=401, what="login failed"
         )
         if person.factor:
-            await self._second(
+            await self._check_factor(
                 request, ask=ask, person=person, code=code, status=401, what="login failed"
             )
         # Only now: a right password with a wrong code is a wrong try.
-        await self.right(ask)
+        await self.clear_attempt(ask)
         return person
 
-    async def again(self, request: Request, user: int, password: str, what: str) -> Person:
+    async def confirm_password(
+        self, request: Request, user: int, password: str, what: str
+    ) -> Person:
         """Check the password of a person who is signed in; ``what`` is in the audit log else.
 
         Raises:
@@ -94,15 +96,15 @@ class Authentication:
 
         """
         # By number: the name could have been given to somebody else meanwhile.
-        person = await self._person(user)
-        ask = await self.begin(request, person.name)
-        person = await self._known(
+        person = await self._find_person(user)
+        ask = await self.begin_attempt(request, person.name)
+        person = await self._check_password(
             request, name=person.name, password=password, status=403, what=what
         )
-        await self.right(ask)
+        await self.clear_attempt(ask)
         return person
 
-    async def both(
+    async def confirm_both(
         self, request: Request, *, user: int, password: str, code: str, what: str
     ) -> Person:
         """Check the password and the second factor of a person who is signed in.
@@ -111,17 +113,17 @@ class Authentication:
             ApiProblem: 403 ``wrong``, 403 ``factor``, 429 ``busy``.
 
         """
-        person = await self._person(user)
-        ask = await self.begin(request, person.name)
-        person = await self._known(
+        person = await self._find_person(user)
+        ask = await self.begin_attempt(request, person.name)
+        person = await self._check_password(
             request, name=person.name, password=password, status=403, what=what
         )
-        await self._second(request, ask=ask, person=person, code=code, status=403, what=what)
-        await self.right(ask)
+        await self._check_factor(request, ask=ask, person=person, code=code, status=403, what=what)
+        await self.clear_attempt(ask)
         return person
 
-    async def begin(self, request: Request, name: str) -> SignInAttempt:
-        """Count a try as wrong before it is looked at; `right` takes it off.
+    async def begin_attempt(self, request: Request, name: str) -> SignInAttempt:
+        """Count a try as wrong before it is looked at; `clear_attempt` takes it off.
 
         Raises:
             ApiProblem: 429 ``busy``.
@@ -129,8 +131,8 @@ class Authentication:
         """
         # Known to this very person: another's cookie must not take the name's count away.
         browser = await self._sessions.known_browser(request, name)
-        ask = SignInAttempt(name_key(name), _network(address_of(request)), browser)
-        wait_ns = await self._tries.count(ask.user, ask.address, ask.browser)
+        ask = SignInAttempt(name_key(name), _network_of(address_of(request)), browser)
+        wait_ns = await self._tries.count_attempt(ask.user, ask.address, ask.browser)
         if wait_ns:
             # In whole seconds, rounded up.
             raise ApiProblem(
@@ -138,25 +140,25 @@ class Authentication:
             )
         return ask
 
-    async def _person(self, user: int) -> Person:
-        person = await self._people.get(user)
+    async def _find_person(self, user: int) -> Person:
+        person = await self._people.find_by_id(user)
         if person is None:
             raise ApiProblem(401, "unauthorized", "sign in first")
         return person
 
-    async def _known(
+    async def _check_password(
         self, request: Request, *, name: str, password: str, status: int, what: str
     ) -> Person:
-        person = await self._people.find(name)
+        person = await self._people.find_by_name(name)
         # Who is unknown or disabled is checked against a hash of nobody's, for as long.
         kept = person.password_hash if person and not person.disabled else None
-        if await self._passwords.verify(password, kept) and person is not None:
+        if await self._passwords.verify_password(password, kept) and person is not None:
             return person
         self._append_record(request, what, name, "")
         said = "name or password is wrong" if status == 401 else "the password is wrong"
         raise ApiProblem(status, "wrong", said)
 
-    async def _second(
+    async def _check_factor(
         self,
         request: Request,
         *,
@@ -170,14 +172,14 @@ class Authentication:
             # The password was right: this is the first half of a sign-in, and no wrong try.
             await self._tries.count_unfinished(ask.user, ask.address, ask.browser)
             raise ApiProblem(status, "factor", "the code of your second factor is needed")
-        verdict = await self._factors.use(person.id, code)
+        verdict = await self._factors.use_code(person.id, code)
         if verdict in _REFUSED:
             self._append_record(request, what, person.name, "second factor")
             raise ApiProblem(status, "factor", _REFUSED[verdict])
         if verdict is CodeVerdict.RECOVERY:
             self._append_record(request, "recovery code used", person.name, "", good=True)
 
-    async def right(self, ask: SignInAttempt) -> None:
+    async def clear_attempt(self, ask: SignInAttempt) -> None:
         """Forget the wrong tries of one who has proved who they are."""
         await self._tries.count_success(ask.user, ask.address, ask.browser)
 
@@ -189,7 +191,7 @@ class Authentication:
         )
 
 
-def _network(address: str) -> str:
+def _network_of(address: str) -> str:
     """Give what an address is counted by: of IPv6 the network, since anyone has many addresses."""
     try:
         parsed = ipaddress.ip_address(address)

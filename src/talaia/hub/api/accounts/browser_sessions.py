@@ -32,17 +32,17 @@ class BrowserSessions:
         # Sockets that are open: they end with their session, and follow a change of rights.
         self._seats = seats
 
-    async def begin(self, user: int, request: Request, response: Response) -> LiveSession:
+    async def start_session(self, user: int, request: Request, response: Response) -> LiveSession:
         """Begin a session for the browser that asks, in place of the one that it brought."""
         # A session that the browser brought is not the one that it leaves with.
-        before = await self._access.who(request)
+        before = await self._access.identify_caller(request)
         # The one before ends, so that a session that somebody planted here is of no use (fixation).
         if before is not None and not before.who.script:
-            await self._sessions.end(before.who.session)
+            await self._sessions.end_session(before.who.session)
             self._seats.end_session(before.who.session, "you have signed in anew")
         # Shown to the person in the list of sessions, so cut and cleaned.
         agent = safe_text(request.headers.get("user-agent", ""), 200)
-        token, alive = await self._sessions.begin(user, address_of(request), agent)
+        token, alive = await self._sessions.start_session(user, address_of(request), agent)
         self._access.set_cookie(response, token)
         known = request.cookies.get(self._access.browser_cookie, "")
         await self.remember_browser(user, response, known)
@@ -52,13 +52,13 @@ class BrowserSessions:
         """End the session of the browser that asks."""
         session = who_of(request).session
         # In the database first: a socket that dials again at once must find it ended.
-        await self._sessions.end(session)
+        await self._sessions.end_session(session)
         self._seats.end_session(session, "you have signed out")
         self._access.clear_cookie(response)
 
     async def list_open(self, user: int) -> list[OpenSession]:
         """List where a person is signed in."""
-        return await self._sessions.of(user)
+        return await self._sessions.sessions_of(user)
 
     async def end_one(self, session: str, request: Request, response: Response) -> bool:
         """End a session of the person who asks, this one or another; False: there is none."""
@@ -82,10 +82,10 @@ class BrowserSessions:
 
     async def remember_browser(self, user: int, response: Response, known: str = "") -> None:
         """Let the browser be known at a later sign-in; ``known`` is what it was known by."""
-        browser = await self._browsers.remember(user, known)
+        browser = await self._browsers.remember_browser(user, known)
         self._access.set_browser_cookie(response, browser)
 
     async def known_browser(self, request: Request, name: str) -> str:
         """Give by what the asking browser is known from sign-ins of ``name``; empty: it is not."""
         browser = request.cookies.get(self._access.browser_cookie, "")
-        return browser if browser and await self._browsers.knows(browser, name) else ""
+        return browser if browser and await self._browsers.is_known(browser, name) else ""

@@ -56,7 +56,7 @@ class OwnPages:
         self._factors = factors
         self._audit = audit
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.post("/api/me/password", status_code=204)(self.change_password)
@@ -73,12 +73,14 @@ class OwnPages:
     ) -> None:
         """Take another password; your other sessions end."""
         who = who_of(request)
-        await self._proving.again(request, who.user, asked.old, "password change refused")
+        await self._proving.confirm_password(
+            request, who.user, asked.old, "password change refused"
+        )
         try:
             check_password(asked.new, who.name)
         except WeakPassword as error:
             raise ApiProblem(422, "invalid", str(error)) from error
-        hashed = await self._passwords.hash(asked.new)
+        hashed = await self._passwords.hash_password(asked.new)
         await self._people.change_password(who.user, hashed, who.session)
         # No browser is known any more, but this one.
         await self._sessions.remember_browser(who.user, response)
@@ -110,8 +112,10 @@ class OwnPages:
     async def offer_factor(self, asked: PasswordOnly, request: Request) -> FactorOffer:
         """Begin a second factor. It is asked for once its first code has been confirmed."""
         who = who_of(request)
-        await self._proving.again(request, who.user, asked.password, "second factor refused")
-        secret = await self._factors.offer(who.user)
+        await self._proving.confirm_password(
+            request, who.user, asked.password, "second factor refused"
+        )
+        secret = await self._factors.offer_factor(who.user)
         if secret is None:
             raise ApiProblem(409, "taken", "you have a second factor already; remove it first")
         uri = otp_uri(secret, who.name)
@@ -121,11 +125,11 @@ class OwnPages:
         """Switch the second factor on; your other sessions end."""
         who = who_of(request)
         # A code has six digits: without a count it could be found by trying.
-        ask = await self._proving.begin(request, who.name)
-        codes = await self._factors.confirm(who.user, asked.code)
+        ask = await self._proving.begin_attempt(request, who.name)
+        codes = await self._factors.confirm_factor(who.user, asked.code)
         if codes is None:
             raise ApiProblem(403, "factor", "the code is wrong, or no second factor was begun")
-        await self._proving.right(ask)
+        await self._proving.clear_attempt(ask)
         # They were opened by the password alone.
         await self._sessions.end_all(who.user, keep=who.session)
         self._append_record(request, "second factor set")
@@ -137,10 +141,10 @@ class OwnPages:
         what = "second factor removal refused"
         if not who.factor:
             raise ApiProblem(409, "missing", "you have no second factor")
-        await self._proving.both(
+        await self._proving.confirm_both(
             request, user=who.user, password=asked.password, code=asked.code, what=what
         )
-        await self._factors.remove(who.user)
+        await self._factors.remove_factor(who.user)
         await self._sessions.follow_rights()
         self._append_record(request, "second factor removed")
 

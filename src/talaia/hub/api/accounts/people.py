@@ -49,7 +49,7 @@ class PeoplePages:
         self._sessions = sessions
         self._audit = audit
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/people")(self.overview)
@@ -62,60 +62,62 @@ class PeoplePages:
 
     async def overview(self) -> PersonList:
         """List everyone."""
-        return PersonList(people=[_shape(account) for account in await self._roster.all()])
+        return PersonList(
+            people=[_person_schema(account) for account in await self._roster.list_accounts()]
+        )
 
     async def add(self, asked: PersonAsk, request: Request) -> PersonShape:
         """Add a person."""
         # The rules before the hash, which takes a core for a while.
-        with _refusals():
+        with _translate_refusals():
             check_name(asked.name)
             check_password(asked.password, asked.name)
-            hashed = await self._passwords.hash(asked.password)
-            user = await self._people.add(asked.name, hashed, asked.role)
-            made = await self._roster.one(user)
+            hashed = await self._passwords.hash_password(asked.password)
+            user = await self._people.add_person(asked.name, hashed, asked.role)
+            made = await self._roster.find_account(user)
         self._append_record(request, "person added", f"{made.name} ({made.role})")
-        return _shape(made)
+        return _person_schema(made)
 
     async def change(self, person: str, asked: PersonChange, request: Request) -> PersonShape:
         """Change a person's role, password, or whether they may sign in; their sessions end."""
         number = number_of(person, "person")
-        with _refusals():
+        with _translate_refusals():
             # For the log, which names what has changed.
-            before = await self._roster.one(number)
+            before = await self._roster.find_account(number)
             hashed = None
             if asked.password is not None:
                 check_password(asked.password, before.name)
-                hashed = await self._passwords.hash(asked.password)
-            after = await self._roster.change(
+                hashed = await self._passwords.hash_password(asked.password)
+            after = await self._roster.change_account(
                 number, role=asked.role, disabled=asked.disabled, password_hash=hashed
             )
         # At once, instead of at the next check of all sockets.
         await self._sessions.follow_rights()
-        said = _differences(before, after, new_password=hashed is not None)
+        said = _describe_changes(before, after, new_password=hashed is not None)
         if said:
             self._append_record(request, "person changed", f"{before.name}: {said}")
-        return _shape(after)
+        return _person_schema(after)
 
     async def remove(self, person: str, request: Request) -> None:
         """Remove a person with their sessions and tokens; open sockets are closed at once."""
-        with _refusals():
-            gone = await self._roster.remove(number_of(person, "person"))
+        with _translate_refusals():
+            gone = await self._roster.remove_account(number_of(person, "person"))
         await self._sessions.follow_rights()
         self._append_record(request, "person removed", f"{gone.name} ({gone.role})")
 
     async def end_sessions(self, person: str, request: Request) -> None:
         """End all of a person's sessions; open sockets are closed at once."""
-        with _refusals():
-            found = await self._roster.one(number_of(person, "person"))
+        with _translate_refusals():
+            found = await self._roster.find_account(number_of(person, "person"))
         # They were opened with a factor that somebody else may have now.
         await self._sessions.end_all(found.id)
         self._append_record(request, "person signed out", found.name)
 
     async def remove_factor(self, person: str, request: Request) -> None:
         """Take a person's second factor away, for one who has lost it; their sessions end."""
-        with _refusals():
-            found = await self._roster.one(number_of(person, "person"))
-        if not await self._factors.remove(found.id):
+        with _translate_refusals():
+            found = await self._roster.find_account(number_of(person, "person"))
+        if not await self._factors.remove_factor(found.id):
             raise ApiProblem(409, "missing", "this person has no second factor")
         await self._sessions.end_all(found.id)
         self._append_record(request, "person's second factor removed", found.name)
@@ -126,7 +128,7 @@ class PeoplePages:
 
 
 @contextmanager
-def _refusals() -> Iterator[None]:
+def _translate_refusals() -> Iterator[None]:
     """Answer what the store and the rules refuse."""
     try:
         yield
@@ -141,7 +143,7 @@ def _refusals() -> Iterator[None]:
         raise ApiProblem(409, "last_admin", str(error)) from error
 
 
-def _differences(before: AccountEntry, after: AccountEntry, *, new_password: bool) -> str:
+def _describe_changes(before: AccountEntry, after: AccountEntry, *, new_password: bool) -> str:
     said = []
     if before.role != after.role:
         said.append(f"role {before.role} -> {after.role}")
@@ -152,5 +154,5 @@ def _differences(before: AccountEntry, after: AccountEntry, *, new_password: boo
     return ", ".join(said)
 
 
-def _shape(entry: AccountEntry) -> PersonShape:
+def _person_schema(entry: AccountEntry) -> PersonShape:
     return PersonShape(**{**entry._asdict(), "id": str(entry.id)})

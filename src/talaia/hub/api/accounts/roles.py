@@ -36,7 +36,7 @@ class RolePages:
         self._seats = seats
         self._audit = audit
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/roles")(self.overview)
@@ -47,26 +47,26 @@ class RolePages:
 
     async def overview(self) -> RoleList:
         """List every role with its permissions."""
-        return RoleList(roles=[_shape(role) for role in await self._roles.all()])
+        return RoleList(roles=[_role_schema(role) for role in await self._roles.list_roles()])
 
     async def add(self, asked: RoleAsk, request: Request) -> RoleShape:
         """Make a role."""
         # Of sites and devices that may not be there yet: a permission needs no description.
         given = read_permissions(asked.permissions)
-        with _refusals():
+        with _translate_refusals():
             check_name(asked.name)
-            made = await self._roles.one(await self._roles.add(asked.name, given))
+            made = await self._roles.find_role(await self._roles.add_role(asked.name, given))
         self._append_record(request, "role added", f"{asked.name}: {in_words(given)}")
-        return _shape(made)
+        return _role_schema(made)
 
     async def change(self, role: str, asked: RoleAsk, request: Request) -> RoleShape:
         """Give a role another name or other permissions; open pages follow at once."""
         number, given = number_of(role, "role"), read_permissions(asked.permissions)
-        with _refusals():
+        with _translate_refusals():
             check_name(asked.name)
-            before = await self._roles.one(number)
-            await self._roles.change(number, asked.name, given)
-            after = await self._roles.one(number)
+            before = await self._roles.find_role(number)
+            await self._roles.change_role(number, asked.name, given)
+            after = await self._roles.find_role(number)
         # Whoever drives by this role loses it now, not at the next check.
         await self._seats.follow()
         # Both in the log: it must say what a role could do at any time.
@@ -76,12 +76,12 @@ class RolePages:
             "role changed",
             f"{before.name}: {was} -> {asked.name}: {in_words(given)}",
         )
-        return _shape(after)
+        return _role_schema(after)
 
     async def remove(self, role: str, request: Request) -> None:
         """Remove a role that nobody has."""
-        with _refusals():
-            name = await self._roles.remove(number_of(role, "role"))
+        with _translate_refusals():
+            name = await self._roles.remove_role(number_of(role, "role"))
         self._append_record(request, "role removed", name)
 
     def _append_record(self, request: Request, kind: str, message: str) -> None:
@@ -107,7 +107,7 @@ def in_words(given: Iterable[Permission]) -> str:
 
 
 @contextmanager
-def _refusals() -> Iterator[None]:
+def _translate_refusals() -> Iterator[None]:
     """Answer what the roles refuse."""
     try:
         yield
@@ -123,7 +123,7 @@ def _refusals() -> Iterator[None]:
         raise ApiProblem(409, "in_use", str(error)) from error
 
 
-def _shape(role: Role) -> RoleShape:
+def _role_schema(role: Role) -> RoleShape:
     return RoleShape(
         id=str(role.id),
         name=role.name,

@@ -45,7 +45,7 @@ class Accounts:
         self._passwords = passwords
         self._audit = audit
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.post("/api/login")(self.login)
@@ -57,12 +57,12 @@ class Accounts:
     async def login(self, asked: LoginAsk, request: Request, response: Response) -> Me:
         """Sign in. Wrong name and wrong password look alike, and take as long."""
         person = await self._proving.sign_in(request, asked.name, asked.password, asked.code)
-        return await self._welcome(person.id, request, response, "login")
+        return await self._welcome_person(person.id, request, response, "login")
 
     async def setup(self, asked: SetupAsk, request: Request, response: Response) -> Me:
         """Make the first admin and sign in."""
         # No name of a person begins like this, so it is counted by address alone.
-        ask = await self._proving.begin(request, f"\0setup from {address_of(request)}")
+        ask = await self._proving.begin_attempt(request, f"\0setup from {address_of(request)}")
         # Looked at first: hashing a password for anybody who asks would keep cores busy.
         if not await self._people.may_set_up(asked.token):
             self._audit.append_record("setup refused", address=address_of(request), good=False)
@@ -72,13 +72,13 @@ class Accounts:
             check_password(asked.password, asked.name)
         except WeakPassword as error:
             raise ApiProblem(422, "invalid", str(error)) from error
-        hashed = await self._passwords.hash(asked.password)
+        hashed = await self._passwords.hash_password(asked.password)
         user = await self._people.set_up(asked.token, asked.name, hashed)
         # Of two who had the link at once the other was quicker.
         if user is None:
             raise ApiProblem(403, "forbidden", "this set-up link is used up or too old")
-        await self._proving.right(ask)
-        return await self._welcome(user, request, response, "setup")
+        await self._proving.clear_attempt(ask)
+        return await self._welcome_person(user, request, response, "setup")
 
     async def logout(self, request: Request, response: Response) -> None:
         """End the session; its open sockets are closed at once."""
@@ -88,12 +88,14 @@ class Accounts:
 
     async def me(self, request: Request) -> Me:
         """Tell who is signed in, with which rights and until when."""
-        return _me(alive_of(request))
+        return _own_account(alive_of(request))
 
-    async def _welcome(self, user: int, request: Request, response: Response, kind: str) -> Me:
-        alive = await self._sessions.begin(user, request, response)
+    async def _welcome_person(
+        self, user: int, request: Request, response: Response, kind: str
+    ) -> Me:
+        alive = await self._sessions.start_session(user, request, response)
         self._audit.append_record(kind, who=alive.who.name, address=address_of(request))
-        return _me(alive)
+        return _own_account(alive)
 
 
 def permissions_of(grants: Grants) -> list[PermissionShape]:
@@ -113,12 +115,12 @@ def permissions_of(grants: Grants) -> list[PermissionShape]:
     ]
 
 
-def _me(alive: LiveSession) -> Me:
+def _own_account(alive: LiveSession) -> Me:
     who = alive.who
     return Me(
         name=who.name,
         role=who.role,
-        admin=who.grants.may(Right.ADMIN, ANY),
+        admin=who.grants.has_right(Right.ADMIN, ANY),
         factor=who.factor,
         idle_ends_us=alive.idle_ends_us,
         ends_us=alive.ends_us,

@@ -41,7 +41,7 @@ class TokenPages:
         self._audit = audit
         self._clock = clock
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/me/tokens")(self.overview)
@@ -61,7 +61,7 @@ class TokenPages:
                     ends_us=token.ends_us,
                     used_us=token.used_us,
                 )
-                for token in await self._tokens.of(who_of(request).user)
+                for token in await self._tokens.tokens_of(who_of(request).user)
             ]
         )
 
@@ -85,7 +85,7 @@ class TokenPages:
                 raise ApiProblem(
                     403, "forbidden", f"you do not have {in_words([permission])} yourself"
                 )
-        made = await self._tokens.add(who.user, asked.name, asked.ends_us, wanted)
+        made = await self._tokens.add_token(who.user, asked.name, asked.ends_us, wanted)
         if made is None:
             raise ApiProblem(409, "busy", f"you have {MOST} tokens; revoke some first")
         self._append_record(request, "token made", f"{asked.name}: {in_words(wanted)}")
@@ -93,7 +93,7 @@ class TokenPages:
 
     async def remove(self, token: str, request: Request) -> None:
         """Revoke a token; its open sockets are closed at once."""
-        name = await self._tokens.remove(who_of(request).user, number_of(token, "token"))
+        name = await self._tokens.revoke_token(who_of(request).user, number_of(token, "token"))
         if name is None:
             raise ApiProblem(404, "unknown", "you have no such token")
         # Sockets that it opened are closed.

@@ -7,7 +7,7 @@ import binascii
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.api.access import deny
+from talaia.hub.api.access import deny_socket
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem
 from talaia.hub.api.rate_limits import MOST_SOCKETS
 from talaia.hub.api.server.request_guard import HIDDEN_TOKEN
@@ -44,9 +44,7 @@ class ClientAdmission:
         self, *, access: Access, limits: RateLimits, protocols: OpenProtocols, sites: Sites
     ) -> None:
         """Know tokens by ``access``; what is open stands in ``protocols``."""
-        # Tokens only: what a browser sends by itself does not count here.
         self._access = access
-        # The same counts as for pages, by person.
         self._limits = limits
         self._protocols = protocols
         self._sites = sites
@@ -69,7 +67,6 @@ class ClientAdmission:
             raise ApiProblem(
                 403, "origin", "pages of this origin are not let in; an admin may (Admin, Clients)"
             )
-        # Its rights are what is left of the person's by now.
         alive = await self._access.who_of_token(token_of(connection))
         if alive is None:
             raise ApiProblem(401, "unauthorized", "no token, or one that is not good; see Account")
@@ -82,7 +79,7 @@ class ClientAdmission:
             ApiProblem: 404 there is none such, or it is not for them.
 
         """
-        live = self._sites.get(name)
+        live = self._sites.find_site(name)
         if live is None or not allows(AccessNeed.SEE, who.grants, live.description):
             raise ApiProblem(404, "unknown", "there is no such site")
         return live
@@ -96,18 +93,17 @@ class ClientAdmission:
             who = await self.identify_account(socket, protocol)
             live = self.site_for(who, socket.path_params["site"])
         except ApiProblem as no:
-            await deny(socket, status=no.status, code=no.code, message=no.message)
+            await deny_socket(socket, status=no.status, code=no.code, message=no.message)
             yield None
             return
         except StoreDown:
-            await deny(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
+            await deny_socket(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
             yield None
             return
-        # Counted for as long as the caller serves it.
-        with self._limits.socket(who) as allowed:
+        with self._limits.count_socket(who) as allowed:
             if not allowed:
                 message = f"at most {MOST_SOCKETS} connections at once"
-                await deny(socket, status=429, code="busy", message=message)
+                await deny_socket(socket, status=429, code="busy", message=message)
             origin = socket.headers.get("origin")
             yield AdmittedClient(who, live, origin) if allowed else None
 
@@ -131,6 +127,5 @@ def token_of(connection: HTTPConnection) -> str:
             return decoded.partition(":")[2]
         case _:
             pass
-    # `RequestGuard` has taken it out of the address.
     hidden = connection.scope.get(HIDDEN_TOKEN, "")
     return hidden if isinstance(hidden, str) else ""

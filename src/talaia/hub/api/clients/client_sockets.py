@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from fastapi import APIRouter, WebSocket
 
-from talaia.hub.api.access import address_of, deny
+from talaia.hub.api.access import address_of, deny_socket
 from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
 
 if TYPE_CHECKING:
@@ -80,17 +80,15 @@ class ClientSockets:
                 await self._serve(socket, admitted)
 
     async def _serve(self, socket: WebSocket, admitted: AdmittedClient) -> None:
-        # In the order in which the client would have them.
         offered: list[str] = socket.scope.get("subprotocols") or []
         chosen = next((name for name in offered if name in self._subprotocols), None)
         if self._subprotocols and chosen is None:
             known = " or ".join(self._subprotocols)
-            await deny(
+            await deny_socket(
                 socket, status=400, code="subprotocol", message=f"offer the subprotocol {known}"
             )
             return
         await socket.accept(subprotocol=chosen)
-        # Nothing is awaited from here until it is served: no change of the table is missed.
         connection = self._connections.connect(admitted.live, admitted.who)
         with self._protocols.count_client(self._protocol, connection, admitted.origin):
             self._append_record("client connected", socket, admitted)

@@ -44,7 +44,7 @@ class ArchivePages:
         """Answer from what is kept."""
         self._archive = archive
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/sites/{site}/nights")(self.nights)
@@ -58,7 +58,7 @@ class ArchivePages:
 
     async def nights(self, request: Request, site: str) -> NightList:
         """List the nights of which there are pictures that you may see, newest first."""
-        found = await self._archive.nights(site, _cameras(request))
+        found = await self._archive.list_nights(site, _visible_cameras(request))
         return NightList(
             nights=[NightShape(night=a.night, frames=a.frames, bytes=a.bytes) for a in found]
         )
@@ -89,29 +89,29 @@ class ArchivePages:
                 raise ApiProblem(422, "invalid", "expected ra 0 to 360 and dec -90 to 90 degrees")
             cone = Cone(ra, dec, radius)
         # The right is a part of the query, so that pages and ``more`` count only what may be seen.
-        cameras = [camera for camera in _cameras(request) if not device or camera == device]
+        cameras = [camera for camera in _visible_cameras(request) if not device or camera == device]
         wanted = Wanted(night, target, filter, kind, from_us, to_us, cone)
-        found, more = await self._archive.find(site, cameras, wanted, limit)
-        return FrameList(frames=[_shape(frame) for frame in found], more=more)
+        found, more = await self._archive.find_frames(site, cameras, wanted, limit)
+        return FrameList(frames=[_frame_schema(frame) for frame in found], more=more)
 
     async def one(self, request: Request, site: str, frame: str) -> FrameDetail:
         """Give a picture's facts, its header, and how its values lie."""
-        found = await self._frame(request, site, frame)
+        found = await self._find_frame(request, site, frame)
         try:
-            looks = await self._archive.looks(found)
+            looks = await self._archive.frame_looks(found)
         except NotKept as error:
             # The row is there and the file is not, or is damaged: somebody worked on the folder.
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
         return FrameDetail(
-            frame=_shape(found),
-            histogram=_histogram(looks),
+            frame=_frame_schema(found),
+            histogram=_histogram_schema(looks),
             header=[CardShape(key=a, value=b, comment=c) for a, b, c in looks.cards],
         )
 
     async def file(self, request: Request, site: str, frame: str) -> FileResponse:
         """Download the FITS file."""
-        found = await self._frame(request, site, frame)
-        path = self._archive.path(found)
+        found = await self._find_frame(request, site, frame)
+        path = self._archive.frame_path(found)
         if not path.is_file():
             raise ApiProblem(410, "gone", "the file is not there any more")
         return FileResponse(path, media_type="application/fits", filename=found.name, headers=STILL)
@@ -126,23 +126,25 @@ class ArchivePages:
         px: Annotated[int, Query(ge=64, le=2048)] = PREVIEW_PX,
     ) -> Response:
         """Draw the picture as PNG of at most ``px`` a side, with limits by zscale."""
-        found = await self._frame(request, site, frame)
+        found = await self._find_frame(request, site, frame)
         try:
             # All small sizes are one, so that a list of pictures is drawn once for every screen.
-            data = await self._archive.preview(found, stretch, SMALL_PX if px <= SMALL_PX else px)
+            data = await self._archive.render_preview(
+                found, stretch, SMALL_PX if px <= SMALL_PX else px
+            )
         except NotKept as error:
             raise ApiProblem(410, "gone", f"the file cannot be read any more: {error}") from error
         return Response(data, media_type="image/png", headers=STILL)
 
-    async def _frame(self, request: Request, site: str, frame: str) -> ArchivedFrame:
-        found = await self._archive.get(site, number_of(frame, "picture"))
+    async def _find_frame(self, request: Request, site: str, frame: str) -> ArchivedFrame:
+        found = await self._archive.find_frame(site, number_of(frame, "picture"))
         # A picture of another's camera is told like one that is not there.
-        if found is None or found.device not in _cameras(request):
+        if found is None or found.device not in _visible_cameras(request):
             raise ApiProblem(404, "unknown", "there is no such picture")
         return found
 
 
-def _cameras(request: Request) -> list[str]:
+def _visible_cameras(request: Request) -> list[str]:
     """Name the devices whose pictures the person may see."""
     site, grants = live_of(request).description, who_of(request).grants
     return [
@@ -153,7 +155,7 @@ def _cameras(request: Request) -> list[str]:
     ]
 
 
-def _shape(frame: ArchivedFrame) -> FrameShape:
+def _frame_schema(frame: ArchivedFrame) -> FrameShape:
     return FrameShape(
         id=str(frame.id),
         device=frame.device,
@@ -174,7 +176,7 @@ def _shape(frame: ArchivedFrame) -> FrameShape:
     )
 
 
-def _histogram(looks: Looks) -> HistogramShape:
+def _histogram_schema(looks: Looks) -> HistogramShape:
     return HistogramShape(
         minimum=_format_number(looks.minimum),
         maximum=_format_number(looks.maximum),

@@ -25,7 +25,7 @@ __all__ = ["AuditPages"]
 
 # Characters that are gathered before they are sent.
 _CHUNK = 64 * 1024
-_HEAD = ("id", "time_utc", *AuditEntry._fields)  # as `_cells` orders them
+_HEAD = ("id", "time_utc", *AuditEntry._fields)  # as `_csv_cells` orders them
 
 
 class AuditPages:
@@ -35,7 +35,7 @@ class AuditPages:
         """Read from ``audit``; that somebody took a copy is written there, too."""
         self._audit = audit
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/audit")(self.rows)
@@ -46,9 +46,9 @@ class AuditPages:
     async def rows(self, asked: Annotated[AuditPage, Query()]) -> AuditList:
         """List what happened, newest first."""
         # Notes are written a moment later: who looks at once should find what was just done.
-        await self._audit.written()
-        rows, more = await self._audit.find(_filter(asked), asked.limit)
-        return AuditList(rows=[_shape(row) for row in rows], more=more)
+        await self._audit.wait_written()
+        rows, more = await self._audit.find_records(_audit_filter(asked), asked.limit)
+        return AuditList(rows=[_row_schema(row) for row in rows], more=more)
 
     async def export(
         self, request: Request, asked: Annotated[AuditAsk, Query()]
@@ -60,18 +60,18 @@ class AuditPages:
         self._audit.append_record(
             "audit exported", who=name, address=address_of(request), message=said
         )
-        await self._audit.written()
+        await self._audit.wait_written()
         return StreamingResponse(
             # Row by row: a log of years does not fit in memory.
-            _csv(self._audit.every(_filter(asked))),
+            _write_csv(self._audit.iterate_records(_audit_filter(asked))),
             media_type="text/csv; charset=utf-8",
             headers={"Content-Disposition": 'attachment; filename="talaia-audit.csv"'},
         )
 
     async def verify(self, request: Request) -> AuditChain:
         """Say whether a row was changed or is missing, since the first one."""
-        await self._audit.written()
-        found = await self._audit.verify()
+        await self._audit.wait_written()
+        found = await self._audit.verify_chain()
         said = f"{found.rows} rows" + (f", broken at {found.broken}" if found.broken else "")
         self._audit.append_record(
             "audit verified",
@@ -84,20 +84,20 @@ class AuditPages:
         return AuditChain(ok=not found.broken, rows=found.rows, broken=found.broken)
 
 
-def _filter(asked: AuditAsk) -> AuditFilter:
+def _audit_filter(asked: AuditAsk) -> AuditFilter:
     return AuditFilter(**asked.model_dump(exclude={"limit"}))
 
 
-def _shape(row: AuditRecord) -> AuditRow:
+def _row_schema(row: AuditRecord) -> AuditRow:
     return AuditRow(id=str(row.id), **row.entry._asdict())
 
 
-async def _csv(rows: AsyncIterator[AuditRecord]) -> AsyncIterator[str]:
+async def _write_csv(rows: AsyncIterator[AuditRecord]) -> AsyncIterator[str]:
     buffer = io.StringIO(newline="")
     lines = csv.writer(buffer)
     lines.writerow(_HEAD)
     async for row in rows:
-        lines.writerow(_cells(row))
+        lines.writerow(_csv_cells(row))
         if buffer.tell() > _CHUNK:
             yield buffer.getvalue()
             buffer.seek(0)
@@ -105,7 +105,7 @@ async def _csv(rows: AsyncIterator[AuditRecord]) -> AsyncIterator[str]:
     yield buffer.getvalue()
 
 
-def _cells(row: AuditRecord) -> Iterable[str | int]:
+def _csv_cells(row: AuditRecord) -> Iterable[str | int]:
     entry = row.entry
     time = dt.datetime.fromtimestamp(entry.time_us / 1e6, dt.UTC).isoformat(timespec="milliseconds")
     return [

@@ -65,7 +65,7 @@ def asked_channels(
     found: dict[str, Asked] = {}
     for address in addresses:
         # First as it is described now; a former channel of the same address is the same one.
-        some = _described(live, grants, address)
+        some = _described_channels(live, grants, address)
         if not some and may_read(live, grants, address):
             former = stored(address)
             some = [] if former is None else [former]
@@ -100,10 +100,10 @@ def may_read(live: LiveSite, grants: Grants, address: str) -> bool:
     for channel in live.channels:
         if channel.address == address:
             return sees_signal(grants, site, channel.device, channel.signal)
-    return grants.may(Right.VIEW, site.site, device)
+    return grants.has_right(Right.VIEW, site.site, device)
 
 
-def _described(live: LiveSite, grants: Grants, address: str) -> list[Asked]:
+def _described_channels(live: LiveSite, grants: Grants, address: str) -> list[Asked]:
     site = live.description
     found = []
     for channel in live.channels:

@@ -72,7 +72,7 @@ class HistoryPages:
         """Answer from what is stored."""
         self._history = history
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get(
@@ -107,19 +107,21 @@ class HistoryPages:
         Spikes are kept and gaps named. It comes as JSON, or as an Arrow stream if ``format`` or
         the Accept header says so.
         """
-        asked = self._asked(request, [*channel, *signal])
-        _check(from_us, to_us)
+        asked = self._find_channels(request, [*channel, *signal])
+        _check_window(from_us, to_us)
         site, addresses = live_of(request).name, [channel.address for channel in asked]
         # Of states the least and the greatest of a pixel say nothing.
         steps = frozenset(channel.address for channel in asked if channel.states)
-        found = await self._history.read(site, addresses, from_us, to_us, width=width, steps=steps)
+        found = await self._history.read_series(
+            site, addresses, from_us, to_us, width=width, steps=steps
+        )
         if format == "arrow" or (not format and _ARROW in request.headers.get("accept", "")):
             # Arrow takes 40 MB of memory, which a hub that is not asked for it need not carry.
             from talaia.hub.history.queries.arrow import series_to_arrow
 
             return Response(series_to_arrow(found), media_type=_ARROW)
         # Encoded by msgspec: whole columns at a time, and NaN becomes null.
-        body = msgspec.json.encode({"series": [_series(statistics) for statistics in found]})
+        body = msgspec.json.encode({"series": [_series_json(statistics) for statistics in found]})
         return Response(body, media_type="application/json")
 
     async def last(
@@ -130,10 +132,10 @@ class HistoryPages:
         signal: _Addresses = [],  # noqa: B006
     ) -> ValueList:
         """Give the last value of some channels before a time; those that have none are left out."""
-        asked = self._asked(request, [*channel, *signal])
+        asked = self._find_channels(request, [*channel, *signal])
         addresses = [channel.address for channel in asked]
         # `last` includes its end, "before" does not.
-        found = await self._history.last(live_of(request).name, addresses, before_us - 1)
+        found = await self._history.last_readings(live_of(request).name, addresses, before_us - 1)
         return ValueList(
             values=[
                 ValueShape(address=a, t_us=found[a][0], v=found[a][1], text=text or None)
@@ -153,11 +155,13 @@ class HistoryPages:
         signal: _Addresses = [],  # noqa: B006
     ) -> StatisticsList:
         """Sum up a window of some channels."""
-        asked = self._asked(request, [*channel, *signal])
-        _check(from_us, to_us)
+        asked = self._find_channels(request, [*channel, *signal])
+        _check_window(from_us, to_us)
         addresses = [channel.address for channel in asked]
-        found = await self._history.statistics(live_of(request).name, addresses, from_us, to_us)
-        return StatisticsList(statistics=[_statistics(statistics) for statistics in found])
+        found = await self._history.read_statistics(
+            live_of(request).name, addresses, from_us, to_us
+        )
+        return StatisticsList(statistics=[_statistics_schema(statistics) for statistics in found])
 
     async def outliers(
         self,
@@ -174,16 +178,16 @@ class HistoryPages:
         All stored samples count, not those that a chart is drawn of; of a window with very many an
         even part, and ``exact`` says so. It takes two or three seconds for each hundred million.
         """
-        asked = self._asked(request, [*channel, *signal])
-        _check(from_us, to_us)
+        asked = self._find_channels(request, [*channel, *signal])
+        _check_window(from_us, to_us)
         site, found = live_of(request).name, []
         for asked_channel in asked:
-            looking = self._history.outliers(site, asked_channel.address, from_us, to_us, k=k)
+            looking = self._history.count_outliers(site, asked_channel.address, from_us, to_us, k=k)
             # Ended here and now, also when who asks has gone: the next one waits for it.
             async with aclosing(looking) as steps:
                 async for step in steps:
                     if step is not None:
-                        found.append(_outliers(step))
+                        found.append(_outlier_schema(step))
                     elif await request.is_disconnected():
                         # Nobody waits for it any more.
                         return OutlierList(outliers=found)
@@ -196,10 +200,10 @@ class HistoryPages:
         """
         live, grants = live_of(request), who_of(request).grants
         described = {channel.address for channel in live.channels}
-        found = await self._history.channels(live.name, described if former else ())
+        found = await self._history.list_channels(live.name, described if former else ())
         return StoredList(
             channels=[
-                _stored(stored, self._history.kind_of(live.name, stored.address), described)
+                _stored_schema(stored, self._history.kind_of(live.name, stored.address), described)
                 for stored in found
                 # Scores stand beside their signal, and are not a signal of before.
                 if SCORES not in stored.address and may_read(live, grants, stored.address)
@@ -222,8 +226,8 @@ class HistoryPages:
         One row for each time stamp, one column for each channel. With a ``width``, it holds what
         a chart of so many pixels shows; without, every sample.
         """
-        asked = self._asked(request, [*channel, *signal])
-        _check(from_us, to_us)
+        asked = self._find_channels(request, [*channel, *signal])
+        _check_window(from_us, to_us)
         site, form = live_of(request).name, FileForm(format)
         columns = [
             ExportColumn(
@@ -231,7 +235,7 @@ class HistoryPages:
             )
             for channel in asked
         ]
-        pieces = self._history.export(site, columns, from_us, to_us, form=form, width=width)
+        pieces = self._history.export_samples(site, columns, from_us, to_us, form=form, width=width)
         try:
             # The first piece tells whether it can be done at all, while there is a status to set.
             first = await anext(pieces, b"")
@@ -244,7 +248,7 @@ class HistoryPages:
             headers={"Content-Disposition": f'attachment; filename="{name}"'},
         )
 
-    def _asked(self, request: Request, addresses: list[str]) -> list[Asked]:
+    def _find_channels(self, request: Request, addresses: list[str]) -> list[Asked]:
         if not addresses:
             raise ApiProblem(422, "invalid", "name at least one channel or signal")
         live = live_of(request)
@@ -256,7 +260,7 @@ class HistoryPages:
             if address in scores:
                 # Perhaps of a detector that has not written any yet.
                 return Asked(address)
-            if not self._history.knows(live.name, address):
+            if not self._history.has_channel(live.name, address):
                 return None
             return former_channel(address, self._history.kind_of(live.name, address))
 
@@ -272,11 +276,11 @@ class HistoryPages:
         if asked.known:
             return asked.text
         # Nobody knows what it was, so its newest sample tells.
-        found = await self._history.last(site, [asked.address])
+        found = await self._history.last_readings(site, [asked.address])
         return any(text for _, _, text in found.values())
 
 
-def _check(from_us: int, to_us: int) -> None:
+def _check_window(from_us: int, to_us: int) -> None:
     if from_us >= to_us:
         raise ApiProblem(422, "invalid", "from_us must be before to_us")
 
@@ -287,7 +291,7 @@ async def _rest(first: bytes, pieces: AsyncIterator[bytes]) -> AsyncIterator[byt
         yield piece
 
 
-def _stored(
+def _stored_schema(
     channel: StoredChannel, kind: StoredSensorKind | None, described: Collection[str]
 ) -> StoredShape:
     said = StoredSensorKind("", "", "", (), -1) if kind is None else kind
@@ -302,12 +306,12 @@ def _stored(
     )
 
 
-def _outliers(found: Outliers) -> OutlierShape:
+def _outlier_schema(found: Outliers) -> OutlierShape:
     said = found._asdict()
     return OutlierShape(count=said.pop("outliers"), **said)
 
 
-def _series(series: Series) -> dict[str, object]:
+def _series_json(series: Series) -> dict[str, object]:
     texts = series.texts
     said: dict[str, object] = {
         "address": series.address,
@@ -324,22 +328,22 @@ def _series(series: Series) -> dict[str, object]:
     return said
 
 
-def _statistics(of: Statistics) -> StatisticsShape:
+def _statistics_schema(of: Statistics) -> StatisticsShape:
     return StatisticsShape(
         address=of.address,
         count=of.samples,
         numbers=of.numbers,
-        low=_reading(of.low),
-        high=_reading(of.high),
+        low=_reading_schema(of.low),
+        high=_reading_schema(of.high),
         mean=of.mean,
         deviation=of.deviation,
-        first=_reading(of.first),
-        last=_reading(of.last),
+        first=_reading_schema(of.first),
+        last=_reading_schema(of.last),
         gap_us=of.gap_us,
     )
 
 
-def _reading(reading: SampleReading | None) -> ReadingShape | None:
+def _reading_schema(reading: SampleReading | None) -> ReadingShape | None:
     if reading is None:
         return None
     return ReadingShape(t_us=reading.time_us, v=reading.value, text=reading.text or None)

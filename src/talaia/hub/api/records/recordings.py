@@ -53,7 +53,7 @@ class RecordingPages:
         self._recordings = recordings
         self._audit = audit
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/recordings"
@@ -69,7 +69,7 @@ class RecordingPages:
     async def overview(self, site: str, request: Request) -> RecordingListShape:
         """List what was recorded, and tell whether anything is being recorded now."""
         live, grants = live_of(request), who_of(request).grants
-        found = await self._recordings.of(site)
+        found = await self._recordings.recordings_of(site)
         # ``retained`` outlives the link, so what it says counts only while the gateway is online.
         plan, now = live.description.recording, live.retained.recorder
         return RecordingListShape(
@@ -83,15 +83,15 @@ class RecordingPages:
                 who=now.who if now is not None else "",
                 since_us=now.since_us if now is not None else 0,
                 problem=now.problem if now is not None else "",
-                topics=list(live.description.recorded()),
-                cameras=list(live.description.filmed()),
+                topics=list(live.description.recorded_topics()),
+                cameras=list(live.description.filmed_cameras()),
                 filming=list(now.films) if live.online and now is not None else [],
                 can_film=now is not None and now.can_film,
                 before_s=plan.before if plan is not None else 0.0,
-                may_record=grants.may(Right.USE, site),
-                may_delete=grants.may(Right.ADMIN, site),
+                may_record=grants.has_right(Right.USE, site),
+                may_delete=grants.has_right(Right.ADMIN, site),
             ),
-            recordings=[_shape(recording) for recording in found],
+            recordings=[_recording_schema(recording) for recording in found],
         )
 
     async def record(self, asked: RecordAskShape, request: Request) -> None:
@@ -106,7 +106,9 @@ class RecordingPages:
             raise ApiProblem(404, "unknown", "there is no such camera")
         if asked.stream and (live.retained.recorder is None or not live.retained.recorder.can_film):
             raise ApiProblem(409, "unable", _UNABLE)
-        if not asked.stream and not (live.description.recorded() or live.description.filmed()):
+        if not asked.stream and not (
+            live.description.recorded_topics() or live.description.filmed_cameras()
+        ):
             raise ApiProblem(409, "undescribed", "the site description names nothing to record")
         # Queued and forgotten here; the gateway answers by its state and an event.
         live.link.send(RecordingRequest(on=asked.on, who=name, why=asked.why, stream=asked.stream))
@@ -116,22 +118,22 @@ class RecordingPages:
 
     async def file(self, site: str, recording: str, request: Request) -> Response:
         """Download a recording as MCAP, or a film as MP4; ranges may be asked for."""
-        found = await self._found(site, recording)
-        return await self._sent(found, request, "attachment")
+        found = await self._find_recording(site, recording)
+        return await self._send_file(found, request, "attachment")
 
     async def films(
         self, site: str, request: Request, from_us: Time = 0, to_us: Time = 2**53
     ) -> FilmListShape:
         """List films that have something of a time, of the cameras that you may see."""
         live, grants = live_of(request), who_of(request).grants
-        found = await self._recordings.between(site, from_us, to_us)
-        films = [recording for recording in found if _sees(grants, live, recording)]
-        why_not = _why_no_film(live, may=grants.may(Right.USE, site))
+        found = await self._recordings.recordings_between(site, from_us, to_us)
+        films = [recording for recording in found if _sees_recording(grants, live, recording)]
+        why_not = _why_no_film(live, may=grants.has_right(Right.USE, site))
         now = live.retained.recorder
         rolling = now.films if live.online and now is not None else ()
-        unfilmed = _unfilmed(live, found) if grants.may(Right.VIEW, site) else []
+        unfilmed = _pair_unfilmed(live, found) if grants.has_right(Right.VIEW, site) else []
         return FilmListShape(
-            films=[_film(film) for film in films[:_MOST_FILMS]],
+            films=[_film_schema(film) for film in films[:_MOST_FILMS]],
             more=len(films) > _MOST_FILMS,
             unfilmed=unfilmed[:_MOST_FILMS],
             filming=[recording for recording in rolling if _sees_camera(grants, live, recording)],
@@ -141,13 +143,13 @@ class RecordingPages:
 
     async def film(self, site: str, recording: str, request: Request) -> Response:
         """Show a film (MP4); ranges may be asked for."""
-        found = await self._recordings.find(site, recording)
-        if found is None or not _sees(who_of(request).grants, live_of(request), found):
+        found = await self._recordings.find_recording(site, recording)
+        if found is None or not _sees_recording(who_of(request).grants, live_of(request), found):
             raise ApiProblem(404, "unknown", "there is no such film")
-        return await self._sent(found, request, "inline")
+        return await self._send_file(found, request, "inline")
 
-    async def _sent(self, found: Recorded, request: Request, how: str) -> Response:
-        path = self._recordings.path(found)
+    async def _send_file(self, found: Recorded, request: Request, how: str) -> Response:
+        path = self._recordings.file_path(found)
         # The disk may be slow, or a network's.
         there = await asyncio.to_thread(path.is_file)
         if found.state is not RecordingState.COMPLETE or not there:
@@ -168,12 +170,12 @@ class RecordingPages:
 
     async def remove(self, site: str, recording: str, request: Request) -> None:
         """Delete a recording for good."""
-        found = await self._found(site, recording)
-        await self._recordings.remove(found)
+        found = await self._find_recording(site, recording)
+        await self._recordings.remove_recording(found)
         self._append_record(request, "recording deleted", site, found.id)
 
-    async def _found(self, site: str, recording: str) -> Recorded:
-        found = await self._recordings.find(site, recording)
+    async def _find_recording(self, site: str, recording: str) -> Recorded:
+        found = await self._recordings.find_recording(site, recording)
         if found is None:
             raise ApiProblem(404, "unknown", "there is no such recording")
         return found
@@ -189,14 +191,14 @@ def _is_camera(live: LiveSite, stream: str) -> bool:
     return described is not None and name in described.streams
 
 
-def _sees(grants: Grants, live: LiveSite, recorded: Recorded) -> bool:
+def _sees_recording(grants: Grants, live: LiveSite, recorded: Recorded) -> bool:
     return bool(recorded.stream) and _sees_camera(grants, live, recorded.stream)
 
 
 def _sees_camera(grants: Grants, live: LiveSite, stream: str) -> bool:
     """Tell whether a person may see a camera; of one that is no more, who may see the site."""
     device, _, name = stream.partition("/")
-    if grants.may(Right.VIEW, live.name):
+    if grants.has_right(Right.VIEW, live.name):
         return True
     return sees_stream(grants, live.description, device, name)
 
@@ -211,7 +213,7 @@ def _why_no_film(live: LiveSite, *, may: bool) -> str:
     return "" if live.retained.recorder is not None and live.retained.recorder.can_film else _UNABLE
 
 
-def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
+def _pair_unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
     """Pair recordings with the cameras that only they have, and no film of that time."""
     topics = {
         topic_of(stream.source): f"{name}/{key}"
@@ -243,13 +245,13 @@ def _unfilmed(live: LiveSite, found: Sequence[Recorded]) -> list[UnfilmedShape]:
     return shapes
 
 
-def _film(recorded: Recorded) -> FilmShape:
+def _film_schema(recorded: Recorded) -> FilmShape:
     told = recorded._asdict()
     fields = {key: told[key] for key in FilmShape.model_fields if key not in ("state", "pictures")}
     return FilmShape(**fields, state=recorded.state, pictures=recorded.messages)
 
 
-def _shape(recorded: Recorded) -> RecordingShape:
+def _recording_schema(recorded: Recorded) -> RecordingShape:
     told = recorded._asdict()
     return RecordingShape(
         **{key: told[key] for key in RecordingShape.model_fields if key not in ("state", "topics")},

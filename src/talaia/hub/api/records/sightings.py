@@ -33,7 +33,7 @@ class SightingPages:
         """Answer from what is kept."""
         self._store = store
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/sightings"
@@ -61,7 +61,7 @@ class SightingPages:
         a page, for the next page.
         """
         # Cameras of former descriptions, too: from what was kept, not from what is described.
-        seen = await self._store.seen(site)
+        seen = await self._store.seen_labels(site)
         cameras = {
             address
             for address, _ in seen
@@ -70,7 +70,7 @@ class SightingPages:
         asked = SightingsAsked(
             from_us=from_us, to_us=to_us, cameras=cameras, label=label, open=open, before=before
         )
-        found, more = await self._store.find(site, asked, limit)
+        found, more = await self._store.find_sightings(site, asked, limit)
         # A database may compare names without regard to case; a right does not.
         mine = [sighting for sighting in found if sighting.sighted.camera in cameras]
         return SightingList(sightings=[seen_shape(sighting) for sighting in mine], more=more)
@@ -80,14 +80,14 @@ class SightingPages:
         return SightingLabels(
             labels=[
                 LabelShape(camera=camera, label=label)
-                for camera, label in await self._store.seen(site)
+                for camera, label in await self._store.seen_labels(site)
                 if _may_see(request, camera)
             ]
         )
 
     async def picture(self, request: Request, site: str, sighting: str) -> Response:
         """Give the picture of a moment of a sighting (JPEG)."""
-        found = await self._store.picture(site, number_of(sighting, "sighting"))
+        found = await self._store.sighting_picture(site, number_of(sighting, "sighting"))
         if found is None or not found[1] or not _may_see(request, found[0]):
             raise ApiProblem(404, "unknown", "there is no such picture")
         return Response(found[1], media_type="image/jpeg", headers=STILL)
@@ -115,6 +115,6 @@ def _may_see(request: Request, camera: str) -> bool:
     """
     live, grants = live_of(request), who_of(request).grants
     device, _, stream = camera.partition("/")
-    return sees_stream(grants, live.description, device, stream) or grants.may(
+    return sees_stream(grants, live.description, device, stream) or grants.has_right(
         Right.VIEW, live.name, device
     )

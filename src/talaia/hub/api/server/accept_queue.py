@@ -54,7 +54,7 @@ class AcceptQueue:
         # Not blocking, as `sock_accept` needs it.
         self._listener.settimeout(0)
         self._listener.listen(QUEUE)
-        self._task = asyncio.create_task(self._run())
+        self._task = asyncio.create_task(self._accept_loop())
 
     async def close(self) -> None:
         """Take nobody in any more; who was just arriving is turned away."""
@@ -64,7 +64,7 @@ class AcceptQueue:
                 task.cancel()
             await asyncio.gather(*ending, return_exceptions=True)
 
-    async def _run(self) -> None:
+    async def _accept_loop(self) -> None:
         loop = asyncio.get_running_loop()
         # Whether it was said already: one line when it begins, one when it is over.
         full = False

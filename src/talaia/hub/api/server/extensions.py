@@ -13,7 +13,7 @@ from talaia.extensions.declarations import (
     ExtensionKeys,
     NotifierExtension,
 )
-from talaia.extensions.installed import BrokenExtension, installed
+from talaia.extensions.installed import BrokenExtension, installed_extensions
 from talaia.extensions.key_descriptions import keys_shown
 from talaia.extensions.tile_folder import TILE_GROUP
 from talaia.hub.api.guarded_routes import GuardedRoute
@@ -36,7 +36,7 @@ class ExtensionPages:
         """List what is installed, and ``tiles`` beside it."""
         self._tiles = tiles
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/extensions")(self.overview)
@@ -50,11 +50,11 @@ class ExtensionPages:
                 name=found.name,
                 package=found.package,
                 summary=found.declared.summary,
-                keys=_keys(found.declared),
+                keys=_key_schemas(found.declared),
             )
-            for found in installed().every()
+            for found in installed_extensions().list_extensions()
         ]
-        broken = installed().broken()
+        broken = installed_extensions().list_broken()
         extensions += [
             ExtensionShape(
                 group=TILE_GROUP,
@@ -72,7 +72,7 @@ class ExtensionPages:
         return ExtensionList(extensions=extensions, broken=broken)
 
 
-def _keys(declared: Declared) -> list[ExtensionKeyShape]:
+def _key_schemas(declared: Declared) -> list[ExtensionKeyShape]:
     # Has no keys: what an extension of another kind is shown with.
     shape: type[ExtensionKeys] = ExtensionKeys
     secret: frozenset[str] = frozenset()

@@ -34,11 +34,11 @@ class HubProtocol(HttpToolsProtocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for a head, but not for ever."""
         super().connection_made(transport)
-        self._arm(HEAD_S)
+        self._arm_timer(HEAD_S)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Wait no more."""
-        self._disarm()
+        self._disarm_timer()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
@@ -48,38 +48,38 @@ class HubProtocol(HttpToolsProtocol):
         if self._in_head and not self.transport.is_closing():
             self._head += len(data)
             if self._head > MAX_HEAD:
-                self._end(431, "head", f"a request's head holds at most {MAX_HEAD} bytes")
+                self._end_request(431, "head", f"a request's head holds at most {MAX_HEAD} bytes")
 
     def on_message_begin(self) -> None:
         """Begin a head."""
         super().on_message_begin()
         self._in_head, self._head = True, 0
-        self._arm(HEAD_S)
+        self._arm_timer(HEAD_S)
 
     def on_headers_complete(self) -> None:
         """Go on to the body, which may take longer."""
         super().on_headers_complete()
         self._in_head = False
-        self._arm(BODY_S)
+        self._arm_timer(BODY_S)
 
     def on_message_complete(self) -> None:
         """Wait no more; the next head is uvicorn's matter until it begins."""
         super().on_message_complete()
-        self._disarm()
+        self._disarm_timer()
 
     def handle_websocket_upgrade(self) -> None:
         """Hand the connection over."""
         # A socket stays open for days; its own limits hold from now on.
-        self._disarm()
+        self._disarm_timer()
         super().handle_websocket_upgrade()
 
     def send_400_response(self, msg: str) -> None:
         """Say no in our form, with our headers."""
-        self._end(400, "invalid", msg)
+        self._end_request(400, "invalid", msg)
 
-    def _end(self, status: int, code: str, message: str) -> None:
+    def _end_request(self, status: int, code: str, message: str) -> None:
         # There may be no request yet that uvicorn could answer: it is written here by hand.
-        self._disarm()
+        self._disarm_timer()
         body = json.dumps({"code": code, "message": message}).encode()
         headers = [
             *guarding_headers("", tls=self.scheme == "https"),
@@ -94,20 +94,20 @@ class HubProtocol(HttpToolsProtocol):
         # What is written goes out first.
         self.transport.close()
 
-    def _arm(self, seconds: float) -> None:
-        self._disarm()
-        self._timer = self.loop.call_later(seconds, self._late)
+    def _arm_timer(self, seconds: float) -> None:
+        self._disarm_timer()
+        self._timer = self.loop.call_later(seconds, self._handle_timeout)
 
-    def _disarm(self) -> None:
+    def _disarm_timer(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
 
-    def _late(self) -> None:
+    def _handle_timeout(self) -> None:
         self._timer = None
         cycle: RequestResponseCycle | None = self.cycle
         if cycle is not None and cycle.response_started:
             # It has its answer; what it still sends is not wanted.
             self.transport.close()
         elif not self.transport.is_closing():
-            self._end(408, "late", "the request took too long")
+            self._end_request(408, "late", "the request took too long")

@@ -31,7 +31,7 @@ class Proxies:
     def look_through(self, scope: Scope) -> Scope:
         """Give the request as the proxy got it: the asker's address, and whether it was TLS."""
         peer = scope["client"][0] if scope.get("client") else ""
-        if not self._networks or not self._listed(peer):
+        if not self._networks or not self._is_listed(peer):
             return scope
         headers = Headers(scope=scope)
         # A copy: the server still uses its own.
@@ -40,18 +40,18 @@ class Proxies:
         # as anybody's word can be believed.
         hops = [hop.strip() for hop in ",".join(headers.getlist("x-forwarded-for")).split(",")]
         for hop in reversed(hops):
-            address = _address(hop)
+            address = _address_of_hop(hop)
             if not address:
                 break
             # The port is not told, and nobody asks for it.
             seen["client"] = (address, 0)
-            if not self._listed(address):
+            if not self._is_listed(address):
                 break
         if headers.get("x-forwarded-proto", "").strip().lower() in {"https", "wss"}:
             seen["scheme"] = _SECURE[scope["scheme"]]
         return seen
 
-    def _listed(self, text: str) -> bool:
+    def _is_listed(self, text: str) -> bool:
         try:
             address = ipaddress.ip_address(text)
         except ValueError:
@@ -62,7 +62,7 @@ class Proxies:
         return any(address in network for network in self._networks)
 
 
-def _address(hop: str) -> str:
+def _address_of_hop(hop: str) -> str:
     """Read an entry, which may have a port; empty when it is no address."""
     text = hop[1:].split("]", 1)[0] if hop.startswith("[") else hop
     # One colon parts a port from an IPv4 address; an IPv6 address has two at least.

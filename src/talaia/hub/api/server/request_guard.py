@@ -9,7 +9,7 @@ from urllib.parse import parse_qsl, urlencode
 
 from starlette.datastructures import Headers, MutableHeaders
 
-from talaia.hub.api.problems import problem
+from talaia.hub.api.problems import problem_response
 from talaia.hub.api.server.proxies import Proxies
 from talaia.hub.api.server.response_headers import guarding_headers
 
@@ -96,7 +96,7 @@ class RequestGuard:
         if no is None:
             await self._app(scope, receive, dressed)
         else:
-            await _refuse(no, scope, receive, dressed)
+            await _refuse_request(no, scope, receive, dressed)
 
     def _is_ours(self, host: str, scope: Scope) -> bool:
         if not _STRANGE.isdisjoint(host):
@@ -156,7 +156,7 @@ def _may_change(path: str, headers: Headers, host: str, *, tls: bool) -> bool:
         # No Origin, but a browser all the same.
         return site == "same-origin"
     # No page at all: nothing here goes by a cookie.
-    return path == _ENROL or _bearer(headers)
+    return path == _ENROL or _has_bearer(headers)
 
 
 def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | None:
@@ -167,7 +167,7 @@ def _of_socket(path: str, headers: Headers, host: str, *, tls: bool) -> _No | No
     if path.startswith(_GATEWAY):
         # A gateway is no page; a page must not speak to this door whatever key it has.
         return _No(403, "origin", "this is no door for pages") if origin is not None else None
-    if origin is None and "cookie" not in headers and _bearer(headers):
+    if origin is None and "cookie" not in headers and _has_bearer(headers):
         # A script with a token of its own; a page cannot send one when it opens a socket.
         return None
     # Browsers let any page open a socket to anywhere: the same-origin policy does not hold there.
@@ -186,7 +186,7 @@ def _hide_token(scope: Scope) -> None:
     scope["query_string"] = urlencode(kept, safe="*").encode("ascii")
 
 
-def _bearer(headers: Headers) -> bool:
+def _has_bearer(headers: Headers) -> bool:
     return headers.get("authorization", "").lower().startswith("bearer ")
 
 
@@ -198,8 +198,8 @@ def _same_address(name: str, own: str) -> bool:
         return False
 
 
-async def _refuse(no: _No, scope: Scope, receive: Receive, send: Send) -> None:
-    answer = problem(*no)
+async def _refuse_request(no: _No, scope: Scope, receive: Receive, send: Send) -> None:
+    answer = problem_response(*no)
     if scope["type"] == "http":
         await answer(scope, receive, send)
         return

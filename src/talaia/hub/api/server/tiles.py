@@ -11,7 +11,7 @@ from fastapi.responses import Response
 from talaia.extensions.tile_folder import TILE_API_VERSION
 from talaia.hub.api.access import who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
-from talaia.hub.api.problems import problem
+from talaia.hub.api.problems import problem_response
 from talaia.hub.api.schemas.tile_schemas import (
     TileList,
     TileShape,
@@ -35,7 +35,7 @@ class TilePages:
         """Serve what was read of ``folder``, and nothing else."""
         self._folder = folder
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/tiles")(self.overview)
@@ -54,7 +54,7 @@ class TilePages:
         admin = allows(AccessNeed.ADMIN, who_of(request).grants)
         return TileList(
             api=TILE_API_VERSION,
-            tiles=[_shape(found) for found in self._folder.tiles],
+            tiles=[_tile_schema(found) for found in self._folder.tiles],
             broken=list(self._folder.broken) if admin else [],
         )
 
@@ -63,11 +63,11 @@ class TilePages:
         # Looked up among the names that were read at the start: no path reaches the disk.
         found = self._folder.find_file(tile, path)
         if found is None:
-            return problem(404, "unknown", "there is no such file")
+            return problem_response(404, "unknown", "there is no such file")
         return Response(found.content, media_type=found.media_type, headers=_FRESH)
 
 
-def _shape(tile: Tile) -> TileShape:
+def _tile_schema(tile: Tile) -> TileShape:
     manifest = tile.manifest
     return TileShape(
         name=tile.name,

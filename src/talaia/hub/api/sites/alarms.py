@@ -9,7 +9,7 @@ import msgspec
 from fastapi import APIRouter, Query, Request
 
 from talaia.hub.alarms.conditions import AlarmCondition
-from talaia.hub.alarms.preview import Track, preview
+from talaia.hub.alarms.preview import Track, preview_alarm
 from talaia.hub.alarms.state_machine import (
     Acknowledge,
     Assign,
@@ -79,7 +79,7 @@ class AlarmPages:
         self._audit = audit
         self._clock = clock
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/alarms"
@@ -95,19 +95,19 @@ class AlarmPages:
         """List the alarms that are open to you; how they stand is told over the socket."""
         grants = who_of(request).grants
         return AlarmList(
-            may_manage=grants.may(Right.ADMIN, site),
+            may_manage=grants.has_right(Right.ADMIN, site),
             alarms=[
                 AlarmShape(
                     alarm=live_alarm.about.alarm,
                     device=live_alarm.about.device,
-                    definition=_shape(live_alarm.alarm),
+                    definition=_alarm_schema(live_alarm.alarm),
                     made=live_alarm.made,
                     problem=live_alarm.problem,
-                    may_use=grants.may(Right.USE, site, live_alarm.about.device or ANY),
+                    may_use=grants.has_right(Right.USE, site, live_alarm.about.device or ANY),
                 )
-                for live_alarm in self._alarms.of(site)
+                for live_alarm in self._alarms.alarms_of(site)
                 if live_alarm.alarm is not None
-                and grants.may(Right.VIEW, site, live_alarm.about.device or ANY)
+                and grants.has_right(Right.VIEW, site, live_alarm.about.device or ANY)
             ],
         )
 
@@ -121,8 +121,8 @@ class AlarmPages:
         before: Annotated[int, Query(ge=0, le=2**53)] = 2**53,
     ) -> AlarmPastList:
         """List what has happened to an alarm, newest first."""
-        self._found(request, site, alarm, Right.VIEW)
-        found = await self._store.past(site, alarm, limit + 1, before)
+        self._find_alarm(request, site, alarm, Right.VIEW)
+        found = await self._store.alarm_history(site, alarm, limit + 1, before)
         return AlarmPastList(
             more=len(found) > limit,
             past=[
@@ -140,10 +140,10 @@ class AlarmPages:
 
     async def act(self, site: str, alarm: str, asked: ActAsk, request: Request) -> None:
         """Acknowledge, assign, comment, shelve or unshelve an alarm."""
-        found = self._found(request, site, alarm, Right.USE)
-        event = await self._event(asked, who_of(request).name)
+        found = self._find_alarm(request, site, alarm, Right.USE)
+        event = await self._make_event(asked, who_of(request).name)
         try:
-            await self._alarms.act(found, event)
+            await self._alarms.apply_action(found, event)
         except NotNow as error:
             raise ApiProblem(409, "not_now", str(error)) from error
 
@@ -157,20 +157,20 @@ class AlarmPages:
         # Two of one name could not be told apart; the description is the one that counts.
         if alarm in live.description.alarms:
             raise ApiProblem(409, "described", "the site description has it; change it there")
-        known = self._alarms.find(site, alarm)
+        known = self._alarms.find_alarm(site, alarm)
         if (
             known is None
-            and sum(live_alarm.made for live_alarm in self._alarms.of(site)) >= _MOST_MADE
+            and sum(live_alarm.made for live_alarm in self._alarms.alarms_of(site)) >= _MOST_MADE
         ):
             raise ApiProblem(409, "too_many", f"a site has at most {_MOST_MADE} alarms made here")
-        definition = _alarm(asked)
+        definition = _read_alarm(asked)
         # The same rules as for an alarm in the description; the first thing that is wrong will do.
         finding = next(iter(alarm_findings(Addresses(live.description), "$", definition)), None)
         if finding is not None:
             raise ApiProblem(422, "invalid", str(finding).removeprefix("$."))
         text = msgspec.json.encode(definition).decode()
         who = who_of(request).name
-        await self._alarms.define(live, MadeAlarm(site, alarm, text, who, self._now_us()))
+        await self._alarms.define_alarm(live, MadeAlarm(site, alarm, text, who, self._now_us()))
         self._append_record(
             request, "alarm changed" if known else "alarm made", live, definition.name
         )
@@ -178,16 +178,19 @@ class AlarmPages:
     async def remove(self, site: str, alarm: str, request: Request) -> None:
         """Remove an alarm that was made here."""
         live = known_live_of(request)
-        known = self._alarms.find(site, alarm)
+        known = self._alarms.find_alarm(site, alarm)
         if known is not None and not known.made:
             raise ApiProblem(409, "described", "the site description has it; remove it there")
-        if not await self._alarms.forget(live, alarm):
+        if not await self._alarms.forget_alarm(live, alarm):
             raise ApiProblem(404, "unknown", "there is no such alarm")
         self._append_record(request, "alarm removed", live, known.about.name if known else alarm)
 
     async def preview(self, site: str, asked: PreviewAsk, request: Request) -> PreviewShape:
         """Try an alarm on what has been."""
-        described, alarm = Addresses(known_live_of(request).description), _alarm(asked.definition)
+        described, alarm = (
+            Addresses(known_live_of(request).description),
+            _read_alarm(asked.definition),
+        )
         finding = next(iter(alarm_findings(described, "$", alarm)), None)
         if finding is not None:
             where = finding.where.removeprefix("$").removeprefix(".")
@@ -205,7 +208,9 @@ class AlarmPages:
         condition = AlarmCondition(described, alarm)
         to_us = self._now_us()
         from_us = to_us - round(asked.hours * 3600 * 1e6)
-        found = await self._history.read(site, condition.channels, from_us, to_us, width=_WIDTH)
+        found = await self._history.read_series(
+            site, condition.channels, from_us, to_us, width=_WIDTH
+        )
         step = (to_us - from_us) // _WIDTH
         # A point of one pixel and the next one's lie at most two pixels apart.
         tracks = {
@@ -214,7 +219,7 @@ class AlarmPages:
             )
             for series in found
         }
-        said = preview(condition, tracks, from_us, to_us)
+        said = preview_alarm(condition, tracks, from_us, to_us)
         return PreviewShape(
             from_us=from_us,
             to_us=to_us,
@@ -224,7 +229,7 @@ class AlarmPages:
             signals=list(condition.channels),
         )
 
-    async def _event(self, asked: ActAsk, who: str) -> Event:
+    async def _make_event(self, asked: ActAsk, who: str) -> Event:
         now = self._now_us()
         match asked.act:
             case "acknowledge":
@@ -235,7 +240,7 @@ class AlarmPages:
                 return Comment(now, who, asked.text)
             case "assign":
                 # Nobody: it is taken from whom it was assigned to.
-                if asked.to and await self._people.find(asked.to) is None:
+                if asked.to and await self._people.find_by_name(asked.to) is None:
                     raise ApiProblem(422, "invalid", f"there is nobody called {asked.to!r}")
                 return Assign(now, who, asked.to)
             case "shelve":
@@ -245,7 +250,7 @@ class AlarmPages:
             case "unshelve":
                 return Unshelve(now, who)
 
-    def _found(self, request: Request, site: str, alarm: str, right: Right) -> LiveAlarm:
+    def _find_alarm(self, request: Request, site: str, alarm: str, right: Right) -> LiveAlarm:
         """Find an alarm that somebody has a right on.
 
         Raises:
@@ -254,14 +259,14 @@ class AlarmPages:
 
         """
         grants = who_of(request).grants
-        found = self._alarms.find(site, alarm)
+        found = self._alarms.find_alarm(site, alarm)
         # An alarm of no device is about the whole site.
         device = (found.about.device or ANY) if found else ANY
         described = known_live_of(request).description
-        if found is not None and grants.may(right, site, device):
+        if found is not None and grants.has_right(right, site, device):
             return found
         if found is None or not (
-            grants.may(Right.VIEW, site, device)
+            grants.has_right(Right.VIEW, site, device)
             or sees_device(grants, described, found.about.device)
         ):
             raise ApiProblem(404, "unknown", "there is no such alarm")
@@ -275,14 +280,14 @@ class AlarmPages:
         return self._clock.wall_ns() // 1000
 
 
-def _alarm(asked: AlarmDefinition) -> Alarm:
+def _read_alarm(asked: AlarmDefinition) -> Alarm:
     said = asked.model_dump(mode="json")
     # The description's own word is a keyword of Python.
     said["is"] = said.pop("is_one_of")
     return msgspec.convert(said, Alarm)
 
 
-def _shape(alarm: Alarm) -> AlarmDefinition:
+def _alarm_schema(alarm: Alarm) -> AlarmDefinition:
     said = msgspec.to_builtins(alarm)
     if "is" in said:
         said["is_one_of"] = said.pop("is")

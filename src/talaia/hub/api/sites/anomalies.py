@@ -34,7 +34,7 @@ class AnomalyPages:
         self._watching = watching
         self._audit = audit
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/anomalies"
@@ -47,18 +47,18 @@ class AnomalyPages:
         live, grants = live_of(request), who_of(request).grants
         return AnomalyList(
             detectors=[
-                _shape(runner)
-                for runner in self._watching.of(site)
+                _anomaly_schema(runner)
+                for runner in self._watching.detectors_of(site)
                 if sees_signal(grants, live.description, *runner.address.split("/", 1))
             ],
-            may_forgive=grants.may(Right.USE, site),
+            may_forgive=grants.has_right(Right.USE, site),
             skipped=self._watching.skipped,
         )
 
     async def forgive(self, site: str, asked: ForgiveAsk, request: Request) -> ForgiveAnswer:
         """Say that the latest peak of a detector was no anomaly, so that it learns."""
         # None: there is no such detector. False: it is one that cannot learn.
-        learned = self._watching.forgive(site, asked.address, asked.detector)
+        learned = self._watching.dismiss_peak(site, asked.address, asked.detector)
         if learned is None:
             raise ApiProblem(404, "unknown", "no such detector is at work on this signal")
         said = f"{asked.address}, {asked.detector}" + (
@@ -75,7 +75,7 @@ class AnomalyPages:
         return ForgiveAnswer(learned=learned)
 
 
-def _shape(watched: DetectorRunner) -> AnomalyShape:
+def _anomaly_schema(watched: DetectorRunner) -> AnomalyShape:
     detector = watched.word
     return AnomalyShape(
         address=watched.address,

@@ -26,7 +26,7 @@ from talaia.hub.api.schemas.description_schemas import (
     VersionShape,
 )
 from talaia.model.checks.identifiers import Finding
-from talaia.model.checks.site_checks import check
+from talaia.model.checks.site_checks import check_site
 from talaia.model.errors import DescriptionError
 from talaia.model.schema import site_schema
 from talaia.model.yaml_text.diff import list_differences, unified_diff
@@ -74,7 +74,7 @@ class DescriptionPages:
         # Reading a large description takes a second of a thread: one at a time for all.
         self._reading = asyncio.Lock()
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         at = "/api/sites/{site}/descriptions"
@@ -93,7 +93,7 @@ class DescriptionPages:
     ) -> DescriptionList:
         """List the versions, the newest first, and say whether another can be sent."""
         live = known_live_of(request)
-        found = await self._versions.of(site, below, _PAGE + 1)
+        found = await self._versions.versions_of(site, below, _PAGE + 1)
         # Only on the first page: further down none of them is the current one.
         newest = found[0].number if below == 2**53 and found else 0
         problem = live.gateway.problem
@@ -116,18 +116,21 @@ class DescriptionPages:
 
     async def text(self, site: str, number: str) -> DescriptionText:
         """Give a version's text."""
-        found = await self._text(site, number)
+        found = await self._version_text(site, number)
         return DescriptionText(
             number=int(number),
             digest=digest_of(found),
             text=found,
-            site=await self._read(_plain, found),
+            site=await self._run_reader(_plain_description, found),
         )
 
     async def difference(self, site: str, number: str, to: _Number) -> DifferenceAnswer:
         """Hold a version against another one."""
-        before, after = await self._text(site, number), await self._text(site, str(to))
-        parts, lines = await self._read(_differ, before, after)
+        before, after = (
+            await self._version_text(site, number),
+            await self._version_text(site, str(to)),
+        )
+        parts, lines = await self._run_reader(_compare_texts, before, after)
         return DifferenceAnswer(
             before=int(number),
             after=to,
@@ -139,14 +142,14 @@ class DescriptionPages:
     async def check(self, site: str, asked: CheckAsk, request: Request) -> CheckAnswer:
         """Say what does not fit in a text, as ``talaia check`` does."""
         known_live_of(request)
-        findings = await self._read(_check, asked.text)
+        findings = await self._run_reader(_check_text, asked.text)
         parts, lines = [], []
         if asked.against:
-            before = await self._text(site, str(asked.against))
-            parts, lines = await self._read(_differ, before, asked.text)
+            before = await self._version_text(site, str(asked.against))
+            parts, lines = await self._run_reader(_compare_texts, before, asked.text)
         return CheckAnswer(
             findings=findings,
-            site=await self._read(_plain, asked.text),
+            site=await self._run_reader(_plain_description, asked.text),
             parts=parts,
             lines=lines[:_MOST_LINES],
         )
@@ -154,25 +157,25 @@ class DescriptionPages:
     async def edit(self, asked: EditAsk, request: Request) -> EditAnswer:
         """Write a change into a text: comments, order and spelling of the rest survive."""
         known_live_of(request)
-        made: EditAnswer = await self._read(_edit, asked.text, asked.site)
+        made: EditAnswer = await self._run_reader(_edit_text, asked.text, asked.site)
         return made
 
     async def send(self, asked: DescribeAsk, request: Request) -> ChangeAnswer:
         """Ask the gateway to go by a text, and give its answer."""
-        return await self._send(asked.text, asked.base, "edited here", request)
+        return await self._send_text(asked.text, asked.base, "edited here", request)
 
     async def restore(
         self, site: str, number: str, asked: RestoreAsk, request: Request
     ) -> ChangeAnswer:
         """Ask the gateway to go back to a version, and give its answer."""
-        text = await self._text(site, number)
-        return await self._send(text, asked.base, f"back to version {int(number)}", request)
+        text = await self._version_text(site, number)
+        return await self._send_text(text, asked.base, f"back to version {int(number)}", request)
 
     async def schema(self) -> dict[str, Any]:
         """Give the JSON schema of descriptions."""
         return site_schema()
 
-    async def _send(self, text: str, base: str, note: str, request: Request) -> ChangeAnswer:
+    async def _send_text(self, text: str, base: str, note: str, request: Request) -> ChangeAnswer:
         live, name = known_live_of(request), who_of(request).name
         if len(text.encode()) > MAX_TEXT:
             raise ApiProblem(413, "too_large", "a description has 4 MiB at the most")
@@ -186,7 +189,7 @@ class DescriptionPages:
             problem = "the description has been changed meanwhile; load it anew"
             raise ApiProblem(409, "changed", problem)
         # The gateway checks for itself; here a mistake is told without the way there and back.
-        findings = await self._read(_check, text)
+        findings = await self._run_reader(_check_text, text)
         if findings:
             return ChangeAnswer(
                 phase="refused",
@@ -196,24 +199,24 @@ class DescriptionPages:
         self._append_record(
             request, live, "description change asked", f"{note} {digest_of(text)[:12]}"
         )
-        state = await self._changes.ask(live, text, name, note)
-        return await self._answer(state, text)
+        state = await self._changes.request_change(live, text, name, note)
+        return await self._change_answer(state, text)
 
-    async def _answer(self, state: ChangeState, text: str) -> ChangeAnswer:
+    async def _change_answer(self, state: ChangeState, text: str) -> ChangeAnswer:
         phase: Any = _PHASE[state.phase]
         findings = [
             Finding(problem.where, problem.problem, problem.remedy) for problem in state.problems
         ]
-        shapes = await self._read(_placed, findings, text) if findings else []
+        shapes = await self._run_reader(_place_findings, findings, text) if findings else []
         return ChangeAnswer(phase=phase, message=state.message, findings=shapes)
 
-    async def _text(self, site: str, number: str) -> str:
-        text = await self._versions.text(site, number_of(number, "version"))
+    async def _version_text(self, site: str, number: str) -> str:
+        text = await self._versions.version_text(site, number_of(number, "version"))
         if text is None:
             raise ApiProblem(404, "unknown", "there is no such version")
         return text
 
-    async def _read(self, work: Any, *args: Any) -> Any:  # noqa: ANN401 - gives what ``work`` gives
+    async def _run_reader(self, work: Any, *args: Any) -> Any:  # noqa: ANN401 - gives what ``work`` gives
         async with self._reading:
             return await asyncio.to_thread(work, *args)
 
@@ -222,20 +225,20 @@ class DescriptionPages:
         self._audit.append_record(kind, who=name, address=address, site=live.name, message=message)
 
 
-def _check(text: str) -> list[FindingShape]:
+def _check_text(text: str) -> list[FindingShape]:
     try:
-        findings = check(load_site(text))
+        findings = check_site(load_site(text))
     except DescriptionError as error:
         findings = [Finding(error.where, error.problem, error.remedy)]
-    return _placed(findings, text)
+    return _place_findings(findings, text)
 
 
-def _placed(findings: Iterable[Finding], text: str) -> list[FindingShape]:
+def _place_findings(findings: Iterable[Finding], text: str) -> list[FindingShape]:
     places = SourcePositions(text)
     shapes = []
     for finding in list(findings)[:_MOST_FINDINGS]:
         # Where in the text the key stands that the finding is about.
-        line, column = places.of(finding.where)
+        line, column = places.position_of(finding.where)
         shapes.append(FindingShape(**finding._asdict(), line=line, column=column))
     return shapes
 
@@ -249,18 +252,18 @@ def _problem_shapes(problems: Iterable[DescriptionProblem]) -> list[FindingShape
     ]
 
 
-def _plain(text: str) -> dict[str, Any] | None:
+def _plain_description(text: str) -> dict[str, Any] | None:
     try:
-        return _builtins(load_site(text))
+        return _site_to_plain(load_site(text))
     except DescriptionError:
         return None
 
 
-def _builtins(site: Site) -> dict[str, Any]:
+def _site_to_plain(site: Site) -> dict[str, Any]:
     return cast("dict[str, Any]", plain_of(site))
 
 
-def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
+def _compare_texts(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
     lines = unified_diff(before, after)
     try:
         parts = list_differences(load_site(before), load_site(after))
@@ -273,7 +276,7 @@ def _differ(before: str, after: str) -> tuple[list[DifferenceShape], list[str]]:
     ], lines
 
 
-def _edit(text: str, plain: dict[str, Any]) -> EditAnswer:
+def _edit_text(text: str, plain: dict[str, Any]) -> EditAnswer:
     try:
         site = site_of_plain(plain)
         made = save_into_text(text, site)
@@ -282,4 +285,4 @@ def _edit(text: str, plain: dict[str, Any]) -> EditAnswer:
             where=error.where, problem=error.problem, remedy=error.remedy, line=0, column=0
         )
         return EditAnswer(text="", findings=[finding])
-    return EditAnswer(text=made, findings=_placed(check(site), made))
+    return EditAnswer(text=made, findings=_place_findings(check_site(site), made))

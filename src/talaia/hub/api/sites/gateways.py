@@ -82,7 +82,7 @@ class GatewayPages:
         # Tries to enrol, by address: a code has far more possibilities than that allows to try.
         self._pace = RateLimiter(burst=10, per_s=0.2)
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/gateways")(self.overview)
@@ -95,8 +95,8 @@ class GatewayPages:
 
     async def overview(self) -> GatewayList:
         """List all gateways that have or had a key, and the codes that can still be used."""
-        online = self._links.online()
-        known, codes = await self._registry.gateways(), await self._enrolment.open()
+        online = self._links.online_gateways()
+        known, codes = await self._registry.list_gateways(), await self._enrolment.list_open()
         return GatewayList(
             gateways=[
                 GatewayShape(
@@ -118,11 +118,11 @@ class GatewayPages:
 
     async def offer(self, asked: CodeAsk, request: Request) -> CodeShape:
         """Make a one-time code, good for 15 minutes. It is shown once."""
-        made, secret = await self._enrolment.offer(asked.site, asked.name)
+        made, secret = await self._enrolment.offer_code(asked.site, asked.name)
         proof = self._proof()
         # The code brings a pin of our key along: the gateway knows at once that it speaks to us.
         code = str(EnrolmentCode(secret, pin_of(proof.key_hash) if proof.key_hash else ""))
-        command = _command(request, code, asked.site)
+        command = _enrol_command(request, code, asked.site)
         self._append_record(request, "gateway code made", asked.site, asked.name)
         return CodeShape(
             id=str(made.id),
@@ -130,35 +130,35 @@ class GatewayPages:
             expires_us=made.expires_us,
             command=command,
             fingerprint=proof.fingerprint,
-            qr=_qr(command),
+            qr=_qr_code(command),
         )
 
     async def withdraw(self, code: str, request: Request) -> None:
         """Take a code back that was not used."""
-        found = await self._enrolment.withdraw(_number(code))
+        found = await self._enrolment.withdraw_code(_read_number(code))
         if found is None:
             raise ApiProblem(404, "unknown", "there is no such code, or it was used")
         self._append_record(request, "gateway code withdrawn", found.site, found.name)
 
     async def revoke(self, gateway: str, request: Request) -> None:
         """Make a gateway's key void; its link is closed at once."""
-        found = await self._find(gateway)
+        found = await self._find_gateway(gateway)
         # First the key, then the link: a gateway that dials again at once finds it void.
-        if not await self._registry.revoke(found.id):
+        if not await self._registry.revoke_key(found.id):
             raise ApiProblem(409, "revoked", "this gateway's key is void already")
         self._links.hang_up(found.id, "its key was revoked")
         self._append_record(request, "gateway revoked", found.site, found.name)
 
     async def reconnect(self, gateway: str, asked: ReconnectAsk, request: Request) -> None:
         """Let a gateway dial again, or connect anew to one device. An event tells how it went."""
-        found = await self._find(gateway)
+        found = await self._find_gateway(gateway)
         name = who_of(request).name
-        if found.id not in self._links.online():
+        if found.id not in self._links.online_gateways():
             raise ApiProblem(409, "offline", "this gateway is not connected now")
         if not asked.device:
             self._append_record(request, "gateway reconnect asked", found.site, found.name)
             self._links.hang_up(found.id, f"{name} asked it to dial again")
-        elif not self._links.reconnect(found.id, asked.device, name):
+        elif not self._links.reconnect_device(found.id, asked.device, name):
             raise ApiProblem(404, "unknown", "this gateway has no such device")
         else:
             self._append_record(
@@ -175,11 +175,11 @@ class GatewayPages:
             # Its own check finds a slip of the hand without a look-up.
             code = read_code(asked.code)
         except CodeMistyped as error:
-            self._refused(address, "mistyped")
+            self._record_refusal(address, "mistyped")
             raise ApiProblem(422, "mistyped", str(error)) from error
-        done = await self._enrolment.redeem(code.secret, asked.name)
+        done = await self._enrolment.redeem_code(code.secret, asked.name)
         if isinstance(done, EnrolmentRefusal):
-            self._refused(address, done.value)
+            self._record_refusal(address, done.value)
             status = 404 if done is EnrolmentRefusal.UNKNOWN else 410
             raise ApiProblem(status, done.value, _REFUSED[done])
         # The former gateway of the site would otherwise go on until the next check of keys.
@@ -195,8 +195,8 @@ class GatewayPages:
             fingerprint=self._proof().fingerprint,
         )
 
-    async def _find(self, gateway: str) -> KnownGateway:
-        found = await self._registry.gateway(_number(gateway))
+    async def _find_gateway(self, gateway: str) -> KnownGateway:
+        found = await self._registry.find_gateway(_read_number(gateway))
         if found is None:
             raise ApiProblem(404, "unknown", "there is no such gateway")
         return found
@@ -209,17 +209,17 @@ class GatewayPages:
             kind, who=name, address=address, site=site, device=device, message=message
         )
 
-    def _refused(self, address: str, why: str) -> None:
+    def _record_refusal(self, address: str, why: str) -> None:
         self._audit.append_record("gateway enrol refused", address=address, message=why, good=False)
 
 
-def _number(text: str) -> int:
+def _read_number(text: str) -> int:
     """Read an id of a path; what is no number is nobody's."""
     # No row has the number 0.
     return int(text) if text.isascii() and text.isdecimal() and len(text) < 19 else 0
 
 
-def _command(request: Request, code: str, site: str) -> str:
+def _enrol_command(request: Request, code: str, site: str) -> str:
     """Write what to run beside the robot; the Host header was held against the list of ours."""
     hub = f"{request.url.scheme}://{request.headers['host']}"
     plain = ["--allow-plain"] if request.url.scheme == "http" else []
@@ -228,7 +228,7 @@ def _command(request: Request, code: str, site: str) -> str:
     return shlex.join(words)
 
 
-def _qr(text: str) -> str:
+def _qr_code(text: str) -> str:
     out = io.BytesIO()
     segno.make(text, error="m", micro=False).save(
         out, kind="svg", border=2, xmldecl=False, svgns=True, omitsize=True

@@ -15,7 +15,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 from fastapi import APIRouter, Request
 
-from talaia.extensions.installed import installed
+from talaia.extensions.installed import installed_extensions
 from talaia.hub.alarms.rules import Rule
 from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
@@ -36,7 +36,7 @@ from talaia.hub.api.schemas.notification_schemas import (
 )
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.errors import NameTaken
-from talaia.hub.notify.message import trial
+from talaia.hub.notify.message import compose_test_message
 from talaia.hub.notify.senders import Outcome
 from talaia.hub.store.alarms.notification_channels import WayKind
 from talaia.model.alarms.alarm import Severity
@@ -65,7 +65,7 @@ class NotifyPages:
         self._audit = audit
         self._clock = clock
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/ways")(self.ways)
@@ -86,7 +86,7 @@ class NotifyPages:
 
     async def ways(self) -> WayList:
         """List the ways; of their secrets only that they are set."""
-        return WayList(ways=[_way_shape(way) for way in await self._store.ways()])
+        return WayList(ways=[_way_shape(way) for way in await self._store.list_ways()])
 
     async def add_way(self, asked: WayAsk, request: Request) -> WayChoice:
         """Set a way up."""
@@ -109,29 +109,29 @@ class NotifyPages:
 
     async def test_way(self, way: str, request: Request) -> WentShape:
         """Send a test by a way: to its own sender, or to your browsers."""
-        found = await self._store.way(number_of(way, "way"))
+        found = await self._store.find_way(number_of(way, "way"))
         if found is None:
             raise ApiProblem(404, "unknown", "there is no such way")
         # To nobody of the tester's choice: else it would be a way to send mail to anyone.
-        return await self._test(request, *found, found[0].settings.get("sender", ""))
+        return await self._send_test(request, *found, found[0].settings.get("sender", ""))
 
     async def choices(self) -> WayChoiceList:
         """List the ways that you can be told by."""
         return WayChoiceList(
             ways=[
                 WayChoice(id=str(way.id), name=way.name, kind=way.kind)
-                for way in await self._store.ways()
+                for way in await self._store.list_ways()
             ]
         )
 
     async def rules(self, request: Request) -> RuleList:
         """List your rules."""
-        found = await self._store.rules(who_of(request).user)
+        found = await self._store.rules_of(who_of(request).user)
         return RuleList(rules=[_rule_shape(rule) for rule in found])
 
     async def add_rule(self, asked: RuleAsk, request: Request) -> NoticeRuleShape:
         """Be told of alarms, of those that you may view."""
-        way, rule = await self._rule(0, asked, request)
+        way, rule = await self._make_rule(0, asked, request)
         number = await self._store.add_rule(rule)
         if number is None:
             raise ApiProblem(409, "too_many", "you have as many rules as one person may have")
@@ -140,7 +140,7 @@ class NotifyPages:
 
     async def change_rule(self, rule: str, asked: RuleAsk, request: Request) -> None:
         """Change one of your rules. What waits to be told by it goes where it says from now on."""
-        way, wanted = await self._rule(number_of(rule, "rule"), asked, request)
+        way, wanted = await self._make_rule(number_of(rule, "rule"), asked, request)
         if not await self._store.change_rule(wanted):
             raise ApiProblem(404, "unknown", "you have no such rule")
         self._append_record(request, "rule of alarms changed", f"{way.name} {asked.site}")
@@ -154,20 +154,20 @@ class NotifyPages:
     async def test_rule(self, rule: str, request: Request) -> WentShape:
         """Send a test by one of your rules."""
         number = number_of(rule, "rule")
-        mine = await self._store.rules(who_of(request).user)
+        mine = await self._store.rules_of(who_of(request).user)
         # Among one's own: another's rule is as if it were not there.
         wanted = next((channel for channel in mine if channel.id == number), None)
-        found = await self._store.way(wanted.way) if wanted else None
+        found = await self._store.find_way(wanted.way) if wanted else None
         if wanted is None or found is None:
             raise ApiProblem(404, "unknown", "you have no such rule")
         if not who_of(request).grants.permissions:
             # Nor is there any alarm to be told of: the hub sends no mail for passers-by.
             raise ApiProblem(403, "forbidden", "there are no alarms that you may view")
-        return await self._test(request, *found, wanted.target)
+        return await self._send_test(request, *found, wanted.target)
 
     async def push(self, request: Request) -> PushList:
         """List your browsers that take messages, and the key by which another can."""
-        ways = [way for way in await self._store.ways() if way.kind is WayKind.PUSH]
+        ways = [way for way in await self._store.list_ways() if way.kind is WayKind.PUSH]
         return PushList(
             # There is one at most; see `_push_keys`.
             key=ways[0].settings["public_key"] if ways else "",
@@ -175,7 +175,7 @@ class NotifyPages:
                 PushBrowserShape(
                     id=str(browser.id), agent=browser.agent, created_us=browser.created_us
                 )
-                for browser in await self._store.browsers(who_of(request).user)
+                for browser in await self._store.browsers_of(who_of(request).user)
             ],
         )
 
@@ -197,9 +197,9 @@ class NotifyPages:
         ):
             raise ApiProblem(404, "unknown", "you have no such browser")
 
-    async def _rule(self, number: int, asked: RuleAsk, request: Request) -> tuple[Way, Rule]:
+    async def _make_rule(self, number: int, asked: RuleAsk, request: Request) -> tuple[Way, Rule]:
         """Give what was asked for as a rule of that number, and the way it tells by."""
-        found = await self._store.way(int(asked.way))
+        found = await self._store.find_way(int(asked.way))
         if found is None:
             raise ApiProblem(422, "invalid", "there is no such way")
         if found[0].kind is WayKind.MAIL and not _MAIL.match(asked.target):
@@ -256,26 +256,26 @@ class NotifyPages:
     async def _push_keys(self, number: int | None) -> tuple[dict[str, str], dict[str, str]]:
         """Give the key pair of Web Push (VAPID, RFC 8292), made when it is set up."""
         if number is not None:
-            found = await self._store.way(number)
+            found = await self._store.find_way(number)
             if found is not None and found[0].kind is WayKind.PUSH:
                 return {"public_key": found[0].settings["public_key"]}, dict(found[1])
         # Subscriptions are bound to the key that they were made with (RFC 8292, 4).
-        if any(way.kind is WayKind.PUSH for way in await self._store.ways()):
+        if any(way.kind is WayKind.PUSH for way in await self._store.list_ways()):
             raise ApiProblem(409, "taken", "Web Push is set up already")
         key = ec.generate_private_key(ec.SECP256R1())
         private = key.private_numbers().private_value.to_bytes(32, "big")
         # The form that a browser's Push API takes.
         public = key.public_key().public_bytes(Encoding.X962, PublicFormat.UncompressedPoint)
-        return {"public_key": _base64(public)}, {"private_key": _base64(private)}
+        return {"public_key": _encode_base64(public)}, {"private_key": _encode_base64(private)}
 
-    async def _test(
+    async def _send_test(
         self, request: Request, way: Way, secrets: dict[str, str], target: str
     ) -> WentShape:
         who = who_of(request)
-        browsers = await self._store.browsers(who.user) if way.kind is WayKind.PUSH else []
+        browsers = await self._store.browsers_of(who.user) if way.kind is WayKind.PUSH else []
         # A key of its own, so that no receiver takes it for a message it had before.
-        message = trial(new_token()[:32], who.name)
-        went = await self._sender.send(
+        message = compose_test_message(new_token()[:32], who.name)
+        went = await self._sender.send_message(
             way, secrets, target=target, message=message, browsers=browsers
         )
         for number in went.gone:
@@ -292,15 +292,15 @@ class NotifyPages:
         return self._clock.wall_ns() // 1000
 
 
-def _base64(raw: bytes) -> str:
+def _encode_base64(raw: bytes) -> str:
     return base64.urlsafe_b64encode(raw).decode().rstrip("=")
 
 
 def _extension_keys(asked: WayAsk, *, new: bool) -> dict[str, str]:
     """Give the keys of a notifier as the one secret that they are kept as."""
-    known = installed().notifiers().get(asked.extension)
+    known = installed_extensions().notifiers_by_name().get(asked.extension)
     if known is None:
-        there = ", ".join(sorted(installed().notifiers())) or "none"
+        there = ", ".join(sorted(installed_extensions().notifiers_by_name())) or "none"
         raise ApiProblem(
             422, "invalid", f"extension: it is not installed at this hub; installed: {there}"
         )
@@ -325,14 +325,14 @@ def _way_shape(way: Way) -> WayShape:
         extension=settings.get("extension", ""),
         host=settings.get("host", ""),
         port=int(settings.get("port", "587")),
-        security=_security(settings.get("security", "")),
+        security=_read_security(settings.get("security", "")),
         sender=settings.get("sender", ""),
         user=settings.get("user", ""),
         secrets=list(way.secrets),
     )
 
 
-def _security(word: str) -> Literal["starttls", "tls", "none"]:
+def _read_security(word: str) -> Literal["starttls", "tls", "none"]:
     if word == "tls":
         return "tls"
     return "none" if word == "none" else "starttls"

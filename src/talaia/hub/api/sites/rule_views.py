@@ -62,14 +62,14 @@ def describe_rules(site: Site, grants: Grants) -> list[RuleShape]:
         seen = [
             condition for condition in rule.when if _sees_all(site, grants, condition.signals())
         ]
-        targets = [command for command in rule.refuse if _sees(site, grants, command)]
+        targets = [command for command in rule.refuse if _sees_target(site, grants, command)]
         if not seen and not targets:
             continue
         made.append(
             RuleShape(
                 id=name,
                 name=rule.name,
-                conditions=[_condition(address) for address in seen],
+                conditions=[_condition_schema(address) for address in seen],
                 hidden=len(rule.when) - len(seen),
                 targets=targets,
                 # The longest: only then is it certain that the rule lets go (s).
@@ -85,22 +85,22 @@ def describe_enclosures(site: Site, grants: Grants) -> list[EnclosureShape]:
         EnclosureShape(
             id=name,
             name=roof.name,
-            closed=[_sighting(sensor) for sensor in roof.closed],
-            moving=[_sighting(sensor) for sensor in roof.moving],
+            closed=[_sighting_schema(sensor) for sensor in roof.closed],
+            moving=[_sighting_schema(sensor) for sensor in roof.moving],
             close=roof.close.command,
             stop=roof.stop,
             unsafe=list(roof.unsafe),
             position=roof.position,
-            segments=[_part(key, segment) for key, segment in roof.segments.items()],
-            flap=None if roof.flap is None else _part("flap", roof.flap),
+            segments=[_part_schema(key, segment) for key, segment in roof.segments.items()],
+            flap=None if roof.flap is None else _part_schema("flap", roof.flap),
             can=capabilities_of(site, roof),
         )
         for name, roof in site.enclosures.items()
-        if _sees_all(site, grants, _signals(roof))
+        if _sees_all(site, grants, _roof_signals(roof))
     ]
 
 
-def _signals(roof: Enclosure) -> list[str]:
+def _roof_signals(roof: Enclosure) -> list[str]:
     """Name all signals that say how a roof stands."""
     found = [sensor.signal for sensor in (*roof.closed, *roof.moving)]
     for part in roof.parts().values():
@@ -109,12 +109,12 @@ def _signals(roof: Enclosure) -> list[str]:
     return [*found, *([roof.position] if roof.position else [])]
 
 
-def _part(key: str, part: EnclosurePart) -> EnclosurePartShape:
-    closed = [_sighting(sensor) for sensor in part.closed]
+def _part_schema(key: str, part: EnclosurePart) -> EnclosurePartShape:
+    closed = [_sighting_schema(sensor) for sensor in part.closed]
     return EnclosurePartShape(id=key, name=part.name, closed=closed, position=part.position)
 
 
-def _sighting(sighting: Sighting) -> SightingShape:
+def _sighting_schema(sighting: Sighting) -> SightingShape:
     return SightingShape(
         signal=sighting.signal,
         states=list(sighting.is_one_of),
@@ -128,22 +128,22 @@ def _sees_all(site: Site, grants: Grants, signals: Iterable[str]) -> bool:
     return all(sees_signal(grants, site, device, signal) for device, _, signal in places)
 
 
-def _sees(site: Site, grants: Grants, target: str) -> bool:
+def _sees_target(site: Site, grants: Grants, target: str) -> bool:
     return sees_device(grants, site, target.partition("/")[0])
 
 
-def _condition(condition: Condition) -> ConditionShape:
+def _condition_schema(condition: Condition) -> ConditionShape:
     alone = condition.signal or condition.sun is not None
     limits = condition.all_of or ((condition,) if alone else ())
     return ConditionShape(
-        limits=[_limit(limit) for limit in limits],
+        limits=[_limit_schema(limit) for limit in limits],
         lasting=condition.lasting,
         link_lost=condition.link_lost,
         sun=condition.sun or "",
     )
 
 
-def _limit(condition: Condition) -> LimitShape:
+def _limit_schema(condition: Condition) -> LimitShape:
     return LimitShape(
         signal=condition.signal,
         minus=condition.minus,

@@ -41,13 +41,13 @@ if TYPE_CHECKING:
     from talaia.model.discovery.role_proposal import DeviceRoles
     from talaia.model.site import Command, Device, Drive, Signal, Site
 
-__all__ = ["describe", "list_devices", "summarise"]
+__all__ = ["describe_site", "list_devices", "summarise_site"]
 
 # Sees only what is public.
 _GUEST = Grants()
 
 
-def describe(live: LiveSite, grants: Grants) -> SiteShape:
+def describe_site(live: LiveSite, grants: Grants) -> SiteShape:
     """Describe a site, leaving out what is not open to the person."""
     site = live.description
     # Addresses of the commands that keep a roof's own supervision quiet.
@@ -62,7 +62,7 @@ def describe(live: LiveSite, grants: Grants) -> SiteShape:
         catalogue=live.edition,
         place=describe_place(site, grants),
         devices=[
-            _device(site, device_id, device, grants, heartbeats=heartbeats)
+            _device_schema(site, device_id, device, grants, heartbeats=heartbeats)
             for device_id, device in site.devices.items()
             if sees_device(grants, site, device_id)
         ],
@@ -71,10 +71,10 @@ def describe(live: LiveSite, grants: Grants) -> SiteShape:
     )
 
 
-def summarise(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
+def summarise_site(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
     """Say in short how a site is."""
     site = live.description
-    seen, fresh = _signals(live, grants, now_ns)
+    seen, fresh = _visible_signals(live, grants, now_ns)
     return SiteSummary(
         site=site.site,
         name=site.name,
@@ -95,7 +95,7 @@ def summarise(live: LiveSite, grants: Grants, now_ns: int) -> SiteSummary:
 def list_devices(live: LiveSite, grants: Grants, now_ns: int) -> list[DeviceSummary]:
     """Say in short how each device is that is open to the person."""
     site = live.description
-    seen, fresh = _signals(live, grants, now_ns)
+    seen, fresh = _visible_signals(live, grants, now_ns)
     return [
         DeviceSummary(
             site=site.site,
@@ -104,7 +104,7 @@ def list_devices(live: LiveSite, grants: Grants, now_ns: int) -> list[DeviceSumm
             name=device.name,
             kind=device.kind,
             online=live.online,
-            rights=list(grants.rights(site.site, device_id)),
+            rights=list(grants.rights_on(site.site, device_id)),
             public=sees_device(_GUEST, site, device_id),
             signals=sum(of == device_id for of, _ in seen),
             stale=sum(of == device_id for of, _ in seen - fresh),
@@ -114,7 +114,7 @@ def list_devices(live: LiveSite, grants: Grants, now_ns: int) -> list[DeviceSumm
     ]
 
 
-def _signals(
+def _visible_signals(
     live: LiveSite, grants: Grants, now_ns: int
 ) -> tuple[set[tuple[str, str]], set[tuple[str, str]]]:
     """Give the signals a person sees, and those of them that are not older than their limit."""
@@ -138,18 +138,18 @@ def _signals(
     return set(ages), fresh
 
 
-def _device(
+def _device_schema(
     site: Site, device_id: str, device: Device, grants: Grants, *, heartbeats: Collection[str]
 ) -> DeviceShape:
-    uses = grants.may(Right.USE, site.site, device_id)
-    views = grants.may(Right.VIEW, site.site, device_id)
+    uses = grants.has_right(Right.USE, site.site, device_id)
+    views = grants.has_right(Right.VIEW, site.site, device_id)
     roles = roles_of(device)
     return DeviceShape(
         id=device_id,
         name=device.name,
         kind=device.kind,
         signals=[
-            _signal(device_id, signal_id, signal, roles.signals.get(signal_id))
+            _signal_schema(device_id, signal_id, signal, roles.signals.get(signal_id))
             for signal_id, signal in device.signals.items()
             if sees_signal(grants, site, device_id, signal_id)
         ],
@@ -160,24 +160,24 @@ def _device(
                 name=stream.name,
                 max_rate=stream.max_rate,
                 public=stream.visibility is Visibility.PUBLIC,
-                detect=_detect(detect_of(site, stream)),
+                detect=_detect_schema(detect_of(site, stream)),
             )
             for stream_id, stream in device.streams.items()
             if sees_stream(grants, site, device_id, stream_id)
         ],
         commands=[
-            _command(command_id, command, roles.commands.get(command_id))
+            _command_schema(command_id, command, roles.commands.get(command_id))
             for command_id, command in device.commands.items()
             # The gateway's business: sent by a person it would hide that nobody supervises.
             if uses and f"{device_id}/{command_id}" not in heartbeats
         ],
-        drive=_drive(device.drive) if device.drive and views else None,
+        drive=_drive_schema(device.drive) if device.drive and views else None,
         public=device.visibility is Visibility.PUBLIC,
         link_loss=_link_loss(site, device) if views else "",
         pointing=describe_pointing(device.pointing) if device.pointing and views else None,
-        slew=_slew(device, roles) if uses else None,
+        slew=_slew_schema(device, roles) if uses else None,
         unguarded=device_id in unguarded_devices(site),
-        rights=list(grants.rights(site.site, device_id)),
+        rights=list(grants.rights_on(site.site, device_id)),
     )
 
 
@@ -197,7 +197,7 @@ def _link_loss(site: Site, device: Device) -> str:
     return "; ".join(said)
 
 
-def _slew(device: Device, roles: DeviceRoles) -> SlewShape | None:
+def _slew_schema(device: Device, roles: DeviceRoles) -> SlewShape | None:
     """Say how the device is pointed to a place in the sky."""
     found = place_arguments(device, roles)
     if found is None:
@@ -205,7 +205,9 @@ def _slew(device: Device, roles: DeviceRoles) -> SlewShape | None:
     return SlewShape(command=found.command, ra=found.ra, dec=found.dec, alt="", az="")
 
 
-def _signal(device_id: str, signal_id: str, signal: Signal, role: SignalRole | None) -> SignalShape:
+def _signal_schema(
+    device_id: str, signal_id: str, signal: Signal, role: SignalRole | None
+) -> SignalShape:
     address = f"{device_id}/{signal_id}"
     decimals = signal.decimals
     # The description leaves them to the unit.
@@ -231,13 +233,13 @@ def _signal(device_id: str, signal_id: str, signal: Signal, role: SignalRole | N
     )
 
 
-def _detect(detect: Detect | None) -> DetectShape | None:
+def _detect_schema(detect: Detect | None) -> DetectShape | None:
     if detect is None:
         return None
     return DetectShape(classes=list(detect.classes), confidence=detect.confidence)
 
 
-def _command(command_id: str, command: Command, role: CommandRole | None) -> CommandShape:
+def _command_schema(command_id: str, command: Command, role: CommandRole | None) -> CommandShape:
     return CommandShape(
         id=command_id,
         name=command.name,
@@ -262,7 +264,7 @@ def _command(command_id: str, command: Command, role: CommandRole | None) -> Com
     )
 
 
-def _drive(drive: Drive) -> DriveShape:
+def _drive_schema(drive: Drive) -> DriveShape:
     return DriveShape(
         max_speed=drive.max_speed,
         # None: as fast as forwards.

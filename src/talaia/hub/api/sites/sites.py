@@ -18,7 +18,7 @@ from talaia.hub.api.schemas.common import (
     SiteShape,
     SiteSummary,
 )
-from talaia.hub.api.sites.site_views import describe, list_devices, summarise
+from talaia.hub.api.sites.site_views import describe_site, list_devices, summarise_site
 from talaia.hub.auth.permissions import Right, sees_site
 from talaia.hub.live.detection.sightings import KIND as SIGHTING
 from talaia.hub.store.audit import AuditFilter
@@ -48,7 +48,7 @@ class SitePages:
         self._sightings = sightings
         self._clock = clock
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the routes."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/health")(self.health)
@@ -68,7 +68,7 @@ class SitePages:
         # The clock by which samples are stamped when they come.
         now = self._clock.monotonic_ns()
         return [
-            summarise(live, grants, now)
+            summarise_site(live, grants, now)
             for live in self._sites
             if sees_site(grants, live.description)
         ]
@@ -82,7 +82,7 @@ class SitePages:
 
     async def one(self, request: Request, site: str) -> SiteShape:
         """Describe a site as far as it is open to you."""
-        return describe(live_of(request), who_of(request).grants)
+        return describe_site(live_of(request), who_of(request).grants)
 
     async def events(
         self,
@@ -121,8 +121,8 @@ class SitePages:
             # Rows of other devices do not count for ``limit`` and ``more``, either.
             devices=devices,
         )
-        rows, more = await self._audit.find(wanted, limit)
-        sighted = await self._sighted(site, rows)
+        rows, more = await self._audit.find_records(wanted, limit)
+        sighted = await self._sightings_of(site, rows)
         return EventList(
             more=more,
             events=[
@@ -142,12 +142,12 @@ class SitePages:
             ],
         )
 
-    async def _sighted(
+    async def _sightings_of(
         self, site: str, rows: Sequence[AuditRecord]
     ) -> dict[tuple[int, str], SeenShape]:
         """Find the sightings that lines are about, by the time and the device of the line."""
         times = {row.entry.time_us for row in rows if row.entry.kind == SIGHTING}
-        found = await self._sightings.noted(site, times)
+        found = await self._sightings.find_noted(site, times)
         return {
             (sighting.noted_us, sighting.sighted.camera.partition("/")[0]): seen_shape(sighting)
             for sighting in found

@@ -18,7 +18,7 @@ __all__ = ["SkyPages"]
 class SkyPages:
     """The route of names; it knows nothing but what a catalogue says."""
 
-    def router(self) -> APIRouter:
+    def make_router(self) -> APIRouter:
         """Give the route."""
         router = APIRouter(route_class=GuardedRoute)
         router.get("/api/sites/{site}/sky")(self.find)

@@ -31,7 +31,7 @@ class CatalogObject(NamedTuple):
 
 
 @functools.cache
-def _catalogue() -> Any:  # noqa: ANN401 - the package has no types
+def _load_catalogue() -> Any:  # noqa: ANN401 - the package has no types
     try:
         from pyongc import ongc
     except ImportError:
@@ -41,7 +41,7 @@ def _catalogue() -> Any:  # noqa: ANN401 - the package has no types
 
 def is_there() -> bool:
     """Say whether the catalogue is installed."""
-    return _catalogue() is not None
+    return _load_catalogue() is not None
 
 
 def look_up(name: str) -> list[CatalogObject]:
@@ -49,7 +49,7 @@ def look_up(name: str) -> list[CatalogObject]:
 
     Reads a file: not for the event loop. At most `MOST`, brightest first.
     """
-    catalogue = _catalogue()
+    catalogue = _load_catalogue()
     # The database reads % and _ as "anything".
     words = " ".join(name.replace("%", " ").replace("_", " ").split())
     if catalogue is None or not words:
@@ -57,12 +57,12 @@ def look_up(name: str) -> list[CatalogObject]:
     # A designation means one thing; only a name may mean several.
     exact = catalogue.get(words)
     rows = [exact] if exact is not None else catalogue.listObjects(cname=words)
-    found = [_found(row) for row in rows if row.type not in _NOTHING]
+    found = [_catalog_object(row) for row in rows if row.type not in _NOTHING]
     there = [sky_object for sky_object in found if sky_object is not None]
     return sorted(there, key=lambda found: (math.isnan(found.magnitude), found.magnitude))[:MOST]
 
 
-def _found(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the package has no types
+def _catalog_object(row: Any) -> CatalogObject | None:  # noqa: ANN401 - the package has no types
     if row.coords is None:
         return None
     (hour, minute, second), (degree, arcminute, arcsecond) = row.coords.tolist()

@@ -16,7 +16,7 @@ __all__ = ["GatewaySocket"]
 class ServesGateways(Protocol):
     """A part that speaks with gateways over sockets of one kind."""
 
-    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+    async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Speak with the gateway of ``key`` until either side ends it."""
         ...
 
@@ -41,4 +41,4 @@ class GatewaySocket:
         key = await self._admission.admit_gateway(socket)
         if key is not None:
             await socket.accept()
-            await self._server.serve(socket, key)
+            await self._server.serve_socket(socket, key)

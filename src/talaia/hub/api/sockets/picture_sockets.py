@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, WebSocket
 
-from talaia.hub.api.access import deny
+from talaia.hub.api.access import deny_socket
 from talaia.hub.api.sockets.socket_admission import speaks_json
 from talaia.hub.auth.permissions import sees_stream
 from talaia.hub.live.pictures.camera_viewer import Viewer
@@ -58,12 +58,12 @@ class PictureSockets:
 
     async def _serve(self, socket: WebSocket, who: Who) -> None:
         site, stream = (socket.query_params.get(key, "") for key in ("site", "stream"))
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         # The same words for a stream that is hidden and one that is not there.
         if live is None or not sees_stream(
             who.grants, live.description, *(stream.split("/", 1) if "/" in stream else ("", ""))
         ):
-            await deny(socket, status=404, code="unknown", message="there is no such stream")
+            await deny_socket(socket, status=404, code="unknown", message="there is no such stream")
             return
         await socket.accept()
         viewer = Viewer(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from talaia.hub.api.access import deny
+from talaia.hub.api.access import deny_socket
 from talaia.hub.api.rate_limits import MOST_SOCKETS
 
 if TYPE_CHECKING:
@@ -32,15 +32,15 @@ class SocketAdmission:
     @asynccontextmanager
     async def admit_person(self, socket: WebSocket) -> AsyncIterator[Who | None]:
         """Give who opens a socket, and count it while it is open; None: they were sent away."""
-        who = await self._access.admit(socket)
+        who = await self._access.admit_socket(socket)
         if who is None:
             yield None
             return
         # Counted for as long as the caller serves it.
-        with self._limits.socket(who) as allowed:
+        with self._limits.count_socket(who) as allowed:
             if not allowed:
                 message = f"at most {MOST_SOCKETS} connections at once; close some pages"
-                await deny(socket, status=429, code="busy", message=message)
+                await deny_socket(socket, status=429, code="busy", message=message)
             yield who if allowed else None
 
     async def admit_gateway(self, socket: WebSocket) -> GatewayKey | None:

@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 __all__ = [
     "EMPTY",
     "BlockSamples",
-    "concatenate",
-    "cut",
-    "decode",
+    "concatenate_samples",
+    "decode_block",
     "decode_values",
-    "encode",
+    "encode_block",
     "in_order",
+    "split_blocks",
 ]
 
 VERSION = 1
@@ -50,20 +50,20 @@ class BlockSamples(NamedTuple):
     value: NDArray[np.float64]
     texts: dict[int, str]
 
-    def between(self, from_us: int, to_us: int) -> BlockSamples:
+    def between_times(self, from_us: int, to_us: int) -> BlockSamples:
         """Keep what lies in the window, both ends included; the times must be in order."""
         first = int(np.searchsorted(self.time_us, from_us, "left"))
         past = int(np.searchsorted(self.time_us, to_us, "right"))
-        return self.part(first, past)
+        return self.slice_positions(first, past)
 
-    def part(self, first: int, past: int) -> BlockSamples:
+    def slice_positions(self, first: int, past: int) -> BlockSamples:
         """Keep the positions from ``first`` up to ``past``."""
         if first == 0 and past == self.time_us.size:
             return self
         texts = {p - first: text for p, text in self.texts.items() if first <= p < past}
         return BlockSamples(self.time_us[first:past], self.value[first:past], texts)
 
-    def chosen(self, positions: NDArray[np.intp]) -> BlockSamples:
+    def select_positions(self, positions: NDArray[np.intp]) -> BlockSamples:
         """Keep these positions, in this order, each at most once."""
         texts: dict[int, str] = {}
         if self.texts:
@@ -75,7 +75,7 @@ class BlockSamples(NamedTuple):
 EMPTY = BlockSamples(np.empty(0, np.int64), np.empty(0, np.float64), {})
 
 
-def concatenate(parts: list[BlockSamples]) -> BlockSamples:
+def concatenate_samples(parts: list[BlockSamples]) -> BlockSamples:
     """Put samples one after the other."""
     if len(parts) < 2:
         return parts[0] if parts else EMPTY
@@ -96,10 +96,10 @@ def in_order(samples: BlockSamples) -> BlockSamples:
     time_us = samples.time_us
     if time_us.size < 2 or bool((time_us[1:] >= time_us[:-1]).all()):
         return samples
-    return samples.chosen(np.argsort(time_us, kind="stable"))
+    return samples.select_positions(np.argsort(time_us, kind="stable"))
 
 
-def cut(samples: BlockSamples, block: int) -> Iterator[BlockSamples]:
+def split_blocks(samples: BlockSamples, block: int) -> Iterator[BlockSamples]:
     """Cut samples in order of time into blocks of about ``block``.
 
     A block also ends at a long pause. So one sample with a wrong clock, or old samples that came
@@ -114,10 +114,12 @@ def cut(samples: BlockSamples, block: int) -> Iterator[BlockSamples]:
         size = past - first
         pieces = max(1, round(size / block))
         for piece in range(pieces):
-            yield samples.part(first + size * piece // pieces, first + size * (piece + 1) // pieces)
+            yield samples.slice_positions(
+                first + size * piece // pieces, first + size * (piece + 1) // pieces
+            )
 
 
-def encode(samples: BlockSamples) -> bytes:
+def encode_block(samples: BlockSamples) -> bytes:
     """Compress samples, in the order given."""
     times: bytes = standalone.simple_compress(np.ascontiguousarray(samples.time_us), _CONFIG)
     values: bytes = standalone.simple_compress(np.ascontiguousarray(samples.value), _CONFIG)
@@ -127,7 +129,7 @@ def encode(samples: BlockSamples) -> bytes:
     )
 
 
-def decode(body: bytes) -> BlockSamples:
+def decode_block(body: bytes) -> BlockSamples:
     """Turn a block's bytes back into samples.
 
     Raises:
@@ -135,28 +137,28 @@ def decode(body: bytes) -> BlockSamples:
 
     """
     try:
-        times, values, texts = _split(body)
+        times, values, texts = _split_sections(body)
         time_us = np.asarray(standalone.simple_decompress(times), np.int64)
         value = np.asarray(standalone.simple_decompress(values), np.float64)
         return BlockSamples(time_us, value, _TEXTS.decode(texts) if texts else {})
     except (struct.error, RuntimeError, msgspec.DecodeError) as error:
-        raise _damaged(body, error) from error
+        raise _damaged_block(body, error) from error
 
 
 def decode_values(body: bytes) -> NDArray[np.float64]:
     """Give a block's values without its times, which takes less than half as long.
 
     Raises:
-        HistoryError: see `decode`.
+        HistoryError: see `decode_block`.
 
     """
     try:
-        return np.asarray(standalone.simple_decompress(_split(body)[1]), np.float64)
+        return np.asarray(standalone.simple_decompress(_split_sections(body)[1]), np.float64)
     except (struct.error, RuntimeError) as error:
-        raise _damaged(body, error) from error
+        raise _damaged_block(body, error) from error
 
 
-def _split(body: bytes) -> tuple[bytes, bytes, bytes]:
+def _split_sections(body: bytes) -> tuple[bytes, bytes, bytes]:
     """Give the bytes of times, values and texts."""
     version, length = _HEAD.unpack_from(body)
     if version != VERSION:
@@ -171,5 +173,5 @@ def _split(body: bytes) -> tuple[bytes, bytes, bytes]:
     return times, body[at : at + length], body[at + length :]
 
 
-def _damaged(body: bytes, error: Exception) -> HistoryError:
+def _damaged_block(body: bytes, error: Exception) -> HistoryError:
     return HistoryError(f"a block of {len(body)} bytes is damaged: {error}")

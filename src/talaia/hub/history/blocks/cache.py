@@ -43,16 +43,16 @@ class BlockCache:
         """Memory that the samples take: a time and a value each."""
         return 16 * self._samples
 
-    def found(self, run: int, ids: Iterable[int]) -> dict[int, BlockSamples]:
+    def find_blocks(self, run: int, ids: Iterable[int]) -> dict[int, BlockSamples]:
         """Give those of the blocks that are here; ``run`` counts the ledger's loads."""
         with self._lock:
-            self._begin(run)
+            self._begin_run(run)
             known = {number: self._held[number] for number in ids if number in self._held}
             for number in known:
                 self._held.move_to_end(number)
             return known
 
-    def keep(self, run: int, read: dict[int, BlockSamples]) -> None:
+    def add_blocks(self, run: int, read: dict[int, BlockSamples]) -> None:
         """Take in blocks that were read; what was not asked for longest goes."""
         with self._lock:
             if run != self._run:
@@ -66,7 +66,7 @@ class BlockCache:
                 _, gone = self._held.popitem(last=False)
                 self._samples -= gone.time_us.size
 
-    def _begin(self, run: int) -> None:
+    def _begin_run(self, run: int) -> None:
         if run > self._run:
             self._held.clear()
             self._samples, self._run = 0, run

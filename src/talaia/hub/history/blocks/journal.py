@@ -39,7 +39,7 @@ _TEXTS = msgspec.msgpack.Decoder(dict[int, str])
 def write_row(columns: Columns) -> bytes:
     """Pack a batch that has at least one sample."""
     if len(columns) >= _WORTH:
-        return _packed(columns)
+        return _pack_columns(columns)
     base = int(columns.time_us[0])
     # Samples with a wrong clock stand decades apart: take eight bytes for all, and lose none.
     far = max(int(columns.time_us.max()) - base, base - int(columns.time_us.min()))
@@ -66,7 +66,7 @@ def read_row(body: bytes) -> Columns:
     try:
         version, size, count, base = _HEAD.unpack_from(body)
         if version == PACKED and size == 0:
-            return _unpacked(body, count, base)
+            return _unpack_columns(body, count, base)
         if version != PLAIN or size not in (4, 8):
             raise HistoryError(
                 f"a journal row has version {version}, this program reads {PLAIN} and {PACKED}",
@@ -86,7 +86,7 @@ def read_row(body: bytes) -> Columns:
     return Columns(channel, offset.astype(np.int64) + base, value, texts)
 
 
-def _packed(columns: Columns) -> bytes:
+def _pack_columns(columns: Columns) -> bytes:
     channel, time_us, value = columns.channel, columns.time_us, columns.value
     texts = b""
     if (channel[1:] < channel[:-1]).any():
@@ -117,7 +117,7 @@ def _packed(columns: Columns) -> bytes:
     )
 
 
-def _unpacked(body: bytes, count: int, runs: int) -> Columns:
+def _unpack_columns(body: bytes, count: int, runs: int) -> Columns:
     at = _HEAD.size
     channels = np.frombuffer(body, "<u2", runs, at)
     counts = np.frombuffer(body, "<u4", runs, at + 2 * runs)

@@ -40,21 +40,21 @@ class JournalRows:
         """Memory that is taken, without what the arrays hold ready."""
         return len(self._ids) * (self._ids.itemsize + self._sizes.itemsize)
 
-    def append(self, row: int, samples: int) -> None:
+    def append_row(self, row: int, samples: int) -> None:
         """Add a row; its number is higher than all before."""
         self._ids.append(row)
         self._sizes.append(samples)
         self.samples += samples
 
-    def below(self, row: int) -> int:
+    def count_below(self, row: int) -> int:
         """Count those with a lower number than ``row``."""
         return bisect_left(self._ids, row, self._gone) - self._gone
 
-    def oldest(self, count: int) -> int:
+    def last_of_oldest(self, count: int) -> int:
         """Give the highest number of the ``count`` oldest, which must be there."""
         return self._ids[self._gone + count - 1]
 
-    def forget(self, last: int) -> None:
+    def forget_rows(self, last: int) -> None:
         """Forget those up to the number ``last``."""
         end = bisect_left(self._ids, last + 1, self._gone)
         self.samples -= sum(self._sizes[self._gone : end])

@@ -24,12 +24,12 @@ class Ranges:
         # One past the last number of each range, in the same order.
         self._ends: list[int] = []
         for first, past in ranges:
-            self.add(first, past)
+            self.add_range(first, past)
 
     def __iter__(self) -> Iterator[tuple[int, int]]:
         return iter(zip(self._starts, self._ends, strict=True))
 
-    def add(self, first: int, past: int) -> None:
+    def add_range(self, first: int, past: int) -> None:
         """Put in the numbers from ``first`` up to but without ``past``."""
         if first >= past:
             return
@@ -42,7 +42,7 @@ class Ranges:
         self._starts[left:right] = [first]
         self._ends[left:right] = [past]
 
-    def missing(self, first: int, past: int) -> list[tuple[int, int]]:
+    def missing_ranges(self, first: int, past: int) -> list[tuple[int, int]]:
         """List what of ``first`` up to ``past`` is not here, as half-open ranges."""
         holes = []
         at = bisect_right(self._ends, first)
@@ -58,7 +58,7 @@ class Ranges:
             holes.append((first, past))
         return holes
 
-    def contiguous(self) -> int:
+    def contiguous_end(self) -> int:
         """Give the least number from 0 on that is not here."""
         at = bisect_right(self._ends, 0)
         if at < len(self._starts) and self._starts[at] <= 0:

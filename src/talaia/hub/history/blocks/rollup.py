@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.hub.history.queries.downsample import extremes, groups
+from talaia.hub.history.queries.downsample import bucket_extremes, bucket_starts
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,13 +21,13 @@ __all__ = [
     "WIDTHS",
     "Cells",
     "RollupPiece",
-    "cover",
+    "cover_window",
     "finest_width",
-    "join",
-    "merge",
-    "summarise",
+    "join_cells",
+    "merge_cells",
+    "summarise_samples",
     "tier_for",
-    "widen",
+    "widen_cells",
 ]
 
 SECOND = 1_000_000
@@ -74,7 +74,7 @@ class Cells(NamedTuple):
     last: NDArray[np.float64]
     last_us: NDArray[np.int64]
 
-    def newest(self) -> Cells:
+    def newest_cell(self) -> Cells:
         """Give the last cell alone."""
         return _select_cells(self, np.array([-1]))
 
@@ -83,14 +83,16 @@ _INTS, _FLOATS = np.empty(0, np.int64), np.empty(0, np.float64)
 _NONE = Cells(_INTS, _INTS, _INTS, _FLOATS, _FLOATS, _FLOATS, _INTS, _FLOATS, _INTS, _FLOATS, _INTS)
 
 
-def summarise(time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: int) -> Cells:
+def summarise_samples(
+    time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: int
+) -> Cells:
     """Sum up samples in order of time; width 0 makes one cell of all that begins at the first."""
-    starts = groups(time_us, width_us)
+    starts = bucket_starts(time_us, width_us)
     if not starts.size:
         return _select_cells(_NONE, starts)
     ends = np.append(starts[1:], time_us.size)
     finite = np.isfinite(value)
-    low, high = extremes(value, starts)
+    low, high = bucket_extremes(value, starts)
     first = time_us[starts]
     sizes = ends - starts
     numbers = np.add.reduceat(finite.astype(np.int64), starts)
@@ -114,19 +116,19 @@ def summarise(time_us: NDArray[np.int64], value: NDArray[np.float64], width_us: 
     )
 
 
-def join(parts: Sequence[Cells]) -> Cells:
+def join_cells(parts: Sequence[Cells]) -> Cells:
     """Put cells one after the other."""
     return Cells(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def merge(cells: Cells) -> Cells:
+def merge_cells(cells: Cells) -> Cells:
     """Make one cell of all those with the same bucket; of equal times the later cell's is last."""
     cells = _select_cells(cells, np.argsort(cells.bucket_us, kind="stable"))
-    starts = groups(cells.bucket_us, 1)
+    starts = bucket_starts(cells.bucket_us, 1)
     if starts.size == cells.bucket_us.size:
         return cells
-    low, _ = extremes(cells.low, starts)
-    _, high = extremes(cells.high, starts)
+    low, _ = bucket_extremes(cells.low, starts)
+    _, high = bucket_extremes(cells.high, starts)
     by_time = np.lexsort((cells.last_us, cells.bucket_us))
     last = by_time[np.append(starts[1:], by_time.size) - 1]
     sizes = np.diff(np.append(starts, cells.bucket_us.size))
@@ -151,15 +153,15 @@ def merge(cells: Cells) -> Cells:
     )
 
 
-def widen(cells: Cells, width_us: int) -> Cells:
+def widen_cells(cells: Cells, width_us: int) -> Cells:
     """Sum cells up into wider ones; ``width_us`` is a multiple of what they have."""
-    return merge(cells._replace(bucket_us=cells.bucket_us // width_us * width_us))
+    return merge_cells(cells._replace(bucket_us=cells.bucket_us // width_us * width_us))
 
 
 def finest_width(time_us: NDArray[np.int64]) -> int:
     """Give the finest width worth its rows for samples in order of time; 0 if none is."""
     for width_us in WIDTHS:
-        if time_us.size >= WORTH * groups(time_us, width_us).size:
+        if time_us.size >= WORTH * bucket_starts(time_us, width_us).size:
             return width_us
     return 0
 
@@ -184,7 +186,7 @@ class RollupPiece(NamedTuple):
     past_us: int
 
 
-def cover(from_us: int, past_us: int, width_us: int) -> list[RollupPiece]:
+def cover_window(from_us: int, past_us: int, width_us: int) -> list[RollupPiece]:
     """Cover a half-open window with buckets of ``width_us``, and its ends with narrower ones."""
     if from_us >= past_us:
         return []
@@ -193,9 +195,9 @@ def cover(from_us: int, past_us: int, width_us: int) -> list[RollupPiece]:
     finer = max((w for w in WIDTHS if w < width_us), default=0)
     first, past = -(-from_us // width_us) * width_us, past_us // width_us * width_us
     if first >= past:
-        return cover(from_us, past_us, finer)
+        return cover_window(from_us, past_us, finer)
     middle = RollupPiece(width_us, first, past)
-    return [*cover(from_us, first, finer), middle, *cover(past, past_us, finer)]
+    return [*cover_window(from_us, first, finer), middle, *cover_window(past, past_us, finer)]
 
 
 def _select_cells(cells: Cells, order: NDArray[np.intp]) -> Cells:

@@ -30,7 +30,7 @@ def summary_of(table: Table) -> list[Column[Any]]:
 def cells_to_rows(cells: Cells, **same: int) -> list[dict[str, Any]]:
     """Give a row for each cell; ``same`` are further columns that are the same in all."""
     columns = [
-        _out(column) if name in _FLOATS else column.tolist()
+        _finite_or_null(column) if name in _FLOATS else column.tolist()
         for name, column in zip(Cells._fields, cells, strict=True)
     ]
     return [
@@ -61,7 +61,7 @@ def to_cell(value: float) -> float | None:
     return None if value != value else max(-_MAX, min(_MAX, value))
 
 
-def _out(column: NDArray[Any]) -> list[float | None]:
+def _finite_or_null(column: NDArray[Any]) -> list[float | None]:
     # MariaDB keeps no infinities, and neither it nor SQLite keeps NaN.
     if np.isfinite(column).all():
         return column.tolist()  # type: ignore[no-any-return]

@@ -43,7 +43,7 @@ def stored_channels(
     # Memory before the database, as for every reading.
     before = tails.block
     held = {
-        address: (channel, tails.snapshot(channel))
+        address: (channel, tails.channel_snapshot(channel))
         for (owner, address), channel in sorted(names.channels.copy().items())
         if owner == site and address not in left_out
     }

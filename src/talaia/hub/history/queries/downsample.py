@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["edges_of", "extremes", "groups", "pixel_width", "steps_of"]
+__all__ = ["bucket_extremes", "bucket_starts", "edges_of", "pixel_width", "steps_of"]
 
 
 def pixel_width(span_us: int, width: int, multiple_us: int = 1) -> int:
@@ -33,7 +33,7 @@ def pixel_width(span_us: int, width: int, multiple_us: int = 1) -> int:
     return max(1, -(-least // multiple_us)) * multiple_us
 
 
-def groups(time_us: NDArray[np.int64], width_us: int) -> NDArray[np.intp]:
+def bucket_starts(time_us: NDArray[np.int64], width_us: int) -> NDArray[np.intp]:
     """Give where each bucket of ``width_us`` begins in times that are in order.
 
     Width 0 means one bucket for all.
@@ -46,7 +46,7 @@ def groups(time_us: NDArray[np.int64], width_us: int) -> NDArray[np.intp]:
     return np.concatenate(([0], np.flatnonzero(bucket[1:] != bucket[:-1]) + 1))
 
 
-def extremes(
+def bucket_extremes(
     value: NDArray[np.float64], starts: NDArray[np.intp]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Find for each group the position of its first least and first greatest value.
@@ -84,7 +84,7 @@ def steps_of(value: NDArray[np.float64], starts: NDArray[np.intp]) -> NDArray[np
     This is how states are thinned: what is drawn up to the next point must be what held last.
     """
     last = np.append(starts[1:], value.size) - 1
-    low, high = extremes(value, starts)
+    low, high = bucket_extremes(value, starts)
     held = value[last]
     other = np.where(value[high] != held, high, low)
     return np.unique(np.concatenate((last, other[value[other] != held])))

@@ -23,24 +23,26 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.export_formats import ExportColumn
     from talaia.hub.history.queries.wide_table import Rows
 
-__all__ = ["written"]
+__all__ = ["write_file"]
 
 TIME = "time"
 # Rows of a Parquet file that are read together; smaller ones make the file larger.
 _ROW_GROUP = 131_072
 
 
-def written(form: FileForm, columns: list[ExportColumn], pieces: Iterator[Rows]) -> Iterator[bytes]:
+def write_file(
+    form: FileForm, columns: list[ExportColumn], pieces: Iterator[Rows]
+) -> Iterator[bytes]:
     """Give the bytes of a file, in pieces of which none is empty."""
     sink = _Sink()
-    writer = _writer(form, columns, sink)
+    writer = _make_writer(form, columns, sink)
     for rows in pieces:
-        writer.write(_table(form, columns, rows))
+        writer.write(_make_table(form, columns, rows))
         if sink.size:
-            yield sink.taken()
+            yield sink.drain_bytes()
     writer.close()
     if sink.size:
-        yield sink.taken()
+        yield sink.drain_bytes()
 
 
 class _Writer(Protocol):
@@ -71,7 +73,7 @@ class _Sink(io.RawIOBase):
     def tell(self) -> int:
         return self._position
 
-    def taken(self) -> bytes:
+    def drain_bytes(self) -> bytes:
         """Give what was written since the last call."""
         parts, self._parts, self.size = self._parts, [], 0
         return b"".join(parts)
@@ -105,28 +107,30 @@ class _Gathered:
     def write(self, table: pa.Table) -> None:
         self._held.append(table)
         if sum(batch.num_rows for batch in self._held) >= _ROW_GROUP:
-            self._flush()
+            self._flush_tables()
 
     def close(self) -> None:
         if self._held:
-            self._flush()
+            self._flush_tables()
         self._writer.close()
 
-    def _flush(self) -> None:
+    def _flush_tables(self) -> None:
         self._writer.write_table(pa.concat_tables(self._held))
         self._held = []
 
 
-def _writer(form: FileForm, columns: list[ExportColumn], sink: _Sink) -> _Writer:
+def _make_writer(form: FileForm, columns: list[ExportColumn], sink: _Sink) -> _Writer:
     if form is FileForm.CSV:
         return _Csv(sink, columns)
     if form is FileForm.PARQUET:
-        return _Gathered(pyarrow.parquet.ParquetWriter(sink, _schema(columns), compression="zstd"))
-    stream: _Writer = pa.ipc.new_stream(sink, _schema(columns))
+        return _Gathered(
+            pyarrow.parquet.ParquetWriter(sink, _table_schema(columns), compression="zstd")
+        )
+    stream: _Writer = pa.ipc.new_stream(sink, _table_schema(columns))
     return stream
 
 
-def _schema(columns: list[ExportColumn]) -> pa.Schema:
+def _table_schema(columns: list[ExportColumn]) -> pa.Schema:
     fields = [pa.field(TIME, pa.timestamp("us", "UTC"), nullable=False)]
     for column in columns:
         kind = pa.string() if column.worded else pa.float64()
@@ -134,22 +138,22 @@ def _schema(columns: list[ExportColumn]) -> pa.Schema:
     return pa.schema(fields)
 
 
-def _table(form: FileForm, columns: list[ExportColumn], rows: Rows) -> pa.Table:
+def _make_table(form: FileForm, columns: list[ExportColumn], rows: Rows) -> pa.Table:
     size = rows.time_us.size
     arrays = [pa.array(rows.time_us, pa.int64()).cast(pa.timestamp("us", "UTC"))]
     for column, places, part in zip(columns, rows.places, rows.parts, strict=True):
         # A channel that has changed its type keeps its texts where a column can mix them.
         worded = column.worded or (form is FileForm.CSV and bool(part.texts))
         if worded:
-            arrays.append(_words(column, part, places, size, safe=form is FileForm.CSV))
+            arrays.append(_text_array(column, part, places, size, safe=form is FileForm.CSV))
         else:
-            arrays.append(_numbers(part, places, size))
+            arrays.append(_number_array(part, places, size))
     if form is FileForm.CSV:
         return pa.table(arrays, names=[str(at) for at in range(len(arrays))])
-    return pa.table(arrays, schema=_schema(columns))
+    return pa.table(arrays, schema=_table_schema(columns))
 
 
-def _numbers(part: BlockSamples, places: NDArray[np.intp], size: int) -> pa.Array:
+def _number_array(part: BlockSamples, places: NDArray[np.intp], size: int) -> pa.Array:
     value = np.zeros(size)
     value[places] = part.value
     empty = np.ones(size, bool)
@@ -160,7 +164,7 @@ def _numbers(part: BlockSamples, places: NDArray[np.intp], size: int) -> pa.Arra
     return pa.array(value, pa.float64(), mask=empty, from_pandas=False)
 
 
-def _words(
+def _text_array(
     column: ExportColumn, part: BlockSamples, places: NDArray[np.intp], size: int, *, safe: bool
 ) -> pa.Array:
     known: dict[float, str] = {float(at): word for at, word in enumerate(column.states)}

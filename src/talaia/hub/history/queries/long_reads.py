@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from talaia.hub.history.database_threads import DatabaseThreads
 from talaia.hub.history.errors import HistoryBusy
 from talaia.hub.history.queries.outliers import find_outliers
-from talaia.hub.history.queries.sample_stream import SampleChunk, flow
-from talaia.hub.history.queries.wide_table import joined
+from talaia.hub.history.queries.sample_stream import SampleChunk, stream_samples
+from talaia.hub.history.queries.wide_table import join_channels
 from talaia.hub.history.queries.window import FARTHEST_US
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class LongReads:
     async def find_outliers(
         self, site: str, address: str, from_us: int, to_us: int, *, k: float
     ) -> AsyncGenerator[Outliers | None]:
-        """See `HistoryStore.outliers`."""
+        """See `HistoryStore.count_outliers`."""
         async with self._one_count:
             steps = find_outliers(
                 self._engine,
@@ -91,7 +91,7 @@ class LongReads:
         form: FileForm,
         width: int,
     ) -> AsyncIterator[bytes]:
-        """See `HistoryStore.export`."""
+        """See `HistoryStore.export_samples`."""
         if self._exports >= _EXPORTS:
             raise HistoryBusy(f"{_EXPORTS} exports go on already", "try again when one has ended")
         self._exports += 1
@@ -116,18 +116,18 @@ class LongReads:
         width: int,
     ) -> Iterator[bytes]:
         # Arrow takes 40 MB of memory, which a hub that exports nothing need not carry.
-        from talaia.hub.history.queries.files import written
+        from talaia.hub.history.queries.files import write_file
 
         addresses = [column.address for column in columns]
         if width:
             steps = {column.address for column in columns if column.states}
-            shown = self._reader.read(
+            shown = self._reader.read_series(
                 site, addresses, from_us=from_us, to_us=to_us, width=width, steps=steps
             )
             flows = [iter([SampleChunk(series.samples(), FARTHEST_US + 1)]) for series in shown]
         else:
             flows = [
-                flow(
+                stream_samples(
                     self._engine,
                     self._ledger,
                     site=site,
@@ -137,7 +137,7 @@ class LongReads:
                 )
                 for address in addresses
             ]
-        return written(form, list(columns), joined(flows))
+        return write_file(form, list(columns), join_channels(flows))
 
     def close(self) -> None:
         """Wait for the piece that is being made, and end the thread; blocks."""

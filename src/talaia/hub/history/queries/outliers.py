@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from sqlalchemy import select
 
-from talaia.hub.history.blocks.block import decode, decode_values, in_order
+from talaia.hub.history.blocks.block import decode_block, decode_values, in_order
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.queries.quantiles import KEPT, Ranks
 from talaia.hub.history.queries.window_query import window_of
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from talaia.hub.history.queries.window import StoredWindow
     from talaia.hub.history.writing.block_index import BlockIndex
 
-__all__ = ["LEAST", "Outliers", "find_outliers", "scattered"]
+__all__ = ["LEAST", "Outliers", "find_outliers", "scatter_parts"]
 
 # Of fewer numbers quartiles say nothing.
 LEAST = 8
@@ -92,11 +92,11 @@ def find_outliers(
     """Go a step with each ``next``: None until it is done, then what was found."""
     found = window_of(ledger, site=site, address=address, from_us=from_us, to_us=to_us)
     if found is None:
-        yield _nothing(address)
+        yield _no_outliers(address)
         return
     window, held = found
-    tail = in_order(held).between(window.from_us, window.to_us).value
-    parts, stored = _parts(engine, window, most)
+    tail = in_order(held).between_times(window.from_us, window.to_us).value
+    parts, stored = _list_parts(engine, window, most)
     whole = sum(part.samples for part in parts) == stored
     quartiles: list[float] | None = None
     ranks = Ranks(_QUARTILES)
@@ -104,7 +104,7 @@ def find_outliers(
         ranks = Ranks(_QUARTILES, KEPT * 4**look)
         ranks.add_values(tail)
         # Another order each time: what misled the first look is not met alike in the next.
-        for values in _values(engine, window, scattered(parts, look)):
+        for values in _read_values(engine, window, scatter_parts(parts, look)):
             if values is None:
                 whole = False
             elif values.size:
@@ -115,41 +115,41 @@ def find_outliers(
             break
     if quartiles is None or ranks.count < LEAST:
         of = ranks.count if whole else stored
-        yield _nothing(address)._replace(samples=ranks.count, stored=of, exact=whole)
+        yield _no_outliers(address)._replace(samples=ranks.count, stored=of, exact=whole)
         return
     first, third = quartiles
     low, high = first - k * (third - first), third + k * (third - first)
-    count = _outside(tail, low, high)
+    count = _count_outside(tail, low, high)
     # What lies between the fences as a whole has none.
     far = [part for part in parts if not (part.low >= low and part.high <= high)]
-    for values in _values(engine, window, far):
+    for values in _read_values(engine, window, far):
         if values is not None:
-            count += _outside(values, low, high)
+            count += _count_outside(values, low, high)
             yield None
     of = ranks.count if whole else stored
     yield Outliers(address, ranks.count, of, first, third, low, high, count, whole)
 
 
-def scattered(parts: Sequence[_Part], turn: int) -> list[_Part]:
+def scatter_parts(parts: Sequence[_Part], turn: int) -> list[_Part]:
     """Put parts in an order of which every beginning lies evenly among all of them."""
     places = (np.arange(len(parts)) + 1) * _GOLDEN + turn * _GOLDEN / 2.0
     return [parts[at] for at in np.argsort(np.argsort(places % 1.0)).tolist()]
 
 
-def _nothing(address: str) -> Outliers:
+def _no_outliers(address: str) -> Outliers:
     nan = math.nan
     return Outliers(address, 0, 0, nan, nan, nan, nan, 0, exact=True)
 
 
-def _outside(values: NDArray[np.float64], low: float, high: float) -> int:
+def _count_outside(values: NDArray[np.float64], low: float, high: float) -> int:
     # Of what is no number nothing is counted; infinities are none either.
     return int(np.count_nonzero(((values < low) | (values > high)) & np.isfinite(values)))
 
 
-def _parts(engine: Engine, window: StoredWindow, most: int) -> tuple[list[_Part], int]:
+def _list_parts(engine: Engine, window: StoredWindow, most: int) -> tuple[list[_Part], int]:
     """List the blocks to look at, in order of time, and count the samples of all of them."""
     names = ("id", "samples", "low", "high", "first_us", "last_us")
-    query = select(*(_block.c[name] for name in names)).where(*window.blocks())
+    query = select(*(_block.c[name] for name in names)).where(*window.overlap_conditions())
     with engine.begin() as connection:
         rows = connection.execute(query.order_by(_block.c.first_us, _block.c.id)).all()
     parts = [
@@ -169,7 +169,7 @@ def _parts(engine: Engine, window: StoredWindow, most: int) -> tuple[list[_Part]
     return parts, stored
 
 
-def _values(
+def _read_values(
     engine: Engine, window: StoredWindow, parts: Sequence[_Part]
 ) -> Iterator[NDArray[np.float64] | None]:
     """Give the values of blocks, a few blocks at a time; None for one that cannot be read."""
@@ -182,7 +182,7 @@ def _values(
         read: list[NDArray[np.float64]] = []
         for number, data in rows:
             try:
-                read.append(_value(window, some[number], data))
+                read.append(_decode_values(window, some[number], data))
             except HistoryError:
                 # The charts' reading says so in the log.
                 yield None
@@ -191,7 +191,7 @@ def _values(
         yield np.concatenate(read) if read else np.empty(0)
 
 
-def _value(window: StoredWindow, part: _Part, data: bytes) -> NDArray[np.float64]:
+def _decode_values(window: StoredWindow, part: _Part, data: bytes) -> NDArray[np.float64]:
     if part.whole:
         return decode_values(data)
-    return in_order(decode(data)).between(window.from_us, window.to_us).value
+    return in_order(decode_block(data)).between_times(window.from_us, window.to_us).value

@@ -51,7 +51,7 @@ class Ranks:
         for part, bracket in zip(self._parts, self._brackets, strict=True):
             bracket.add_values(numbers)
             if bracket.waiting > 2 * self._kept:
-                bracket.fold(part * self.count)
+                bracket.fold_pending(part * self.count)
 
     def quantiles(self) -> list[float] | None:
         """Give the quantiles, between neighbours by share; None if one was missed.
@@ -63,7 +63,7 @@ class Ranks:
         found = []
         for part, bracket in zip(self._parts, self._brackets, strict=True):
             place = (self.count - 1) * part
-            low, high = bracket.at(math.floor(place)), bracket.at(math.ceil(place))
+            low, high = bracket.value_at(math.floor(place)), bracket.value_at(math.ceil(place))
             if low is None or high is None:
                 return None
             found.append(low + (high - low) * (place - math.floor(place)))
@@ -97,12 +97,12 @@ class _Bracket:
             self._pieces.append(numbers)
             self.waiting += numbers.size
 
-    def fold(self, rank: float) -> None:
+    def fold_pending(self, rank: float) -> None:
         """Sort in what waits, and let go what is far from ``rank``.
 
         Where later numbers lie elsewhere than the first ones, the rank may be outside of what is
         held. Then the nearest numbers are kept: still later ones may bring it back, and if not,
-        `at` does not find it.
+        `value_at` does not find it.
         """
         self._sort_in()
         if not self._values.size:
@@ -120,7 +120,7 @@ class _Bracket:
             self._high = float(self._values[past - 1])
         self._values, self._times = self._values[first:past], self._times[first:past]
 
-    def at(self, rank: int) -> float | None:
+    def value_at(self, rank: int) -> float | None:
         """Give the number of a rank (0 is the least); None if it was let go."""
         self._sort_in()
         ranks = self._below + np.cumsum(self._times)

@@ -12,12 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from sqlalchemy import select, union_all
 
-from talaia.hub.history.blocks.block import BlockSamples, concatenate, in_order
+from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples, in_order
 from talaia.hub.history.blocks.cache import BlockCache
 from talaia.hub.history.blocks.columns import columns_of
-from talaia.hub.history.blocks.rollup import cover, tier_for
+from talaia.hub.history.blocks.rollup import cover_window, tier_for
 from talaia.hub.history.blocks.rows import to_float
-from talaia.hub.history.queries.downsample import edges_of, extremes, groups, pixel_width, steps_of
+from talaia.hub.history.queries.downsample import (
+    bucket_extremes,
+    bucket_starts,
+    edges_of,
+    pixel_width,
+    steps_of,
+)
 from talaia.hub.history.queries.series import HistoryGap, Series, empty_series
 from talaia.hub.history.queries.window import (
     FARTHEST_US,
@@ -25,8 +31,8 @@ from talaia.hub.history.queries.window import (
     gaps_of,
     kept_bodies,
     outside_rollups,
-    overlapping,
-    raw,
+    overlapping_blocks,
+    read_samples,
 )
 from talaia.hub.history.queries.window_query import window_of
 from talaia.hub.store import history_tables as tables
@@ -64,7 +70,7 @@ class Reader:
         """Memory that blocks which were read lately take."""
         return self._cache.bytes
 
-    def read(
+    def read_series(
         self,
         site: str,
         addresses: Sequence[str],
@@ -74,7 +80,7 @@ class Reader:
         width: int,
         steps: Collection[str] = (),
     ) -> list[Series]:
-        """Read a window of several channels; see `HistoryStore.read`."""
+        """Read a window of several channels; see `HistoryStore.read_series`."""
         asked = [
             (
                 address,
@@ -83,11 +89,11 @@ class Reader:
             for address in addresses
         ]
         with self._engine.begin() as connection:
-            gaps = gaps_of(connection, site, *_within(from_us, to_us))
+            gaps = gaps_of(connection, site, *_clamp_window(from_us, to_us))
             return [
                 empty_series(address, gaps)
                 if found is None
-                else self._series(
+                else self._read_channel(
                     connection,
                     address,
                     window=found[0],
@@ -99,10 +105,10 @@ class Reader:
                 for address, found in asked
             ]
 
-    def last(
+    def last_readings(
         self, site: str, addresses: Sequence[str], to_us: int = FARTHEST_US
     ) -> dict[str, tuple[int, float, str]]:
-        """Find each channel's newest sample up to ``to_us``; see `HistoryStore.last`."""
+        """Find each channel's newest sample up to ``to_us``; see `HistoryStore.last_readings`."""
         asked = [
             (
                 address,
@@ -118,8 +124,10 @@ class Reader:
                 if known is None:
                     continue
                 window, held = known
-                tail = in_order(held).between(window.from_us, window.to_us)
-                both = concatenate([*_newest_blocks(connection, self._cache, window, tail), tail])
+                tail = in_order(held).between_times(window.from_us, window.to_us)
+                both = concatenate_samples(
+                    [*_newest_blocks(connection, self._cache, window, tail), tail]
+                )
                 if not both.time_us.size:
                     continue
                 # Of equal times the one that came last; the tail came after the blocks.
@@ -128,7 +136,7 @@ class Reader:
                 found[address] = (int(both.time_us[at]), float(both.value[at]), text)
         return found
 
-    def _series(
+    def _read_channel(
         self,
         connection: Connection,
         address: str,
@@ -139,17 +147,17 @@ class Reader:
         gaps: list[HistoryGap],
         steps: bool,
     ) -> Series:
-        tail = in_order(held).between(window.from_us, window.to_us)
+        tail = in_order(held).between_times(window.from_us, window.to_us)
         span_us = window.to_us - window.from_us + 1
         most = max(self._limits.raw, 2 * width)
-        blocks = overlapping(connection, window, most)
+        blocks = overlapping_blocks(connection, window, most)
         tier = 0
         if blocks is None:
             tier = tier_for(pixel_width(span_us, width) or span_us)
         if tier:
             pixel_us = pixel_width(span_us, width, tier)
             names = _STEPS if steps else _LINES
-            rolled = _rolled(
+            rolled = _read_rollups(
                 connection,
                 cache=self._cache,
                 window=window,
@@ -158,27 +166,31 @@ class Reader:
                 names=names,
             )
             if not rolled.texts and not tail.texts:
-                points = in_order(concatenate([rolled, tail]))
-                return _drawn(address, samples=points, pixel_us=pixel_us, gaps=gaps, steps=steps)
+                points = in_order(concatenate_samples([rolled, tail]))
+                return _draw_series(
+                    address, samples=points, pixel_us=pixel_us, gaps=gaps, steps=steps
+                )
         if blocks is None:
-            blocks = overlapping(connection, window, FARTHEST_US) or ()
-        samples, unread = raw(
+            blocks = overlapping_blocks(connection, window, FARTHEST_US) or ()
+        samples, unread = read_samples(
             connection, blocks, window=window, most_texts=self._limits.texts, cache=self._cache
         )
         gaps = [*gaps, *unread]
-        samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
+        samples = in_order(concatenate_samples([samples, tail])).between_times(
+            window.from_us, window.to_us
+        )
         if samples.time_us.size <= 2 * width:
             return Series(address, *samples, not unread, gaps)
-        return _drawn(
+        return _draw_series(
             address, samples=samples, pixel_us=pixel_width(span_us, width), gaps=gaps, steps=steps
         )
 
 
-def _within(from_us: int, to_us: int) -> tuple[int, int]:
+def _clamp_window(from_us: int, to_us: int) -> tuple[int, int]:
     return max(-FARTHEST_US, int(from_us)), min(FARTHEST_US, int(to_us))
 
 
-def _drawn(
+def _draw_series(
     address: str,
     *,
     samples: BlockSamples,
@@ -186,14 +198,14 @@ def _drawn(
     gaps: list[HistoryGap],
     steps: bool,
 ) -> Series:
-    starts = groups(samples.time_us, pixel_us)
+    starts = bucket_starts(samples.time_us, pixel_us)
     if samples.texts:
         kept = edges_of(starts, samples.time_us.size)
     elif steps:
         kept = steps_of(samples.value, starts)
     else:
-        kept = np.unique(np.concatenate(extremes(samples.value, starts)))
-    return Series(address, *samples.chosen(kept), exact=False, gaps=gaps)
+        kept = np.unique(np.concatenate(bucket_extremes(samples.value, starts)))
+    return Series(address, *samples.select_positions(kept), exact=False, gaps=gaps)
 
 
 # Of a state, a chart needs what held last, too.
@@ -201,7 +213,7 @@ _LINES = ("low_us", "low", "high_us", "high")
 _STEPS = (*_LINES, "last_us", "last")
 
 
-def _rolled(
+def _read_rollups(
     connection: Connection,
     *,
     cache: BlockCache,
@@ -211,7 +223,7 @@ def _rolled(
     names: Sequence[str],
 ) -> BlockSamples:
     """Give points that hold the extremes of each pixel: of rollups, and of what is in none."""
-    pieces = cover(window.from_us, window.to_us + 1, tier)
+    pieces = cover_window(window.from_us, window.to_us + 1, tier)
     wide = [piece for piece in pieces if piece.width_us]
     parts = []
     if wide:
@@ -232,7 +244,7 @@ def _rolled(
             ),
         )
         if columns:
-            parts.append(_points(columns[0::2], columns[1::2]))
+            parts.append(_join_points(columns[0::2], columns[1::2]))
     inside: list[Any] = []
     cut: list[tuple[int, RollupPiece]] = []
     for number, row in outside_rollups(connection, window, pieces):
@@ -247,16 +259,16 @@ def _rolled(
     if inside:
         listed = list(zip(*inside, strict=True))
         values = [to_float(column) for column in listed[1::2]]
-        parts.append(_points([np.array(times, np.int64) for times in listed[0::2]], values))
+        parts.append(_join_points([np.array(times, np.int64) for times in listed[0::2]], values))
     parts += [
-        read[number].between(piece.from_us, piece.past_us - 1)
+        read[number].between_times(piece.from_us, piece.past_us - 1)
         for number, piece in cut
         if number in read
     ]
-    return concatenate(parts)
+    return concatenate_samples(parts)
 
 
-def _points(
+def _join_points(
     times_us: Sequence[NDArray[np.int64]], values: Sequence[NDArray[np.float64]]
 ) -> BlockSamples:
     return BlockSamples(np.concatenate(times_us), np.concatenate(values), {})
@@ -278,10 +290,10 @@ def _newest_blocks(
     ).first()
     # ... or it is in a block that goes on beyond the window's end.
     reach = window._replace(from_us=window.to_us)
-    cut = connection.execute(select(*columns).where(*reach.blocks())).all()
+    cut = connection.execute(select(*columns).where(*reach.overlap_conditions())).all()
     found = [*cut, whole] if whole is not None else cut
     if tail.time_us.size and all(row.last_us <= tail.time_us[-1] for row in found):
         return []
     read = kept_bodies(connection, sorted({row.id for row in found}), window.run, cache)
     # In the order of their numbers, which is that in which they came.
-    return [in_order(read[i]).between(window.from_us, window.to_us) for i in sorted(read)]
+    return [in_order(read[i]).between_times(window.from_us, window.to_us) for i in sorted(read)]

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import and_, or_, select
 
-from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate, in_order
-from talaia.hub.history.queries.window import FARTHEST_US, bodies
+from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate_samples, in_order
+from talaia.hub.history.queries.window import FARTHEST_US, read_blocks
 from talaia.hub.history.queries.window_query import window_of
 from talaia.hub.store import history_tables as tables
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.history.writing.block_index import BlockIndex
 
-__all__ = ["SampleChunk", "flow"]
+__all__ = ["SampleChunk", "stream_samples"]
 
 # Blocks of a piece: what is held at once is a few times as much.
 AT_ONCE = 16
@@ -39,7 +39,7 @@ class SampleChunk(NamedTuple):
     past_us: int
 
 
-def flow(
+def stream_samples(
     engine: Engine, ledger: BlockIndex, *, site: str, address: str, from_us: int, to_us: int
 ) -> Iterator[SampleChunk]:
     """Give a channel's samples of a window, both ends included; memory is looked at now.
@@ -50,7 +50,7 @@ def flow(
     if found is None:
         return iter(())
     window, held = found
-    tail = in_order(held).between(window.from_us, window.to_us)
+    tail = in_order(held).between_times(window.from_us, window.to_us)
 
     def pieces() -> Iterator[SampleChunk]:
         # What was read and is not given yet, by block: later blocks may lie among it.
@@ -61,7 +61,7 @@ def flow(
             query = (
                 select(_block.c.id, _block.c.first_us)
                 .where(
-                    *window.blocks(),
+                    *window.overlap_conditions(),
                     or_(
                         _block.c.first_us > after[0],
                         and_(_block.c.first_us == after[0], _block.c.id > after[1]),
@@ -72,28 +72,28 @@ def flow(
             )
             with engine.begin() as connection:
                 rows = connection.execute(query).all()
-                read = bodies(connection, [row.id for row in rows[:AT_ONCE]])
+                read = read_blocks(connection, [row.id for row in rows[:AT_ONCE]])
             more = len(rows) > AT_ONCE
             past_us = rows[AT_ONCE].first_us if more else FARTHEST_US + 1
             if more:
                 after = (rows[AT_ONCE - 1].first_us, rows[AT_ONCE - 1].id)
             for number, samples in read.items():
-                waiting[number] = samples.between(window.from_us, window.to_us)
-            ready, waiting = _split(waiting, past_us)
+                waiting[number] = samples.between_times(window.from_us, window.to_us)
+            ready, waiting = _split_waiting(waiting, past_us)
             yield SampleChunk(ready, max(past_us, window.from_us))
 
     return pieces()
 
 
-def _split(
+def _split_waiting(
     waiting: dict[int, BlockSamples], past_us: int
 ) -> tuple[BlockSamples, dict[int, BlockSamples]]:
     """Take what lies before a time, in order of time, and what is left of each block."""
     before, left = [], {}
     for number in sorted(waiting):
         samples = waiting[number]
-        before.append(samples.between(-(2**63), past_us - 1))
-        rest = samples.between(past_us, 2**63 - 1)
+        before.append(samples.between_times(-(2**63), past_us - 1))
+        rest = samples.between_times(past_us, 2**63 - 1)
         if rest.time_us.size:
             left[number] = rest
-    return (in_order(concatenate(before)) if before else EMPTY), left
+    return (in_order(concatenate_samples(before)) if before else EMPTY), left

@@ -8,15 +8,22 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from sqlalchemy import select, union_all
 
-from talaia.hub.history.blocks.block import BlockSamples, concatenate, in_order
-from talaia.hub.history.blocks.rollup import WIDTHS, Cells, cover, join, merge, summarise
+from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples, in_order
+from talaia.hub.history.blocks.rollup import (
+    WIDTHS,
+    Cells,
+    cover_window,
+    join_cells,
+    merge_cells,
+    summarise_samples,
+)
 from talaia.hub.history.blocks.rows import rows_to_cells, summary_of
 from talaia.hub.history.queries.window import (
-    bodies,
     gaps_of,
     outside_rollups,
-    overlapping,
-    raw,
+    overlapping_blocks,
+    read_blocks,
+    read_samples,
 )
 from talaia.hub.history.queries.window_query import window_of
 from talaia.hub.store import history_tables as tables
@@ -83,7 +90,7 @@ def read_statistics(
     from_us: int,
     to_us: int,
 ) -> list[Statistics]:
-    """Sum up a window of several channels; see `HistoryStore.statistics`."""
+    """Sum up a window of several channels; see `HistoryStore.read_statistics`."""
     asked = [
         (address, window_of(ledger, site=site, address=address, from_us=from_us, to_us=to_us))
         for address in addresses
@@ -127,18 +134,20 @@ def _of_window(
     most: int,
     gap_us: int,
 ) -> Statistics:
-    tail = in_order(held).between(window.from_us, window.to_us)
-    blocks = overlapping(connection, window, most)
+    tail = in_order(held).between_times(window.from_us, window.to_us)
+    blocks = overlapping_blocks(connection, window, most)
     if blocks is not None:
-        samples, _ = raw(connection, blocks, window=window, most_texts=most)
-        samples = in_order(concatenate([samples, tail])).between(window.from_us, window.to_us)
-        cells = summarise(samples.time_us, samples.value, 0)
+        samples, _ = read_samples(connection, blocks, window=window, most_texts=most)
+        samples = in_order(concatenate_samples([samples, tail])).between_times(
+            window.from_us, window.to_us
+        )
+        cells = summarise_samples(samples.time_us, samples.value, 0)
         ends = samples
     else:
-        parts = [_rolled(connection, window), summarise(tail.time_us, tail.value, 0)]
-        joined = join(parts)
-        cells = merge(joined._replace(bucket_us=np.zeros_like(joined.bucket_us)))
-        ends = _ends(connection, window, tail)
+        parts = [_read_cells(connection, window), summarise_samples(tail.time_us, tail.value, 0)]
+        joined = join_cells(parts)
+        cells = merge_cells(joined._replace(bucket_us=np.zeros_like(joined.bucket_us)))
+        ends = _end_samples(connection, window, tail)
     if not cells.samples.size:
         return _of_nothing(address, gap_us)
     numbers = int(cells.numbers[0])
@@ -151,13 +160,13 @@ def _of_window(
         high=None if math.isnan(high) else SampleReading(int(cells.high_us[0]), high, ""),
         mean=float(cells.total[0]) / numbers if numbers else math.nan,
         deviation=math.sqrt(float(cells.squares[0]) / numbers) if numbers else math.nan,
-        first=_reading(ends, 0),
-        last=_reading(ends, ends.time_us.size - 1),
+        first=_reading_at(ends, 0),
+        last=_reading_at(ends, ends.time_us.size - 1),
         gap_us=gap_us,
     )
 
 
-def _reading(samples: BlockSamples, at: int) -> SampleReading | None:
+def _reading_at(samples: BlockSamples, at: int) -> SampleReading | None:
     if not samples.time_us.size:
         return None
     return SampleReading(
@@ -165,9 +174,9 @@ def _reading(samples: BlockSamples, at: int) -> SampleReading | None:
     )
 
 
-def _rolled(connection: Connection, window: StoredWindow) -> Cells:
+def _read_cells(connection: Connection, window: StoredWindow) -> Cells:
     """Give cells that together hold what the database holds of a window."""
-    pieces = cover(window.from_us, window.to_us + 1, WIDTHS[-1])
+    pieces = cover_window(window.from_us, window.to_us + 1, WIDTHS[-1])
     table = tables.rollup
     query = select(table.c.bucket_us, *summary_of(table))
     rolled = [
@@ -190,25 +199,25 @@ def _rolled(connection: Connection, window: StoredWindow) -> Cells:
         else:
             cut.append((row.id, piece))
     parts.append(rows_to_cells(whole))
-    read = bodies(connection, sorted({number for number, _ in cut}))
+    read = read_blocks(connection, sorted({number for number, _ in cut}))
     for number, piece in cut:
         if number in read:
-            part = read[number].between(piece.from_us, piece.past_us - 1)
-            parts.append(summarise(part.time_us, part.value, 0))
-    return join(parts)
+            part = read[number].between_times(piece.from_us, piece.past_us - 1)
+            parts.append(summarise_samples(part.time_us, part.value, 0))
+    return join_cells(parts)
 
 
-def _ends(connection: Connection, window: StoredWindow, tail: BlockSamples) -> BlockSamples:
+def _end_samples(connection: Connection, window: StoredWindow, tail: BlockSamples) -> BlockSamples:
     """Give samples of a window of which the first and the last are the window's."""
     edge = (
         select(_block.c.id)
-        .where(*window.blocks(), _block.c.first_us >= window.from_us)
+        .where(*window.overlap_conditions(), _block.c.first_us >= window.from_us)
         .order_by(_block.c.first_us, _block.c.id)
         .limit(1)
     )
     other = (
         select(_block.c.id)
-        .where(*window.blocks(), _block.c.last_us <= window.to_us)
+        .where(*window.overlap_conditions(), _block.c.last_us <= window.to_us)
         .order_by(_block.c.last_us.desc(), _block.c.id.desc())
         .limit(1)
     )
@@ -216,7 +225,7 @@ def _ends(connection: Connection, window: StoredWindow, tail: BlockSamples) -> B
     # Besides, the blocks that an end of the window cuts through.
     for at_us in (window.from_us, window.to_us):
         cut = window._replace(from_us=at_us, to_us=at_us)
-        ids |= set(connection.scalars(select(_block.c.id).where(*cut.blocks())))
-    read = bodies(connection, sorted(ids))
+        ids |= set(connection.scalars(select(_block.c.id).where(*cut.overlap_conditions())))
+    read = read_blocks(connection, sorted(ids))
     parts = [read[number] for number in sorted(read)]
-    return in_order(concatenate([*parts, tail])).between(window.from_us, window.to_us)
+    return in_order(concatenate_samples([*parts, tail])).between_times(window.from_us, window.to_us)

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate
+from talaia.hub.history.blocks.block import EMPTY, BlockSamples, concatenate_samples
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from talaia.hub.history.queries.sample_stream import SampleChunk
 
-__all__ = ["Rows", "joined"]
+__all__ = ["Rows", "join_channels"]
 
 _NEVER = 2**63 - 1
 
@@ -34,7 +34,7 @@ class Rows(NamedTuple):
     parts: list[BlockSamples]
 
 
-def joined(flows: Sequence[Iterator[SampleChunk]]) -> Iterator[Rows]:
+def join_channels(flows: Sequence[Iterator[SampleChunk]]) -> Iterator[Rows]:
     """Join channels by time, a piece at a time.
 
     Samples of several channels with one time stamp share a row. Where a channel has several
@@ -49,17 +49,17 @@ def joined(flows: Sequence[Iterator[SampleChunk]]) -> Iterator[Rows]:
                 stretch = next(stretches, None)
                 past[at] = stretch.past_us if stretch is not None else _NEVER
                 if stretch is not None:
-                    held[at] = concatenate([held[at], stretch.samples])
+                    held[at] = concatenate_samples([held[at], stretch.samples])
         until = min(past)
-        ready = [samples.between(-_NEVER, until - 1) for samples in held]
-        held = [samples.between(until, _NEVER) for samples in held]
+        ready = [samples.between_times(-_NEVER, until - 1) for samples in held]
+        held = [samples.between_times(until, _NEVER) for samples in held]
         if any(samples.time_us.size for samples in ready):
-            yield _together(ready)
+            yield _join_parts(ready)
 
 
-def _together(parts: list[BlockSamples]) -> Rows:
+def _join_parts(parts: list[BlockSamples]) -> Rows:
     times = [part.time_us for part in parts]
-    turns = [_turns(own_times) for own_times in times]
+    turns = [_repeat_counts(own_times) for own_times in times]
     most = max(int(turn.max(initial=0)) for turn in turns)
     if most == 0:
         time_us = np.unique(np.concatenate(times))
@@ -74,7 +74,7 @@ def _together(parts: list[BlockSamples]) -> Rows:
     return Rows(rank[rows // (most + 1)], [np.searchsorted(rows, key) for key in keys], parts)
 
 
-def _turns(time_us: NDArray[np.int64]) -> NDArray[np.int64]:
+def _repeat_counts(time_us: NDArray[np.int64]) -> NDArray[np.int64]:
     """Count for each sample how many before it have the same time stamp."""
     index = np.arange(time_us.size)
     if not time_us.size:

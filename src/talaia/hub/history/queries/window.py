@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import func, literal, or_, select, union_all
 
-from talaia.hub.history.blocks.block import BlockSamples, concatenate, decode
+from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples, decode_block
 from talaia.hub.history.blocks.rows import summary_of
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.queries.series import HistoryGap
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 __all__ = [
     "FARTHEST_US",
     "StoredWindow",
-    "bodies",
     "count_in_blocks",
     "gaps_of",
     "kept_bodies",
     "outside_rollups",
-    "overlapping",
-    "raw",
+    "overlapping_blocks",
+    "read_blocks",
+    "read_samples",
 ]
 
 _LOG = logging.getLogger(__name__)
@@ -53,7 +53,7 @@ class StoredWindow(NamedTuple):
     before_block: int
     run: int
 
-    def blocks(self) -> list[ColumnElement[bool]]:
+    def overlap_conditions(self) -> list[ColumnElement[bool]]:
         """Tell the blocks that overlap it."""
         return [
             _block.c.channel_id == self.channel,
@@ -66,15 +66,17 @@ class StoredWindow(NamedTuple):
 
 def count_in_blocks(connection: Connection, window: StoredWindow) -> int:
     """Count the samples of the blocks that overlap a window."""
-    query = select(func.coalesce(func.sum(_block.c.samples), 0)).where(*window.blocks())
+    query = select(func.coalesce(func.sum(_block.c.samples), 0)).where(*window.overlap_conditions())
     return int(connection.scalar(query) or 0)
 
 
-def overlapping(connection: Connection, window: StoredWindow, most: int) -> Sequence[Any] | None:
+def overlapping_blocks(
+    connection: Connection, window: StoredWindow, most: int
+) -> Sequence[Any] | None:
     """List the blocks that overlap a window; None if they hold more than ``most`` samples."""
     query = (
         select(_block.c.id, _block.c.first_us, _block.c.last_us, _block.c.samples)
-        .where(*window.blocks())
+        .where(*window.overlap_conditions())
         .order_by(_block.c.first_us, _block.c.id)
     )
     # Of a long window the first few tell that there are too many.
@@ -86,7 +88,7 @@ def overlapping(connection: Connection, window: StoredWindow, most: int) -> Sequ
     return connection.execute(query).all() if count_in_blocks(connection, window) <= most else None
 
 
-def raw(
+def read_samples(
     connection: Connection,
     found: Sequence[Any],
     *,
@@ -115,24 +117,24 @@ def raw(
     if blocks:
         why = "too many texts to show at once"
         unread.append(HistoryGap(window.from_us, blocks[-1].last_us, why))
-    return concatenate([read[number] for number in sorted(read)]), unread
+    return concatenate_samples([read[number] for number in sorted(read)]), unread
 
 
 def kept_bodies(
     connection: Connection, ids: Sequence[int], run: int, cache: BlockCache | None
 ) -> dict[int, BlockSamples]:
-    """Read blocks by their numbers, those that a cache holds from there; see `bodies`."""
+    """Read blocks by their numbers, those that a cache holds from there; see `read_blocks`."""
     if cache is None:
-        return bodies(connection, ids)
-    found = cache.found(run, ids)
+        return read_blocks(connection, ids)
+    found = cache.find_blocks(run, ids)
     if len(found) < len(ids):
-        read = bodies(connection, [number for number in ids if number not in found])
-        cache.keep(run, read)
+        read = read_blocks(connection, [number for number in ids if number not in found])
+        cache.add_blocks(run, read)
         found.update(read)
     return found
 
 
-def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, BlockSamples]:
+def read_blocks(connection: Connection, ids: Sequence[int]) -> dict[int, BlockSamples]:
     """Read blocks by their numbers; those that are gone or damaged are left out."""
     table = tables.body
     found: dict[int, BlockSamples] = {}
@@ -140,7 +142,7 @@ def bodies(connection: Connection, ids: Sequence[int]) -> dict[int, BlockSamples
         query = select(table).where(table.c.block_id.in_(ids[at : at + _BODIES_AT_ONCE]))
         for number, data in connection.execute(query):
             try:
-                found[number] = decode(data)
+                found[number] = decode_block(data)
             except HistoryError as error:
                 _LOG.error("block %d cannot be read and is left out: %s", number, error)
     return found
@@ -153,7 +155,7 @@ def outside_rollups(
     columns = [_block.c.id, _block.c.first_us, *summary_of(_block)]
     queries = [
         select(literal(number).label("piece"), *columns).where(
-            *window._replace(from_us=piece.from_us, to_us=piece.past_us - 1).blocks(),
+            *window._replace(from_us=piece.from_us, to_us=piece.past_us - 1).overlap_conditions(),
             or_(_block.c.finest_us == 0, _block.c.finest_us > piece.width_us),
         )
         for number, piece in enumerate(pieces)

@@ -42,7 +42,7 @@ class Recent:
         # Times that something was written; each so many, what is over is deleted.
         self._turns = 0
 
-    def rows(self, tails: Mapping[int, Tail]) -> list[dict[str, Any]]:
+    def newest_rows(self, tails: Mapping[int, Tail]) -> list[dict[str, Any]]:
         """Give the newest reading of each channel that has a new one; a text, if it changed."""
         rows = []
         for channel, tail in tails.items():
@@ -65,14 +65,14 @@ class Recent:
             )
         return rows
 
-    def write(self, connection: Connection, rows: list[dict[str, Any]]) -> None:
+    def write_rows(self, connection: Connection, rows: list[dict[str, Any]]) -> None:
         """Write rows, in place of those that are there, and tidy from time to time."""
         put_rows(connection, _table, rows)
         self._turns += 1
         if self._turns % _TIDY == 0:
-            self.tidy(connection)
+            self.delete_old(connection)
 
-    def tidy(self, connection: Connection) -> None:
+    def delete_old(self, connection: Connection) -> None:
         """Delete rows of which the views show rollups instead."""
         finest = (
             select(_rollup.c.channel_id, func.min(_rollup.c.width_us).label("width_us"))

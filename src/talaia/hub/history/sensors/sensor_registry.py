@@ -37,7 +37,7 @@ class SensorRegistry:
     """Kinds in memory are those in the database: both change together, the database first."""
 
     def __init__(self, threads: DatabaseThreads, reading: Engine, writing: Engine) -> None:
-        """Read and write in ``threads``; `open` comes first."""
+        """Read and write in ``threads``; `load_sensors` comes first."""
         # What is asked here stands in the queue with charts.
         self._threads = threads
         # Read once, when the hub begins.
@@ -54,7 +54,7 @@ class SensorRegistry:
         # Views that are not made yet wait for the next description.
         self._closing = False
 
-    async def open(self) -> None:
+    async def load_sensors(self) -> None:
         """Read what all signals of all times were.
 
         Raises:

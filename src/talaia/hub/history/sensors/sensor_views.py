@@ -78,7 +78,7 @@ def read_kinds(engine: Engine) -> dict[tuple[str, str], StoredSensorKind]:
     """Give what all signals of all times were, by site and address."""
     with engine.begin() as connection:
         rows = connection.execute(select(_sensor)).all()
-    return {(row.site, row.address): _kind(row) for row in rows}
+    return {(row.site, row.address): _sensor_kind(row) for row in rows}
 
 
 def remember_sensors(engine: Engine, site: str, sensors: list[SensorView]) -> list[SensorView]:
@@ -95,7 +95,8 @@ def remember_sensors(engine: Engine, site: str, sensors: list[SensorView]) -> li
     other = [
         sensor
         for sensor in sensors
-        if sensor.address not in known or _kind(known[sensor.address]) != kinds[sensor.address]
+        if sensor.address not in known
+        or _sensor_kind(known[sensor.address]) != kinds[sensor.address]
     ]
     for first in range(0, len(other), _ROWS_AT_ONCE):
         with engine.begin() as connection:
@@ -191,7 +192,7 @@ def _remember(connection: Connection, site: str, sensor: SensorView, name: str) 
     )
 
 
-def _kind(row: Row[Any]) -> StoredSensorKind:
+def _sensor_kind(row: Row[Any]) -> StoredSensorKind:
     return StoredSensorKind(
         row.shown_name,
         row.unit,

@@ -67,13 +67,13 @@ class SensorView(NamedTuple):
 def sensors_of(site: Site, channels: Mapping[tuple[str, str], int]) -> list[SensorView]:
     """List a site's signals with the ids of their channels."""
     return [
-        _sensor(site.site, f"{device_id}/{signal_id}", signal, channels)
+        _sensor_view(site.site, f"{device_id}/{signal_id}", signal, channels)
         for device_id, device in site.devices.items()
         for signal_id, signal in device.signals.items()
     ]
 
 
-def _sensor(
+def _sensor_view(
     site: str, address: str, signal: Signal, channels: Mapping[tuple[str, str], int]
 ) -> SensorView:
     parts = parts_of(signal)
@@ -101,7 +101,7 @@ class CreateView(ExecutableDDLElement):
     def __init__(self, name: str, sensor: SensorView) -> None:
         """Show ``sensor`` under ``name``."""
         self.name = name
-        self.query = _query(sensor)
+        self.query = _view_query(sensor)
 
 
 class DropView(ExecutableDDLElement):
@@ -125,32 +125,32 @@ class _Time(ColumnElement[Any]):
 
 
 @compiles(CreateView)
-def _create(element: CreateView, compiler: Any, **_: object) -> str:  # noqa: ANN401 - untyped there
+def _compile_create(element: CreateView, compiler: Any, **_: object) -> str:  # noqa: ANN401 - untyped there
     name = compiler.preparer.quote(element.name)
     body = compiler.sql_compiler.process(element.query, literal_binds=True)
     return f"CREATE VIEW {name} AS {body}"
 
 
 @compiles(DropView)
-def _drop(element: DropView, compiler: Any, **_: object) -> str:  # noqa: ANN401
+def _compile_drop(element: DropView, compiler: Any, **_: object) -> str:  # noqa: ANN401
     return f"DROP VIEW IF EXISTS {compiler.preparer.quote(element.name)}"
 
 
 @compiles(_Time)
-def _time(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
+def _compile_time(element: _Time, compiler: SQLCompiler, **kw: Any) -> str:  # noqa: ANN401
     dialect = find_dialect(compiler.dialect.name)
     if dialect is None:
         raise ValueError(f"no words for {compiler.dialect.name}")
     return dialect.time_of(compiler.process(element.time_us, **kw))
 
 
-def _query(sensor: SensorView) -> Select[Any] | CompoundSelect[Any]:
+def _view_query(sensor: SensorView) -> Select[Any] | CompoundSelect[Any]:
     if sensor.type is SignalType.TEXT:
-        return _readings(sensor)
-    return union_all(_summaries(sensor), _readings(sensor))
+        return _select_readings(sensor)
+    return union_all(_select_rollups(sensor), _select_readings(sensor))
 
 
-def _readings(sensor: SensorView) -> Select[Any]:
+def _select_readings(sensor: SensorView) -> Select[Any]:
     """Single readings that are newer than the rollups."""
     one = len(sensor.parts) == 1
     text = sensor.type is SignalType.TEXT
@@ -162,13 +162,13 @@ def _readings(sensor: SensorView) -> Select[Any]:
     ]
     query = select(
         _Time(_recent.c.time_us).label("time"),
-        *_named(sensor, values),
-        *([] if text else _spread(sensor, values[0], values[0], literal_column("1"))),
+        *_name_columns(sensor, values),
+        *([] if text else _spread_columns(sensor, values[0], values[0], literal_column("1"))),
         literal_column("0").label("width_s"),
     ).where(_recent.c.channel_id.in_(sensor.channels))
     if not text:
         first = sensor.channels[0]
-        finest = _finest(first)
+        finest = _finest_width(first)
         newest = (
             select(func.max(_rollup.c.bucket_us) + finest)
             .where(_rollup.c.channel_id == first, _rollup.c.width_us == finest)
@@ -178,7 +178,7 @@ def _readings(sensor: SensorView) -> Select[Any]:
     return query if one else query.group_by(_recent.c.time_us)
 
 
-def _summaries(sensor: SensorView) -> Select[Any]:
+def _select_rollups(sensor: SensorView) -> Select[Any]:
     """The finest rollup rows there are."""
     one = len(sensor.parts) == 1
     row = _rollup.c
@@ -194,14 +194,14 @@ def _summaries(sensor: SensorView) -> Select[Any]:
     samples = row.samples if one else func.max(row.samples)
     query = select(
         _Time(row.bucket_us).label("time"),
-        *_named(sensor, values),
-        *_spread(sensor, row.low, row.high, samples),
+        *_name_columns(sensor, values),
+        *_spread_columns(sensor, row.low, row.high, samples),
         (row.width_us / literal_column("1000000")).label("width_s"),
-    ).where(row.channel_id.in_(sensor.channels), row.width_us == _finest(sensor.channels[0]))
+    ).where(row.channel_id.in_(sensor.channels), row.width_us == _finest_width(sensor.channels[0]))
     return query if one else query.group_by(row.bucket_us, row.width_us)
 
 
-def _finest(channel: int) -> ColumnElement[Any]:
+def _finest_width(channel: int) -> ColumnElement[Any]:
     finer = _rollup.alias()
     return (
         select(func.min(finer.c.width_us))
@@ -211,18 +211,20 @@ def _finest(channel: int) -> ColumnElement[Any]:
     )
 
 
-def _named(sensor: SensorView, values: Sequence[ColumnElement[Any]]) -> list[ColumnElement[Any]]:
-    columns: list[ColumnElement[Any]] = [_words(sensor.shown).label("sensor")]
+def _name_columns(
+    sensor: SensorView, values: Sequence[ColumnElement[Any]]
+) -> list[ColumnElement[Any]]:
+    columns: list[ColumnElement[Any]] = [_text_literal(sensor.shown).label("sensor")]
     columns += [value.label(part) for part, value in zip(sensor.parts, values, strict=True)]
     if sensor.type is SignalType.STATE:
-        words = [(values[0] == at, _words(word)) for at, word in enumerate(sensor.states)]
+        words = [(values[0] == at, _text_literal(word)) for at, word in enumerate(sensor.states)]
         columns.append((case(*words) if words else null()).label("state"))
     if sensor.unit:
-        columns.append(_words(sensor.unit).label("unit"))
+        columns.append(_text_literal(sensor.unit).label("unit"))
     return columns
 
 
-def _spread(
+def _spread_columns(
     sensor: SensorView,
     low: ColumnElement[Any],
     high: ColumnElement[Any],
@@ -233,6 +235,6 @@ def _spread(
     return [low.label("minimum"), high.label("maximum"), samples.label("samples")]
 
 
-def _words(text: str) -> ColumnElement[Any]:
+def _text_literal(text: str) -> ColumnElement[Any]:
     # PostgreSQL calls a bare literal "unknown", and warns of it.
     return cast(literal(text), types.String(200)) if text else literal_column("''")

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from sqlalchemy import delete, func, insert, select
 
-from talaia.hub.history.blocks.block import concatenate, decode
+from talaia.hub.history.blocks.block import concatenate_samples, decode_block
 from talaia.hub.history.blocks.journal import part_of, read_row, write_row
 from talaia.hub.history.blocks.journal_rows import JournalRows
 from talaia.hub.history.blocks.ranges import Ranges
@@ -26,9 +26,16 @@ from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.sensors.plain_rows import Recent
 from talaia.hub.history.writing.bulk_writes import insert_rows, put_rows
 from talaia.hub.history.writing.channel_ids import Names
-from talaia.hub.history.writing.compaction import Newest, Saved, Sealed, read_newest, save, seal
+from talaia.hub.history.writing.compaction import (
+    Newest,
+    Saved,
+    Sealed,
+    read_newest,
+    save_tail,
+    seal_tail,
+)
 from talaia.hub.history.writing.open_blocks import Chunk, Tails
-from talaia.hub.history.writing.retention import drop
+from talaia.hub.history.writing.retention import delete_blocks
 from talaia.hub.history.writing.writer_jobs import (
     Append,
     Below,
@@ -37,7 +44,7 @@ from talaia.hub.history.writing.writer_jobs import (
     GapJob,
     Rename,
     Show,
-    checked,
+    checked_columns,
 )
 from talaia.hub.store import history_tables as tables
 
@@ -93,9 +100,9 @@ class _Draft:
     def __bool__(self) -> bool:
         return bool(self.rows or self.gaps or self.recent or self.named or self.doomed)
 
-    def size(self) -> int:
+    def count_bytes(self) -> int:
         bodies = sum(len(row["body"]) for row in self.rows)
-        return bodies + sum(seal.size() for seal in self.seals)
+        return bodies + sum(seal.count_bytes() for seal in self.seals)
 
 
 class BlockIndex:
@@ -110,7 +117,7 @@ class BlockIndex:
     """
 
     def __init__(self, engine: Engine, clock: Clock, limits: HistoryLimits) -> None:
-        """Use ``engine`` to write; `load` comes before anything else."""
+        """Use ``engine`` to write; `load_index` comes before anything else."""
         self._engine = engine
         self._clock = clock
         self._limits = limits
@@ -138,7 +145,7 @@ class BlockIndex:
         self._samples = 0
         self.written = 0
 
-    def load(self) -> None:
+    def load_index(self) -> None:
         """Read what is stored; also after a commit of which nobody knows whether it happened."""
         names = Names()
         self._newest, self._written_ranges = {}, {}
@@ -146,7 +153,7 @@ class BlockIndex:
         self._journal = JournalRows()
         self._plan = None
         with self._engine.begin() as connection:
-            names.load(connection)
+            names.load_names(connection)
             _load_ranges(connection, self._written_ranges, self._stored, self._settled)
             last_block = connection.scalar(select(func.max(tables.body.c.block_id))) or 0
             self._next_block = last_block + 1
@@ -155,33 +162,33 @@ class BlockIndex:
             for row in connection.execute(select(tables.tail)):
                 # One damaged row must not keep the hub from starting.
                 try:
-                    tails.restore(row.channel_id, decode(row.body))
+                    tails.restore_tail(row.channel_id, decode_block(row.body))
                 except HistoryError as error:
                     _LOG.error("samples of channel %d are lost: %s", row.channel_id, error)
             self._next_row = done + 1
-            self._replay(connection, names, tails)
+            self._replay_journal(connection, names, tails)
         # Readers see the old state or the new one, never half of it.
         self.names, self.tails, self.run = names, tails, self.run + 1
 
-    def store(self, jobs: Sequence[Job]) -> list[HistoryError | int]:
+    def commit_jobs(self, jobs: Sequence[Job]) -> list[HistoryError | int]:
         """Commit a group of jobs and give each one's answer; only `Below`'s number means anything.
 
         Raises:
-            SQLAlchemyError: nothing is known of this commit; `load` before anything else.
+            SQLAlchemyError: nothing is known of this commit; `load_index` before anything else.
 
         """
         draft = _Draft()
-        answers = [self._answer(job, draft) for job in jobs]
+        answers = [self._answer_job(job, draft) for job in jobs]
         if draft:
             if self._plan is not None:
                 draft.seals, draft.saves = self._plan.seals, self._plan.saves
             with self._engine.begin() as connection:
-                last_gone = self._write(connection, draft)
-            self._committed(draft, last_gone)
-            self.written = draft.size()
+                last_gone = self._write_draft(connection, draft)
+            self._apply_draft(draft, last_gone)
+            self.written = draft.count_bytes()
         return answers
 
-    def plan(self) -> None:
+    def plan_writes(self) -> None:
         """Choose what of the tails the next commit writes, and compress it.
 
         It is little at a time, so that no commit is slow, and comes after a commit was answered,
@@ -191,45 +198,47 @@ class BlockIndex:
             return
         tails = self.tails
         if tails.is_due():
-            tails.deal()
-        enough = _sealing_size(self._limits, len(tails.items()))
+            tails.deal_chunks()
+        enough = _sealing_size(self._limits, len(tails.all_tails()))
         # Twice as many as come, so that they are never more than a few behind.
         budget = 1 + self._samples // (enough // 2)
         self._samples = 0
         # The fullest first: of channels that run in step, none falls behind for good.
-        sizes = [(tail.size, channel) for channel, tail in tails.items().items()]
+        sizes = [(tail.size, channel) for channel, tail in tails.all_tails().items()]
         due = [(size, channel) for size, channel in sizes if size >= enough]
         chosen = [channel for _, channel in sorted(due, reverse=True)[:budget]]
         saved: list[int] = []
-        full = self._journal.samples > self._limits.journal + 2 * enough * len(tails.items())
+        full = self._journal.samples > self._limits.journal + 2 * enough * len(tails.all_tails())
         if full and len(chosen) < budget:
             waiting = [
                 (tail.oldest_row, channel)
-                for channel, tail in tails.items().items()
+                for channel, tail in tails.all_tails().items()
                 if tail.oldest_row is not None and channel not in chosen
             ]
             for _, channel in sorted(waiting)[: budget - len(chosen)]:
-                full_enough = tails.items()[channel].size >= self._limits.block // 2
+                full_enough = tails.all_tails()[channel].size >= self._limits.block // 2
                 (chosen if full_enough else saved).append(channel)
         if chosen or saved:
             first_block = self._next_block
             saves = [
-                save(channel, tails.dealt_row, concatenate(tails.items()[channel].parts))
+                save_tail(
+                    channel, tails.dealt_row, concatenate_samples(tails.all_tails()[channel].parts)
+                )
                 for channel in saved
             ]
             self._plan = _Plan(
-                first_block, [self._seal(channel, enough) for channel in chosen], saves
+                first_block, [self._seal_tail(channel, enough) for channel in chosen], saves
             )
 
-    def _replay(self, connection: Connection, names: Names, tails: Tails) -> None:
+    def _replay_journal(self, connection: Connection, names: Names, tails: Tails) -> None:
         rows = connection.execution_options(yield_per=500).execute(
             select(tables.hot).order_by(tables.hot.c.id)
         )
         saved = _saved_rows(names)
         for row in rows:
             past = row.first_seq + row.samples
-            self._stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
-            self._settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, past)
+            self._stored.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, past)
+            self._settled.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, past)
             self._changed.add(row.boot_id)
             try:
                 columns = read_row(row.body)
@@ -238,14 +247,14 @@ class BlockIndex:
                 continue
             ids = names.by_id(row.catalogue_id).channels[columns.channel]
             chunk = Chunk(row.id, ids, columns.time_us, columns.value, columns.texts)
-            tails.add([_only(chunk, np.flatnonzero(saved[ids] < row.id))])
+            tails.add_chunks([_select_samples(chunk, np.flatnonzero(saved[ids] < row.id))])
             if tails.is_due():
-                tails.deal()
-            self._journal.append(row.id, row.samples)
+                tails.deal_chunks()
+            self._journal.append_row(row.id, row.samples)
             self._next_row = max(self._next_row, row.id + 1)
-        tails.deal()
+        tails.deal_chunks()
 
-    def _answer(self, job: Job, draft: _Draft) -> HistoryError | int:
+    def _answer_job(self, job: Job, draft: _Draft) -> HistoryError | int:
         try:
             match job:
                 case Append():
@@ -254,22 +263,22 @@ class BlockIndex:
                     self._take_gap(job, draft)
                 case Below():
                     boot = self.names.boots.get((job.site, job.boot), 0)
-                    return self._settled.get(boot, Ranges()).contiguous()
+                    return self._settled.get(boot, Ranges()).contiguous_end()
                 case Describe():
                     now_us = self._clock.wall_ns() // 1_000
-                    self.names.catalogue(job.site, job.addresses, now_us)
+                    self.names.channel_catalogue(job.site, job.addresses, now_us)
                     draft.named = True
                 case Rename():
-                    self.names.rename(job.site, job.moves)
+                    self.names.rename_channels(job.site, job.moves)
                     draft.named = True
                 case Drop():
                     draft.doomed += job.doomed
                 case Show():
-                    if self.tails.deal() and self._plan is not None:
+                    if self.tails.deal_chunks() and self._plan is not None:
                         # It is of the tails as they were.
                         self._next_block = self._plan.first_block
                         self._plan = None
-                    draft.recent = self._recent.rows(self.tails.items())
+                    draft.recent = self._recent.newest_rows(self.tails.all_tails())
         except (HistoryError, UnicodeEncodeError) as error:
             # One batch that cannot be kept must not take the others of its commit with it.
             if isinstance(error, HistoryError):
@@ -278,15 +287,15 @@ class BlockIndex:
         return 0
 
     def _add_batch(self, job: Append, draft: _Draft) -> None:
-        columns = checked(job)
+        columns = checked_columns(job)
         # Packing may refuse, so it comes before anything is remembered.
-        boot = self.names.boot(job.site, job.boot)
+        boot = self.names.boot_id(job.site, job.boot)
         now_us = self._clock.wall_ns() // 1_000
-        catalogue = self.names.catalogue(job.site, job.addresses, now_us)
+        catalogue = self.names.channel_catalogue(job.site, job.addresses, now_us)
         stored = self._stored.setdefault(boot, Ranges())
         parts = [
             (first, part_of(columns, first - job.first, past - job.first))
-            for first, past in stored.missing(job.first, job.first + len(columns))
+            for first, past in stored.missing_ranges(job.first, job.first + len(columns))
         ]
         packed = [(first, part, write_row(part)) for first, part in parts]
         for first, part, body in packed:
@@ -306,24 +315,24 @@ class BlockIndex:
             draft.chunks.append(Chunk(row, ids, part.time_us, part.value, part.texts))
             draft.samples += len(part)
             # At once, so that another batch of this commit is cut by it too.
-            stored.add(first, first + len(part))
-            self._settled.setdefault(boot, Ranges()).add(first, first + len(part))
+            stored.add_range(first, first + len(part))
+            self._settled.setdefault(boot, Ranges()).add_range(first, first + len(part))
             self._changed.add(boot)
 
     def _take_gap(self, job: GapJob, draft: _Draft) -> None:
         row = _gap_row(job)
-        boot = self.names.boot(job.site, job.boot)
+        boot = self.names.boot_id(job.site, job.boot)
         draft.gaps.append({"boot_id": boot, **row})
-        self._settled.setdefault(boot, Ranges()).add(job.first, job.last + 1)
+        self._settled.setdefault(boot, Ranges()).add_range(job.first, job.last + 1)
 
-    def _seal(self, channel: int, block: int) -> Sealed:
-        tail = self.tails.items()[channel]
-        sealed = seal(
+    def _seal_tail(self, channel: int, block: int) -> Sealed:
+        tail = self.tails.all_tails()[channel]
+        sealed = seal_tail(
             channel,
             self.tails.dealt_row,
             first_block=self._next_block,
             longest_us=self.names.longest_us[channel],
-            samples=concatenate(tail.parts),
+            samples=concatenate_samples(tail.parts),
             block=block,
             was_saved=tail.saved,
         )
@@ -332,15 +341,15 @@ class BlockIndex:
         self.names.longest_us[channel] = sealed.longest_us
         return sealed
 
-    def _write(self, connection: Connection, draft: _Draft) -> int:
-        self.names.write(connection)
+    def _write_draft(self, connection: Connection, draft: _Draft) -> int:
+        self.names.write_new(connection)
         insert_rows(connection, tables.hot, draft.rows)
         for row in draft.gaps:
             _write_gap(connection, row)
         if draft.recent:
-            self._recent.write(connection, draft.recent)
+            self._recent.write_rows(connection, draft.recent)
         if draft.doomed:
-            drop(connection, draft.doomed)
+            delete_blocks(connection, draft.doomed)
             # The rollup rows that were known to be the last may be gone.
             for block in draft.doomed:
                 self._newest.pop(block.channel, None)
@@ -349,17 +358,17 @@ class BlockIndex:
             newest = self._newest.get(channel)
             if newest is None:
                 newest = read_newest(connection, channel)
-            draft.newest[channel] = sealed.write(connection, newest)
+            draft.newest[channel] = sealed.write_blocks(connection, newest)
         for saved in draft.saves:
-            saved.write(connection)
+            saved.write_tail(connection)
         return self._delete_done(connection, draft)
 
     def _delete_done(self, connection: Connection, draft: _Draft) -> int:
         """Delete journal rows that nobody needs; a range of numbers stands for them then."""
         most = self._limits.delete + 4 * len(draft.rows)
-        count = min(most, self._journal.below(self.tails.needed_row()))
+        count = min(most, self._journal.count_below(self.tails.needed_row()))
         if count and (count == most or self._journal.samples > self._limits.journal // 8):
-            last = self._journal.oldest(count)
+            last = self._journal.last_of_oldest(count)
             self._write_ranges(connection, draft)
             connection.execute(delete(tables.hot).where(tables.hot.c.id <= last))
             return last
@@ -380,25 +389,25 @@ class BlockIndex:
             ]
         put_rows(connection, table, rows)
 
-    def _committed(self, draft: _Draft, last_gone: int) -> None:
+    def _apply_draft(self, draft: _Draft, last_gone: int) -> None:
         self._plan = None
         self._samples += draft.samples
-        self.names.written()
+        self.names.clear_new()
         self._newest.update(draft.newest)
         self._written_ranges.update(draft.ranges)
         for sealed in draft.seals:
             self.names.saved_row[sealed.channel] = sealed.row
-        self.tails.sealed([sealed.channel for sealed in draft.seals], self._next_block)
+        self.tails.forget_sealed([sealed.channel for sealed in draft.seals], self._next_block)
         for saved in draft.saves:
             self.names.saved_row[saved.channel] = saved.row
-            tail = self.tails.items()[saved.channel]
+            tail = self.tails.all_tails()[saved.channel]
             tail.saved, tail.oldest_row = True, None
         if last_gone:
             self._changed.clear()
-            self._journal.forget(last_gone)
-        self.tails.add(draft.chunks)
+            self._journal.forget_rows(last_gone)
+        self.tails.add_chunks(draft.chunks)
         for row in draft.rows:
-            self._journal.append(row["id"], row["samples"])
+            self._journal.append_row(row["id"], row["samples"])
 
 
 def _load_ranges(
@@ -410,10 +419,10 @@ def _load_ranges(
     """Fill in, by boot, where ranges begin, what is stored, and what is stored or lost."""
     for row in connection.execute(select(tables.stored_range)):
         written.setdefault(row.boot_id, set()).add(row.first_seq)
-        stored.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
-        settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.past_seq)
+        stored.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, row.past_seq)
+        settled.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, row.past_seq)
     for row in connection.execute(select(tables.gap)):
-        settled.setdefault(row.boot_id, Ranges()).add(row.first_seq, row.last_seq + 1)
+        settled.setdefault(row.boot_id, Ranges()).add_range(row.first_seq, row.last_seq + 1)
 
 
 def _sealing_size(limits: HistoryLimits, channels: int) -> int:
@@ -461,7 +470,7 @@ def _delete_ranges(connection: Connection, boot: int, firsts: Iterable[int]) -> 
         connection.execute(delete(table).where(*gone))
 
 
-def _only(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:
+def _select_samples(chunk: Chunk, positions: np.ndarray[Any, np.dtype[np.intp]]) -> Chunk:
     if positions.size == chunk.time_us.size:
         return chunk
     place = {int(old): new for new, old in enumerate(positions)}

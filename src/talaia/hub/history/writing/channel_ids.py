@@ -61,7 +61,7 @@ class Names:
         # New addresses that the next commit writes, by channel id.
         self._renamed: dict[int, str] = {}
 
-    def load(self, connection: Connection) -> None:
+    def load_names(self, connection: Connection) -> None:
         """Read all names from the database."""
         table = tables.channel
         for row in connection.execute(select(table)):
@@ -71,9 +71,11 @@ class Names:
         for row in connection.execute(select(tables.boot)):
             self.boots[row.site, row.boot] = row.id
         for row in connection.execute(select(tables.catalogue)):
-            self._keep(Catalogue(row.id, np.frombuffer(row.channels, "<u4").astype(np.int64)))
+            self._add_catalogue(
+                Catalogue(row.id, np.frombuffer(row.channels, "<u4").astype(np.int64))
+            )
 
-    def boot(self, site: str, boot: str) -> int:
+    def boot_id(self, site: str, boot: str) -> int:
         """Give the number of a boot, a new one if need be.
 
         Raises:
@@ -83,12 +85,12 @@ class Names:
         known = self.boots.get((site, boot))
         if known is None:
             # Before it gets a number: nothing of a refused name is kept.
-            _check(site, boot)
+            _check_names(site, boot)
             known = self.boots[site, boot] = len(self.boots) + 1
             self._new.append((tables.boot, {"id": known, "site": site, "boot": boot}))
         return known
 
-    def catalogue(self, site: str, addresses: Sequence[str], now_us: int) -> Catalogue:
+    def channel_catalogue(self, site: str, addresses: Sequence[str], now_us: int) -> Catalogue:
         """Give the number of a list of channels, and a number for each of them.
 
         Raises:
@@ -98,18 +100,18 @@ class Names:
         key = (site, tuple(addresses))
         known = self._lists.get(key)
         if known is None:
-            _check(site, *addresses)
-            channels = [self._channel(site, address, now_us) for address in addresses]
-            known = self._listed(np.array(channels, np.int64))
+            _check_names(site, *addresses)
+            channels = [self._channel_id(site, address, now_us) for address in addresses]
+            known = self._find_catalogue(np.array(channels, np.int64))
             if len(self._lists) >= _MOST_LISTS:
                 self._lists.clear()
             self._lists[key] = known
         return known
 
-    def rename(self, site: str, moves: Mapping[str, str]) -> None:
+    def rename_channels(self, site: str, moves: Mapping[str, str]) -> None:
         """Let channels have other addresses; one whose new address has a history stays."""
         for old, new in moves.items():
-            _check(site, new)
+            _check_names(site, new)
             if (site, old) not in self.channels:
                 continue
             if (site, new) in self.channels:
@@ -125,7 +127,7 @@ class Names:
         """Find a list by its number."""
         return self._by_id[catalogue]
 
-    def write(self, connection: Connection) -> None:
+    def write_new(self, connection: Connection) -> None:
         """Record what has got a number since the last commit."""
         for table in (tables.channel, tables.boot, tables.catalogue):
             rows = [row for owner, row in self._new if owner is table]
@@ -136,12 +138,12 @@ class Names:
             same = table.c.id == channel
             connection.execute(update(table).where(same).values(address=address))
 
-    def written(self) -> None:
+    def clear_new(self) -> None:
         """Forget what was new, now that it is committed."""
         self._new.clear()
         self._renamed.clear()
 
-    def _channel(self, site: str, address: str, now_us: int) -> int:
+    def _channel_id(self, site: str, address: str, now_us: int) -> int:
         known = self.channels.get((site, address))
         if known is None:
             known = self.channels[site, address] = len(self.channels) + 1
@@ -150,22 +152,22 @@ class Names:
             self._new.append((tables.channel, {**row, "saved_row": 0, "longest_us": 0}))
         return known
 
-    def _listed(self, channels: NDArray[np.int64]) -> Catalogue:
+    def _find_catalogue(self, channels: NDArray[np.int64]) -> Catalogue:
         # Little-endian on every machine: it is compared with what the database has.
         data = channels.astype("<u4").tobytes()
         known = self._catalogues.get(data)
         if known is None:
             known = Catalogue(len(self._catalogues) + 1, channels)
-            self._keep(known)
+            self._add_catalogue(known)
             self._new.append((tables.catalogue, {"id": known.id, "channels": data}))
         return known
 
-    def _keep(self, catalogue: Catalogue) -> None:
+    def _add_catalogue(self, catalogue: Catalogue) -> None:
         self._catalogues[catalogue.channels.astype("<u4").tobytes()] = catalogue
         self._by_id[catalogue.id] = catalogue
 
 
-def _check(*names: str) -> None:
+def _check_names(*names: str) -> None:
     for name in names:
         if not 0 < len(name) <= _LONGEST_NAME or "\0" in name or name != name.strip():
             raise HistoryError(

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import and_, delete, insert, or_, select, update
 
-from talaia.hub.history.blocks.block import BlockSamples, cut, encode, in_order
+from talaia.hub.history.blocks.block import BlockSamples, encode_block, in_order, split_blocks
 from talaia.hub.history.blocks.rollup import (
     WIDTHS,
     Cells,
     finest_width,
-    join,
-    merge,
-    summarise,
-    widen,
+    join_cells,
+    merge_cells,
+    summarise_samples,
+    widen_cells,
 )
 from talaia.hub.history.blocks.rows import cells_to_rows, rows_to_cells, summary_of
 from talaia.hub.history.writing.bulk_writes import insert_rows, put_rows
@@ -23,7 +23,7 @@ from talaia.hub.store import history_tables as tables
 if TYPE_CHECKING:
     from sqlalchemy import Connection
 
-__all__ = ["Newest", "Saved", "Sealed", "read_newest", "save", "seal"]
+__all__ = ["Newest", "Saved", "Sealed", "read_newest", "save_tail", "seal_tail"]
 
 # Of a channel, the last rollup row of each width, each as one cell.
 Newest = dict[int, Cells]
@@ -36,7 +36,7 @@ class Saved(NamedTuple):
     row: int
     body: bytes
 
-    def write(self, connection: Connection) -> None:
+    def write_tail(self, connection: Connection) -> None:
         """Put it in place of the channel's former tail."""
         table = tables.tail
         # Deleted, then inserted: every engine has its own words for doing both at once.
@@ -65,7 +65,7 @@ class Sealed(NamedTuple):
     bodies: list[dict[str, Any]]
     rollups: dict[int, Cells]
 
-    def write(self, connection: Connection, newest: Newest) -> Newest:
+    def write_blocks(self, connection: Connection, newest: Newest) -> Newest:
         """Write all of it; the caller commits.
 
         Args:
@@ -86,17 +86,17 @@ class Sealed(NamedTuple):
         _advance(connection, self.channel, {"saved_row": self.row, "longest_us": self.longest_us})
         return newest
 
-    def size(self) -> int:
+    def count_bytes(self) -> int:
         """Count the bytes of the bodies."""
         return sum(len(row["body"]) for row in self.bodies)
 
 
-def save(channel: int, row: int, samples: BlockSamples) -> Saved:
+def save_tail(channel: int, row: int, samples: BlockSamples) -> Saved:
     """Compress a tail, in the order in which its samples came."""
-    return Saved(channel, row, encode(samples))
+    return Saved(channel, row, encode_block(samples))
 
 
-def seal(
+def seal_tail(
     channel: int,
     row: int,
     *,
@@ -109,13 +109,13 @@ def seal(
     """Compress a tail into blocks and sum it up."""
     blocks, bodies = [], []
     rollups: dict[int, list[Cells]] = {}
-    for number, part in enumerate(cut(in_order(samples), block), first_block):
+    for number, part in enumerate(split_blocks(in_order(samples), block), first_block):
         # Texts have no least and no greatest; a block with texts is always read itself.
         finest = 0 if part.texts else finest_width(part.time_us)
-        whole = summarise(part.time_us, part.value, 0)
+        whole = summarise_samples(part.time_us, part.value, 0)
         first = int(part.time_us[0])
         longest_us = max(longest_us, int(part.time_us[-1]) - first)
-        body = encode(part)
+        body = encode_block(part)
         same = {"id": number, "channel_id": channel, "finest_us": finest, "bytes": len(body)}
         for cell in cells_to_rows(whole, **same):
             cell["first_us"] = cell.pop("bucket_us")
@@ -125,12 +125,12 @@ def seal(
         for width_us in WIDTHS[WIDTHS.index(finest) :] if finest else ():
             # Each width is a multiple of the one before it.
             if cells is None:
-                cells = summarise(part.time_us, part.value, width_us)
+                cells = summarise_samples(part.time_us, part.value, width_us)
             else:
-                cells = widen(cells, width_us)
+                cells = widen_cells(cells, width_us)
             rollups.setdefault(width_us, []).append(cells)
     merged = {
-        width_us: merge(join(parts)) if len(parts) > 1 else parts[0]
+        width_us: merge_cells(join_cells(parts)) if len(parts) > 1 else parts[0]
         for width_us, parts in rollups.items()
     }
     return Sealed(channel, row, first_block, longest_us, was_saved, blocks, bodies, merged)
@@ -167,10 +167,10 @@ def _add_rollups(
         known = newest.get(width_us)
         if known is not None and known.bucket_us[0] in cells.bucket_us:
             parts.append(known)
-        both = merge(join([*parts, cells])) if parts else cells
+        both = merge_cells(join_cells([*parts, cells])) if parts else cells
         rows += cells_to_rows(both, channel_id=channel, width_us=width_us)
         if known is None or both.bucket_us[-1] >= known.bucket_us[0]:
-            last[width_us] = both.newest()
+            last[width_us] = both.newest_cell()
     put_rows(connection, tables.rollup, rows)
     return last
 

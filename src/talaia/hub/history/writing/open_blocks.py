@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - NamedTuple reads it at run time
 
-from talaia.hub.history.blocks.block import BlockSamples, concatenate
+from talaia.hub.history.blocks.block import BlockSamples, concatenate_samples
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -60,11 +60,11 @@ class Tail:
         self.oldest_row: int | None = None
         self.saved = False
 
-    def add(self, samples: BlockSamples) -> None:
+    def add_samples(self, samples: BlockSamples) -> None:
         """Put samples at the end."""
         if len(self.parts) >= _PARTS:
             # A slow channel gets its samples one by one; a thousand small arrays are slow to read.
-            self.parts = [concatenate(self.parts)]
+            self.parts = [concatenate_samples(self.parts)]
         self.parts.append(samples)
         self.size += samples.time_us.size
 
@@ -110,11 +110,11 @@ class Tails:
         # The journal is needed from the row after it, whatever the tails say.
         self.dealt_row = row
 
-    def items(self) -> Mapping[int, Tail]:
+    def all_tails(self) -> Mapping[int, Tail]:
         """Give the tails by channel id; for the writing thread only."""
         return self._tails
 
-    def add(self, chunks: list[Chunk]) -> None:
+    def add_chunks(self, chunks: list[Chunk]) -> None:
         """Take batches that have been committed, in order of their rows."""
         with self._lock:
             self._recent.extend(chunks)
@@ -124,30 +124,30 @@ class Tails:
         """Tell whether enough batches wait to be dealt out."""
         return self._waiting >= self._enough
 
-    def restore(self, channel: int, samples: BlockSamples) -> None:
+    def restore_tail(self, channel: int, samples: BlockSamples) -> None:
         """Take a tail that was saved in the database."""
         tail = self._tails.setdefault(channel, Tail())
-        tail.add(samples)
+        tail.add_samples(samples)
         tail.saved = True
 
-    def deal(self) -> bool:
+    def deal_chunks(self) -> bool:
         """Take the waiting batches apart, by channel; tell whether there were any."""
         chunks = self._recent
         if not chunks:
             return False
         # Outside the lock: it is the long part, and only this thread changes what it reads.
-        dealt = _deal(chunks)
+        dealt = _deal_by_channel(chunks)
         with self._lock:
             for channel, row, samples in dealt:
                 tail = self._tails.setdefault(channel, Tail())
-                tail.add(samples)
+                tail.add_samples(samples)
                 if tail.oldest_row is None:
                     tail.oldest_row = row
             self._recent, self._waiting = [], 0
             self.dealt_row = chunks[-1].row
         return True
 
-    def sealed(self, channels: list[int], block: int) -> None:
+    def forget_sealed(self, channels: list[int], block: int) -> None:
         """Forget the tails of these channels: they are in blocks below ``block`` now."""
         with self._lock:
             for channel in channels:
@@ -159,7 +159,7 @@ class Tails:
         rows = [tail.oldest_row for tail in self._tails.values() if tail.oldest_row is not None]
         return min(rows, default=self.dealt_row + 1)
 
-    def snapshot(self, channel: int) -> Snapshot:
+    def channel_snapshot(self, channel: int) -> Snapshot:
         """Give what is held of a channel; from any thread."""
         with self._lock:
             tail = self._tails.get(channel)
@@ -170,32 +170,32 @@ class Tails:
             positions = np.flatnonzero(chunk.channel == channel)
             if positions.size:
                 samples = BlockSamples(chunk.time_us, chunk.value, chunk.texts)
-                parts.append(samples.chosen(positions))
-        return Snapshot(concatenate(parts), block)
+                parts.append(samples.select_positions(positions))
+        return Snapshot(concatenate_samples(parts), block)
 
 
-def _deal(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]:
+def _deal_by_channel(chunks: list[Chunk]) -> list[tuple[int, int, BlockSamples]]:
     """Give channel, first row and samples of each channel, in the order in which they came."""
     ids = np.concatenate([chunk.channel for chunk in chunks])
     if not ids.size:  # after a start, all of it may have been in blocks already
         return []
-    together = concatenate([BlockSamples(c.time_us, c.value, c.texts) for c in chunks])
+    together = concatenate_samples([BlockSamples(c.time_us, c.value, c.texts) for c in chunks])
     if bool((ids == ids[0]).all()):
         first = next(chunk.row for chunk in chunks if chunk.time_us.size)
-        return [(int(ids[0]), first, together if len(chunks) > 1 else _own(together))]
+        return [(int(ids[0]), first, together if len(chunks) > 1 else _own_copy(together))]
     sizes = [chunk.time_us.size for chunk in chunks]
     rows = np.repeat(np.array([chunk.row for chunk in chunks], np.int64), sizes)
     order = np.argsort(ids, kind="stable")
-    in_turn = together.chosen(order)
+    in_turn = together.select_positions(order)
     ids = ids[order]
     starts = np.flatnonzero(np.concatenate(([True], ids[1:] != ids[:-1])))
     bounds = [*starts.tolist(), ids.size]
     return [
-        (int(ids[first]), int(rows[order[first]]), _own(in_turn.part(first, past)))
+        (int(ids[first]), int(rows[order[first]]), _own_copy(in_turn.slice_positions(first, past)))
         for first, past in pairwise(bounds)
     ]
 
 
-def _own(samples: BlockSamples) -> BlockSamples:
+def _own_copy(samples: BlockSamples) -> BlockSamples:
     # A view would keep the whole batch of all channels in memory for as long as this channel.
     return BlockSamples(samples.time_us.copy(), samples.value.copy(), samples.texts)

@@ -10,9 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import delete, func, select
 
-from talaia.hub.history.blocks.rollup import WIDTHS, join, merge, summarise, widen
+from talaia.hub.history.blocks.rollup import (
+    WIDTHS,
+    join_cells,
+    merge_cells,
+    summarise_samples,
+    widen_cells,
+)
 from talaia.hub.history.blocks.rows import cells_to_rows, rows_to_cells, summary_of
-from talaia.hub.history.queries.window import bodies
+from talaia.hub.history.queries.window import read_blocks
 from talaia.hub.history.writing.bulk_writes import insert_rows
 from talaia.hub.store import history_tables as tables
 
@@ -21,7 +27,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy import Connection, Engine
 
-__all__ = ["BLOCK_BYTES", "Doomed", "drop", "stored_bytes", "too_much", "too_old"]
+__all__ = ["BLOCK_BYTES", "Doomed", "delete_blocks", "stored_bytes", "too_much", "too_old"]
 
 # Blocks dropped in one commit: few, so that what comes in does not wait.
 AT_ONCE = 64
@@ -90,7 +96,7 @@ def stored_bytes(engine: Engine) -> int:
         return int(connection.scalar(select(func.coalesce(func.sum(BLOCK_BYTES), 0))) or 0)
 
 
-def drop(connection: Connection, doomed: Sequence[Doomed]) -> None:
+def delete_blocks(connection: Connection, doomed: Sequence[Doomed]) -> None:
     """Delete blocks, and bring the rollup rows of their channels in line with what is left."""
     ids = [block.id for block in doomed]
     connection.execute(delete(tables.body).where(tables.body.c.block_id.in_(ids)))
@@ -130,17 +136,17 @@ def _sum_up_again(connection: Connection, channel: int, from_us: int, to_us: int
             query = select(table.c.bucket_us, *summary_of(table))
             rows = connection.execute(query.where(*mine, table.c.width_us == finer)).all()
             if rows:
-                parts.append(widen(rows_to_cells(rows), width_us))
+                parts.append(widen_cells(rows_to_cells(rows), width_us))
         blocks = connection.scalars(
             select(_block.c.id)
             .where(_block.c.channel_id == channel, _block.c.finest_us == width_us)
             .where(_block.c.first_us < past, _block.c.last_us >= first)
             .order_by(_block.c.id)
         ).all()
-        for samples in bodies(connection, blocks).values():
-            part = samples.between(first, past - 1)
-            parts.append(summarise(part.time_us, part.value, width_us))
-        cells = merge(join(parts)) if parts else None
+        for samples in read_blocks(connection, blocks).values():
+            part = samples.between_times(first, past - 1)
+            parts.append(summarise_samples(part.time_us, part.value, width_us))
+        cells = merge_cells(join_cells(parts)) if parts else None
         if cells is not None and cells.bucket_us.size:
             insert_rows(
                 connection, table, cells_to_rows(cells, channel_id=channel, width_us=width_us)

@@ -55,7 +55,7 @@ class Tidier:
         self._clock = clock
 
     async def drop_old_blocks(self) -> int:
-        """See `HistoryStore.tidy`."""
+        """See `HistoryStore.apply_retention`."""
         now_us = self._clock.wall_ns() // 1000
         before_us = self._periods.oldest_kept(self._ledger.names.channels, now_us)
         dropped = 0

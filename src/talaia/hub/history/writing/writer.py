@@ -81,13 +81,13 @@ class Writer:
         """
         self._loop = asyncio.get_running_loop()
         try:
-            await asyncio.to_thread(self._ledger.load)
+            await asyncio.to_thread(self._ledger.load_index)
         except SQLAlchemyError as error:
             raise HistoryError(
                 f"the database cannot be read: {getattr(error, 'orig', None) or error}",
                 "check that it can be reached and that its tables are up to date",
             ) from error
-        self._thread = threading.Thread(target=self._run, name="history-writer", daemon=True)
+        self._thread = threading.Thread(target=self._write_loop, name="history-writer", daemon=True)
         self._thread.start()
 
     async def stop(self) -> None:
@@ -120,28 +120,28 @@ class Writer:
                 self._changed.notify()
         return await waiting.answer
 
-    def _run(self) -> None:
+    def _write_loop(self) -> None:
         began = self._clock.monotonic_ns() - SECOND
         while group := self._next_group(began):
             began = self._clock.monotonic_ns()
-            answers = self._answers([waiting.job for waiting in group])
+            answers = self._answer_jobs([waiting.job for waiting in group])
             if self._loop is not None and not self._loop.is_closed():
                 self._loop.call_soon_threadsafe(_answer_waiting, group, answers)
             try:
                 self._checkpoints.after_commit(self._ledger.written)
                 self._ledger.written = 0
-                self._plan()
+                self._plan_ahead()
             except Exception:  # noqa: BLE001 - told below, with its trace
                 # Without this thread nothing would be stored and everybody would wait for ever.
                 _LOG.exception("what follows a commit failed; storing goes on")
 
-    def _answers(self, jobs: Sequence[Job]) -> Sequence[Answer]:
+    def _answer_jobs(self, jobs: Sequence[Job]) -> Sequence[Answer]:
         """Store, and have an answer for each job whatever happens."""
         try:
-            return self._store(jobs)
+            return self._store_jobs(jobs)
         except Exception as error:  # noqa: BLE001 - told to those who wait
             _LOG.exception("storing failed in a way nobody foresaw; it goes on")
-            self.trouble = _reason(error)
+            self.trouble = _failure_reason(error)
             refusal = HistoryError(
                 f"nothing can be stored: {error!r}", "it is tried again with the next batch"
             )
@@ -165,44 +165,44 @@ class Writer:
             self._samples -= size
             return group
 
-    def _store(self, jobs: Sequence[Job]) -> Sequence[Answer]:
+    def _store_jobs(self, jobs: Sequence[Job]) -> Sequence[Answer]:
         try:
             # What is in memory may be ahead of a database that took only half; read it anew.
             if self.trouble:
-                self._ledger.load()
-            answers = self._ledger.store(jobs)
+                self._ledger.load_index()
+            answers = self._ledger.commit_jobs(jobs)
         except Exception as error:  # noqa: BLE001 - told to those who wait; the thread goes on
-            return self._failed(jobs, error)
+            return self._fail_jobs(jobs, error)
         if self.trouble:
             _LOG.warning("history is stored again")
         self.trouble = ""
         return answers
 
-    def _plan(self) -> None:
+    def _plan_ahead(self) -> None:
         if self.trouble:
             return
         try:
-            self._ledger.plan()
+            self._ledger.plan_writes()
         except Exception as error:  # noqa: BLE001 - what is committed is safe; the thread goes on
             _LOG.error("samples cannot be made blocks; it is tried again: %r", error)
             # Read anew before the next commit: what is planned in memory may be half of it.
-            self.trouble = _reason(error)
+            self.trouble = _failure_reason(error)
 
-    def _failed(self, jobs: Sequence[Job], error: Exception) -> Sequence[Answer]:
+    def _fail_jobs(self, jobs: Sequence[Job], error: Exception) -> Sequence[Answer]:
         reason = getattr(error, "orig", None) or error
         if not self.trouble:
             _LOG.error("history cannot be stored; it waits at the gateways: %r", reason)
-        self.trouble = _reason(error)
+        self.trouble = _failure_reason(error)
         if len(jobs) == 1 or isinstance(error, OperationalError):
             refusal = HistoryError(
                 f"nothing can be stored: {reason}", "it is tried again with the next batch"
             )
             return [refusal] * len(jobs)
         # One of them is refused by the database; let the others not suffer for it.
-        return [self._store([job])[0] for job in jobs]
+        return [self._store_jobs([job])[0] for job in jobs]
 
 
-def _reason(error: Exception) -> str:
+def _failure_reason(error: Exception) -> str:
     """Say why, for people; never empty."""
     reason = getattr(error, "orig", None) or error
     return str(reason) or type(reason).__name__

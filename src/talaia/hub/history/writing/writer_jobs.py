@@ -14,7 +14,17 @@ if TYPE_CHECKING:
 
     from talaia.hub.history.writing.retention import Doomed
 
-__all__ = ["Append", "Below", "Describe", "Drop", "GapJob", "Job", "Rename", "Show", "checked"]
+__all__ = [
+    "Append",
+    "Below",
+    "Describe",
+    "Drop",
+    "GapJob",
+    "Job",
+    "Rename",
+    "Show",
+    "checked_columns",
+]
 
 
 class Append(NamedTuple):
@@ -73,7 +83,7 @@ class Drop(NamedTuple):
 Job = Append | GapJob | Below | Describe | Rename | Show | Drop
 
 
-def checked(job: Append) -> Columns:
+def checked_columns(job: Append) -> Columns:
     """Give a batch's columns in the types they are stored in.
 
     Raises:

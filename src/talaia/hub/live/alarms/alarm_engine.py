@@ -20,9 +20,9 @@ import msgspec
 
 from talaia.clock import SECOND
 from talaia.hub.alarms.conditions import DetectedThing
-from talaia.hub.alarms.state_machine import Event, NotNow, Phase, Retire, State, What, step
+from talaia.hub.alarms.state_machine import Event, NotNow, Phase, Retire, State, What, apply_event
 from talaia.hub.errors import StoreDown
-from talaia.hub.live.alarms.alarm_state import LiveAlarm, alarm_news, event_news, ghost
+from talaia.hub.live.alarms.alarm_state import LiveAlarm, alarm_news, event_news, ghost_alarm
 from talaia.hub.live.alarms.site_alarms import SiteAlarms
 from talaia.hub.store.alarms.alarm_states import AlarmChange, MadeAlarm
 from talaia.model.alarms.alarm import Alarm
@@ -114,9 +114,9 @@ class AlarmEngine:
 
     async def open(self) -> None:
         """Bring back what the database has, for the sites that are known."""
-        # Before any description is taken: `_begins` looks them up.
-        self._states = await self._store.states()
-        for made in await self._store.made():
+        # Before any description is taken: `_initial_state` looks them up.
+        self._states = await self._store.load_states()
+        for made in await self._store.list_made():
             self._made.setdefault(made.site, {})[made.alarm] = made
         for live in self._sites:
             self.redescribe(live)
@@ -128,36 +128,38 @@ class AlarmEngine:
         """Take a site's description, new or the same; alarms that stay keep their state."""
         known = self._of.get(live.name)
         if known is None:
-            known = self._of[live.name] = SiteAlarms(self._clock, self._enqueue, self._publish)
-        before = known.described(
+            known = self._of[live.name] = SiteAlarms(
+                self._clock, self._enqueue_event, self._publish_alarm
+            )
+        before = known.add_described(
             live,
-            _definitions(live.description, self._made.get(live.name, {})),
-            lambda name, was: self._begins(live.name, name, was),
+            _alarm_definitions(live.description, self._made.get(live.name, {})),
+            lambda name, was: self._initial_state(live.name, name, was),
         )
         for name, gone in before.items():
             if name not in known.alarms:
-                self._retire(gone)
+                self._retire_alarm(gone)
         # Of former descriptions, whose alarms are described no more.
         for site, name in [key for key in self._states if key[0] == live.name]:
             state = self._states[site, name]
-            if name not in known.alarms and name not in before and _stands(state):
-                self._retire(ghost(live, name, state))
+            if name not in known.alarms and name not in before and _is_standing(state):
+                self._retire_alarm(ghost_alarm(live, name, state))
         # Also those that stay: their names or units may be other ones now.
         for alarm in known.alarms.values():
-            self._publish(alarm)
+            self._publish_alarm(alarm)
         self._news.set()
 
-    def of(self, site: str) -> Iterator[LiveAlarm]:
+    def alarms_of(self, site: str) -> Iterator[LiveAlarm]:
         """Go through the alarms of a site."""
         known = self._of.get(site)
         return iter(list(known.alarms.values()) if known else [])
 
-    def find(self, site: str, alarm: str) -> LiveAlarm | None:
+    def find_alarm(self, site: str, alarm: str) -> LiveAlarm | None:
         """Find one."""
         known = self._of.get(site)
         return known.alarms.get(alarm) if known else None
 
-    def _begins(self, site: str, name: str, before: LiveAlarm | None) -> State:
+    def _initial_state(self, site: str, name: str, before: LiveAlarm | None) -> State:
         """Give how an alarm stands when it is described: as before, or as the database has it."""
         if before is None:
             return self._states.get((site, name), State())
@@ -165,16 +167,16 @@ class AlarmEngine:
         # One whose former self is in the queue yet: the database will have it so.
         for ask in self._queue:
             if ask.live is before:
-                # `settle` refuses it too, and whoever asked is told there.
+                # `settle_changes` refuses it too, and whoever asked is told there.
                 with contextlib.suppress(NotNow):
-                    state = step(state, ask.event)[0]
+                    state = apply_event(state, ask.event)[0]
         return state
 
-    def _retire(self, gone: LiveAlarm) -> None:
+    def _retire_alarm(self, gone: LiveAlarm) -> None:
         # Before it is published: pages are told that it is gone.
         gone.alarm = None
-        self._enqueue(gone, Retire(self._now_us()))
-        self._publish(gone)
+        self._enqueue_event(gone, Retire(self._now_us()))
+        self._publish_alarm(gone)
 
     # ── what is true ────────────────────────────────────────────────────────────────────────
 
@@ -189,27 +191,27 @@ class AlarmEngine:
         if known is not None:
             known.evaluate_samples(live, columns, heard_ns)
 
-    def anomaly(self, news: AnomalyReport) -> None:
+    def report_anomaly(self, news: AnomalyReport) -> None:
         """Take what a detector of anomalies says; see `talaia.hub.ports.AnomalySink`."""
         seen = DetectedThing(score=news.score, why=news.why)
         which, over = (news.began_us, news.detector), news.ended_us is not None
-        self._happens(news.site, (news.channel, ""), which, seen, over=over)
+        self._handle_happening(news.site, (news.channel, ""), which, seen, over=over)
 
-    def sighting(self, news: SightingEvent) -> None:
+    def report_sighting(self, news: SightingEvent) -> None:
         """Take what a detector of objects says; see `talaia.hub.ports.SightingSink`."""
         seen = DetectedThing(many=news.many, confidence=news.confidence)
         what = (news.camera, news.label)
         over = news.ended_us is not None
-        self._happens(news.site, what, (news.began_us, ""), seen, over=over)
+        self._handle_happening(news.site, what, (news.began_us, ""), seen, over=over)
 
     def evaluate_conditions(self) -> None:
         """Hold what is known against every condition: values age, and delays end."""
         for site, known in self._of.items():
-            live = self._sites.get(site)
+            live = self._sites.find_site(site)
             if live is not None:
                 known.evaluate_conditions(live)
 
-    def _happens(
+    def _handle_happening(
         self,
         site: str,
         what: tuple[str, str],
@@ -218,13 +220,13 @@ class AlarmEngine:
         *,
         over: bool,
     ) -> None:
-        known, live = self._of.get(site), self._sites.get(site)
+        known, live = self._of.get(site), self._sites.find_site(site)
         if known is not None and live is not None:
-            known.happens(live, what, which, seen, over=over)
+            known.handle_happening(live, what, which, seen, over=over)
 
     # ── what comes of it ────────────────────────────────────────────────────────────────────
 
-    async def act(self, live: LiveAlarm, event: Event) -> State:
+    async def apply_action(self, live: LiveAlarm, event: Event) -> State:
         """Do what a person asks; it is in the database when this comes back.
 
         Raises:
@@ -233,19 +235,19 @@ class AlarmEngine:
 
         """
         done: asyncio.Future[State] = asyncio.get_running_loop().create_future()
-        self._enqueue(live, event, done)
+        self._enqueue_event(live, event, done)
         return await done
 
-    async def define(self, live: LiveSite, made: MadeAlarm) -> None:
+    async def define_alarm(self, live: LiveSite, made: MadeAlarm) -> None:
         """Keep an alarm that was made in the page, in place of the one of its name."""
         # First in the database: no page sees an alarm that a restart would lose.
-        await self._store.define(made)
+        await self._store.save_made(made)
         self._made.setdefault(made.site, {})[made.alarm] = made
         self.redescribe(live)
 
-    async def forget(self, live: LiveSite, alarm: str) -> bool:
+    async def forget_alarm(self, live: LiveSite, alarm: str) -> bool:
         """Remove an alarm that was made in the page; False when there is none."""
-        if not await self._store.forget(live.name, alarm):
+        if not await self._store.delete_made(live.name, alarm):
             return False
         self._made.get(live.name, {}).pop(alarm, None)
         self.redescribe(live)
@@ -263,7 +265,7 @@ class AlarmEngine:
             self._news.clear()
             try:
                 self._look_again()
-                await self.settle()
+                await self.settle_changes()
             except StoreDown:
                 # Logged when it begins to fail, not at each attempt.
                 if not failing:
@@ -302,7 +304,7 @@ class AlarmEngine:
         self._stopping = True
         self._news.set()
 
-    async def settle(self) -> None:
+    async def settle_changes(self) -> None:
         """Write down and tell all that was decided.
 
         Raises:
@@ -316,7 +318,9 @@ class AlarmEngine:
             changes, states, refused = _worked_out(batch)
             try:
                 if changes:
-                    await self._store.commit([change for _, change in changes], self._now_us())
+                    await self._store.commit_changes(
+                        [change for _, change in changes], self._now_us()
+                    )
             except StoreDown as error:
                 self._put_back(batch, error)
                 raise
@@ -334,7 +338,7 @@ class AlarmEngine:
             for live, state in states.items():
                 live.state = state
                 self._states[live.about.site, live.about.alarm] = state
-            self._show(changes)
+            self._publish_changes(changes)
 
     def _put_back(self, batch: list[_Ask], error: StoreDown) -> None:
         # A person can ask again; what a condition has decided stays and is tried again.
@@ -344,11 +348,11 @@ class AlarmEngine:
                 if not ask.done.done():
                     ask.done.set_exception(error)
 
-    def _show(self, changes: list[tuple[LiveAlarm, AlarmChange]]) -> None:
+    def _publish_changes(self, changes: list[tuple[LiveAlarm, AlarmChange]]) -> None:
         """Tell of what is in the database now."""
         # Once for each alarm, with its last state, however often it changed in this batch.
         for live in dict.fromkeys(live for live, _ in changes):
-            self._publish(live)
+            self._publish_alarm(live)
         for live, change in changes:
             for happened in change.happened:
                 self._browsers.broadcast_message(event_news(live, happened))
@@ -356,21 +360,21 @@ class AlarmEngine:
                     # A new episode: whether messages of the last one failed is of no interest any
                     # more.
                     live.undelivered = ""
-                    _begin_recording(self._sites.get(live.about.site), live, happened)
+                    _begin_recording(self._sites.find_site(live.about.site), live, happened)
         if changes:
             # The messages were put into the outbox by the same commit.
             self._wake_delivery()
 
     async def refresh_troubles(self) -> None:
         """Read anew which alarms could not be delivered, and tell."""
-        troubles = await self._notices.troubles()
+        troubles = await self._notices.failed_alarms()
         for site, known in self._of.items():
             for name, alarm in known.alarms.items():
                 # Only what differs is told.
                 problem = troubles.get((site, name), "")
                 if problem != alarm.undelivered:
                     alarm.undelivered = problem
-                    self._publish(alarm)
+                    self._publish_alarm(alarm)
 
     def greet(self, browser: Browser) -> None:
         """Tell a page that has just come how all alarms stand that it may see."""
@@ -378,13 +382,13 @@ class AlarmEngine:
             for alarm in known.alarms.values():
                 browser.send_message(alarm_news(alarm))
 
-    def _enqueue(
+    def _enqueue_event(
         self, live: LiveAlarm, event: Event, done: asyncio.Future[State] | None = None
     ) -> None:
         self._queue.append(_Ask(live, event, done))
         self._news.set()
 
-    def _publish(self, live_alarm: LiveAlarm) -> None:
+    def _publish_alarm(self, live_alarm: LiveAlarm) -> None:
         self._browsers.broadcast_message(alarm_news(live_alarm))
 
     def _now_us(self) -> int:
@@ -400,7 +404,7 @@ def _begin_recording(live: LiveSite | None, raised: LiveAlarm, happened: Happene
     live.link.send(RecordingRequest(on=True, who="alarm", why=why, alarm=True))
 
 
-def _definitions(
+def _alarm_definitions(
     site: Site, made_in_page: Mapping[str, MadeAlarm]
 ) -> Iterator[tuple[str, Alarm, bool]]:
     """Give each alarm with its name, and whether it was made in the page."""
@@ -428,7 +432,7 @@ def _worked_out(
         # Several events of an alarm in one batch build on each other.
         before = states.get(ask.live, ask.live.state)
         try:
-            after, happened = step(before, ask.event)
+            after, happened = apply_event(before, ask.event)
         except NotNow as error:
             refused[id(ask)] = error
             after, happened = before, ()
@@ -439,6 +443,6 @@ def _worked_out(
     return changes, states, refused
 
 
-def _stands(state: State) -> bool:
+def _is_standing(state: State) -> bool:
     # A normal alarm may be shelved, and retiring ends that too.
     return state.phase is not Phase.NORMAL or bool(state.shelved_until_us)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite
     from talaia.model.checks.alarm_checks import Addresses
 
-__all__ = ["LiveAlarm", "alarm_news", "device_of", "event_news", "ghost"]
+__all__ = ["LiveAlarm", "alarm_news", "device_of", "event_news", "ghost_alarm"]
 
 
 # Compared by identity: it is a key of dicts, and a queue may hold two of one name.
@@ -107,7 +107,7 @@ def event_news(live_alarm: LiveAlarm, happened: Happened) -> page.EventUpdate:
     )
 
 
-def ghost(live: LiveSite, name: str, state: State) -> LiveAlarm:
+def ghost_alarm(live: LiveSite, name: str, state: State) -> LiveAlarm:
     """Give an alarm of which nothing is known any more but how it stood."""
     # Any kind does: it is never judged, and pages are told that it is gone.
     alarm = Alarm(name=name, kind=AlarmKind.LIMIT)

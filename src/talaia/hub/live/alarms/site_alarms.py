@@ -74,7 +74,7 @@ class SiteAlarms:
         # What goes on now, as detectors say, by whom and of what.
         self._seen: dict[tuple[str, str], dict[tuple[int, str], DetectedThing]] = {}
 
-    def described(
+    def add_described(
         self,
         live: LiveSite,
         definitions: Iterable[tuple[str, Alarm, bool]],
@@ -97,14 +97,14 @@ class SiteAlarms:
                 state=state_of(name, was),
                 made=made,
             )
-        self._index(live)
+        self._index_channels(live)
         return before
 
     def evaluate_samples(
         self, live: LiveSite, columns: Columns, heard_ns: NDArray[np.float64] | None = None
     ) -> None:
         """Hold live samples against the conditions; see `AlarmEngine.evaluate_samples`."""
-        # Between a new description and `described` the numbers would be of two lists.
+        # Between a new description and `add_described` the numbers would be of two lists.
         if not self._lookers or not len(columns) or len(self._watched) != len(live.channels):
             return
         keep = self._watched[columns.channel]
@@ -124,9 +124,9 @@ class SiteAlarms:
             text = mine.texts.get(place, "")
             self._values[self._addresses[at]] = (values[place], text, heard[place])
             for live_alarm in self._lookers[at]:
-                self._judge(live, live_alarm, now)
+                self._judge_alarm(live, live_alarm, now)
 
-    def happens(
+    def handle_happening(
         self,
         live: LiveSite,
         what: tuple[str, str],
@@ -146,17 +146,17 @@ class SiteAlarms:
             if live_alarm.condition is not None and live_alarm.condition.happening == what
         ]
         for live_alarm in mine:
-            self._judge(live, live_alarm, now)
+            self._judge_alarm(live, live_alarm, now)
         if over:
             del going[which]
             for live_alarm in mine:
-                self._judge(live, live_alarm, now)
+                self._judge_alarm(live, live_alarm, now)
 
     def evaluate_conditions(self, live: LiveSite) -> None:
         """Hold what is known against every condition: values age, delays and shelves end."""
         now, now_us = self._clock.monotonic_ns(), self._now_us()
         for live_alarm in self.alarms.values():
-            self._judge(live, live_alarm, now)
+            self._judge_alarm(live, live_alarm, now)
             until = live_alarm.state.shelved_until_us
             # Asked for again at each look until it is written; the state machine ignores repeats.
             if until and until <= now_us:
@@ -168,7 +168,7 @@ class SiteAlarms:
                 if again is not None:
                     self._enqueue(live_alarm, again)
 
-    def _index(self, live: LiveSite) -> None:
+    def _index_channels(self, live: LiveSite) -> None:
         number = {channel.address: at for at, channel in enumerate(live.channels)}
         self._watched = np.zeros(len(live.channels), bool)
         self._addresses = tuple(channel.address for channel in live.channels)
@@ -193,8 +193,8 @@ class SiteAlarms:
             if latest.arrived_ns[at] != np.iinfo(np.int64).min
         }
 
-    def _judge(self, live: LiveSite, live_alarm: LiveAlarm, now: int) -> None:
-        edge = live_alarm.watch.update_verdict(self._verdict(live, live_alarm, now), now)
+    def _judge_alarm(self, live: LiveSite, live_alarm: LiveAlarm, now: int) -> None:
+        edge = live_alarm.watch.update_verdict(self._condition_verdict(live, live_alarm, now), now)
         if edge is not None:
             event: Event = Clear(self._now_us(), edge.why)
             if edge.turn is ConditionTurn.RAISE:
@@ -207,7 +207,9 @@ class SiteAlarms:
             live_alarm.shown_unknown = unknown
             self._publish(live_alarm)
 
-    def _verdict(self, live: LiveSite, live_alarm: LiveAlarm, now: int) -> ConditionVerdict:
+    def _condition_verdict(
+        self, live: LiveSite, live_alarm: LiveAlarm, now: int
+    ) -> ConditionVerdict:
         condition = live_alarm.condition
         if condition is None:
             return ConditionVerdict(Truth.UNKNOWN, live_alarm.problem)
@@ -223,7 +225,7 @@ class SiteAlarms:
         seen: tuple[DetectedThing, ...] = ()
         if condition.happening is not None:
             seen = tuple(self._seen.get(condition.happening, {}).values())
-        return condition.judge(
+        return condition.judge_condition(
             readings,
             seen,
             held=live_alarm.watch.on,

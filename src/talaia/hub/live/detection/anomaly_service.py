@@ -23,7 +23,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from talaia.errors import TalaiaError
 from talaia.hub.anomaly.guarded import GuardedDetector
 from talaia.hub.anomaly.runner import AnomalyBegan, AnomalyEnded, DetectorRunner, score_address
-from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted
+from talaia.hub.anomaly.selection import MOST_BY_DEFAULT, wanted_detectors
 from talaia.hub.live.detection.score_writer import ScoreWriter
 from talaia.hub.live.detection.thinning import Thinning
 from talaia.hub.ports import AnomalyReport
@@ -86,7 +86,7 @@ class _SiteWatch:
         # Scores that pages have not been shown yet: number, time (µs), score.
         self.fresh: list[tuple[int, int, float]] = []
 
-    def every(self) -> list[DetectorRunner]:
+    def all_runners(self) -> list[DetectorRunner]:
         """List all detectors."""
         return [runner for some in self.watched.values() for runner in some]
 
@@ -142,24 +142,24 @@ class AnomalyService:
         """So many samples wait to be looked at."""
         return self._count
 
-    def listen(self, sink: AnomalySink) -> None:
+    def add_listener(self, sink: AnomalySink) -> None:
         """Tell ``sink`` of every anomaly from now on."""
         self._sinks.append(sink)
 
-    def show(self, sink: DetectorSink) -> None:
+    def add_display(self, sink: DetectorSink) -> None:
         """Tell ``sink`` from now on whenever a detector stands otherwise."""
         self._shown_to.append(sink)
 
     def enqueue_samples(self, live: LiveSite, columns: Columns) -> None:
         """Take what is watched out of a batch; never waits."""
-        watch = self._watch(live)
+        watch = self._watch_of(live)
         if not watch.addresses or not len(columns):
             return
         # A link that is being replaced may still speak of another list of channels.
         if int(columns.channel.max()) >= len(watch.addresses):
             return
         at = np.flatnonzero(watch.chosen[columns.channel])
-        at = watch.thinning.pick(columns, at)
+        at = watch.thinning.pick_samples(columns, at)
         if not at.size:
             return
         if self._count + at.size > _MOST_WAITING:
@@ -171,36 +171,36 @@ class AnomalyService:
         self._count += int(at.size)
         self._news.set()
 
-    def of(self, site: str) -> list[DetectorRunner]:
+    def detectors_of(self, site: str) -> list[DetectorRunner]:
         """List the detectors of a site that are at work now."""
-        live = self._sites.get(site)
-        return [] if live is None else self._watch(live).every()
+        live = self._sites.find_site(site)
+        return [] if live is None else self._watch_of(live).all_runners()
 
-    def forgive(self, site: str, address: str, detector: str) -> bool | None:
+    def dismiss_peak(self, site: str, address: str, detector: str) -> bool | None:
         """Let a detector learn that its latest peak was none; None if there is no such one.
 
         Returns:
             False where the detector cannot learn.
 
         """
-        live = self._sites.get(site)
-        found = [] if live is None else self._watch(live).watched.get(address, [])
+        live = self._sites.find_site(site)
+        found = [] if live is None else self._watch_of(live).watched.get(address, [])
         for runner in found:
             if runner.word == detector:
-                learns = runner.forgive()
+                learns = runner.dismiss_peak()
                 # A person's word is kept with the next tick.
                 self._saved_at[site, address, detector] = -_SAVE_EVERY_S
                 if learns and live is not None:
-                    if (ended := runner.end()) is not None:
+                    if (ended := runner.end_anomaly()) is not None:
                         self._publish_anomaly(live, runner, ended)
                     else:
-                        self._stands(live, runner)
+                        self._publish_standing(live, runner)
                 return learns
         return None
 
     async def run(self) -> None:
         """Look at samples, write scores, keep what is learned; until cancelled."""
-        ticking = asyncio.create_task(self._tick())
+        ticking = asyncio.create_task(self._tick_loop())
         try:
             while True:
                 await self._news.wait()
@@ -219,18 +219,18 @@ class AnomalyService:
         with suppress(*_FAILS):
             await self._scores.write_waiting()
         with suppress(*_FAILS):
-            await self._save(self._unsaved(None))
+            await self._save_detectors(self._unsaved_detectors(None))
 
     async def _evaluate_piece(self, piece: _Piece) -> None:
-        watch = self._watch(piece.live)
+        watch = self._watch_of(piece.live)
         if not watch.ready:
-            await self._wake(piece.live, watch)
+            await self._restore_learned(piece.live, watch)
         # By the wall: what matters is how long all else has waited.
         until = time.perf_counter() + _SLICE_S
         for address, time_us, value in zip(piece.addresses, piece.times, piece.values, strict=True):
             for place, runner in enumerate(watch.watched.get(address, ())):
                 try:
-                    turn = _seen(runner, time_us, value)
+                    turn = _score_sample(runner, time_us, value)
                 except (ArithmeticError, LookupError, ValueError):
                     # One that fails must not end the others: it begins anew.
                     _LOG.exception("the detector %s of %s begins anew", runner.word, address)
@@ -238,15 +238,15 @@ class AnomalyService:
                         address, runner.unit, runner.watch
                     )
                     continue
-                self._after(piece.live, watch, runner=runner, turn=turn, time_us=time_us)
+                self._handle_news(piece.live, watch, runner=runner, turn=turn, time_us=time_us)
             if time.perf_counter() > until:
-                self._publish(piece.live, watch)
+                self._publish_scores(piece.live, watch)
                 # Lets all else run that is ready; samples of this piece wait meanwhile.
                 await asyncio.sleep(0)
                 until = time.perf_counter() + _SLICE_S
-        self._publish(piece.live, watch)
+        self._publish_scores(piece.live, watch)
 
-    def _after(
+    def _handle_news(
         self,
         live: LiveSite,
         watch: _SiteWatch,
@@ -258,7 +258,7 @@ class AnomalyService:
         if turn is not None:
             self._publish_anomaly(live, runner, turn)
         elif runner.take_learned():
-            self._stands(live, runner)
+            self._publish_standing(live, runner)
         address = score_address(runner.address, runner.word)
         place = watch.places.get(address)
         if place is not None:
@@ -266,7 +266,7 @@ class AnomalyService:
         if runner.worth_writing(time_us):
             self._scores.add_score(live.name, address, time_us, runner.score)
 
-    def _publish(self, live: LiveSite, watch: _SiteWatch) -> None:
+    def _publish_scores(self, live: LiveSite, watch: _SiteWatch) -> None:
         """Show pages the newest scores."""
         if not watch.fresh:
             return
@@ -280,10 +280,10 @@ class AnomalyService:
             np.array([score for _, _, score in fresh], np.float64),
             {},
         )
-        live.latest.update(columns, self._clock.monotonic_ns())
+        live.latest.update_values(columns, self._clock.monotonic_ns())
         self._fanout.publish(live, columns)
 
-    def _watch(self, live: LiveSite) -> _SiteWatch:
+    def _watch_of(self, live: LiveSite) -> _SiteWatch:
         """Give a site's detectors; made anew for another description, as they were if they fit."""
         watch = self._of.get(live.name)
         if watch is not None and watch.description is live.description:
@@ -291,11 +291,11 @@ class AnomalyService:
         before = (
             {}
             if watch is None
-            else {(runner.address, runner.watch): runner for runner in watch.every()}
+            else {(runner.address, runner.watch): runner for runner in watch.all_runners()}
         )
         fresh = self._of[live.name] = _SiteWatch(live.description)
         thin = set()
-        wishes, left_out = wanted(live.description)
+        wishes, left_out = wanted_detectors(live.description)
         if left_out:
             _LOG.warning(
                 "anomaly detection of %s: the first %d signals are watched, %d more are not",
@@ -305,7 +305,7 @@ class AnomalyService:
             )
         for wish in wishes:
             fresh.watched[wish.address] = [
-                _again(before, wish.address, wanted)
+                _take_over(before, wish.address, wanted)
                 or DetectorRunner(wish.address, wish.unit, wanted)
                 for wanted in wish.watches
             ]
@@ -318,16 +318,16 @@ class AnomalyService:
         fresh.places = {live.every[at].address: at for at in scores}
         fresh.thinning = Thinning(np.array([address in thin for address in fresh.addresses], bool))
         for runner in before.values():
-            if (ended := runner.end()) is not None:
+            if (ended := runner.end_anomaly()) is not None:
                 self._publish_anomaly(live, runner, ended)
         return fresh
 
-    async def _wake(self, live: LiveSite, watch: _SiteWatch) -> None:
+    async def _restore_learned(self, live: LiveSite, watch: _SiteWatch) -> None:
         """Go on with what was learned before the hub was started."""
         # First: a database that fails must not be asked for each batch.
         watch.ready = True
         try:
-            kept = await self._learned.of(live.name)
+            kept = await self._learned.states_of(live.name)
         except _FAILS as error:
             _LOG.warning("detectors of %s learn anew, the database fails: %s", live.name, error)
             return
@@ -350,20 +350,20 @@ class AnomalyService:
             why=turn.why,
         )
         for sink in self._sinks:
-            sink.anomaly(news)
-        self._stands(live, runner)
+            sink.report_anomaly(news)
+        self._publish_standing(live, runner)
 
-    def _stands(self, live: LiveSite, runner: DetectorRunner) -> None:
+    def _publish_standing(self, live: LiveSite, runner: DetectorRunner) -> None:
         for sink in self._shown_to:
-            sink.detector(live.name, runner)
+            sink.report_detector(live.name, runner)
 
-    async def _tick(self) -> None:
+    async def _tick_loop(self) -> None:
         while True:
             await asyncio.sleep(_TICK_S)
-            self._idle()
+            self._score_silence()
             try:
                 await self._scores.write_waiting()
-                await self._save(self._unsaved(_SAVES_A_TICK))
+                await self._save_detectors(self._unsaved_detectors(_SAVES_A_TICK))
             except _FAILS as error:
                 if not self._failing:
                     _LOG.warning("anomaly scores and what is learned wait: %s", error)
@@ -371,24 +371,24 @@ class AnomalyService:
             else:
                 self._failing = False
 
-    def _idle(self) -> None:
+    def _score_silence(self) -> None:
         """Let detectors look at the clock; while a gateway is away, nothing comes anyway."""
         for live in self._sites:
             if not live.online:
                 continue
             # By the gateway's clock, by which its samples are dated.
             now_us = self._clock.wall_ns() // 1000 + round(live.presence.skew_ms * 1000)
-            watch = self._watch(live)
-            for runner in watch.every():
-                turn = runner.idle(now_us)
+            watch = self._watch_of(live)
+            for runner in watch.all_runners():
+                turn = runner.score_silence(now_us)
                 if turn is not None:
-                    self._after(live, watch, runner=runner, turn=turn, time_us=now_us)
-            self._publish(live, watch)
+                    self._handle_news(live, watch, runner=runner, turn=turn, time_us=now_us)
+            self._publish_scores(live, watch)
 
-    def _unsaved(self, most: int | None) -> list[tuple[str, DetectorRunner]]:
+    def _unsaved_detectors(self, most: int | None) -> list[tuple[str, DetectorRunner]]:
         now, due = self._clock.monotonic_ns() / 1e9, []
         for site, watch in self._of.items():
-            for runner in watch.every():
+            for runner in watch.all_runners():
                 key = (site, runner.address, runner.word)
                 # What just began to learn waits its turn like all others.
                 since = self._saved_at.setdefault(key, now - _SAVE_EVERY_S / 2)
@@ -396,11 +396,11 @@ class AnomalyService:
                     due.append((site, runner))
         return due if most is None else due[:most]
 
-    async def _save(self, due: Sequence[tuple[str, DetectorRunner]]) -> None:
+    async def _save_detectors(self, due: Sequence[tuple[str, DetectorRunner]]) -> None:
         now = self._clock.monotonic_ns() / 1e9
-        rows = [(site, runner.address, runner.word, runner.keep()) for site, runner in due]
+        rows = [(site, runner.address, runner.word, runner.dump_state()) for site, runner in due]
         try:
-            await self._learned.save(rows)
+            await self._learned.save_states(rows)
         except _FAILS:
             # Nothing of it was kept, so it is due again.
             for _, runner in due:
@@ -410,7 +410,7 @@ class AnomalyService:
             self._saved_at[site, address, detector] = now
 
 
-def _again(
+def _take_over(
     before: dict[tuple[str, Watch], DetectorRunner], address: str, watch: Watch
 ) -> DetectorRunner | None:
     """Take a detector over from the description of before, if it is asked for alike."""
@@ -418,12 +418,14 @@ def _again(
     return before.pop(key) if key in before else None
 
 
-def _seen(runner: DetectorRunner, time_us: int, value: float) -> AnomalyBegan | AnomalyEnded | None:
+def _score_sample(
+    runner: DetectorRunner, time_us: int, value: float
+) -> AnomalyBegan | AnomalyEnded | None:
     """Let a detector see a sample; of an extension's it is judged how long it takes."""
     if not isinstance(runner.detector, GuardedDetector):
         # Our own detectors are bounded; only those of others are timed.
-        return runner.see(time_us, value)
+        return runner.score_sample(time_us, value)
     began = time.perf_counter()
-    turn = runner.see(time_us, value)
-    runner.detector.took(time.perf_counter() - began)
+    turn = runner.score_sample(time_us, value)
+    runner.detector.record_duration(time.perf_counter() - began)
     return turn

@@ -53,7 +53,7 @@ class DetectionHost(Protocol):
         """Need no pictures for now."""
         ...
 
-    async def seen(
+    async def detect_objects(
         self, live: LiveSite, detect: Detect, newest: Callable[[], PictureFrame | None]
     ) -> tuple[PictureFrame, NDArray[np.uint8], list[Found]] | None:
         """See the newest picture when its detector's turn has come.
@@ -64,7 +64,7 @@ class DetectionHost(Protocol):
         """
         ...
 
-    def boxes(
+    def show_boxes(
         self, live: LiveSite, camera: str, picture: PictureFrame, found: Sequence[Found]
     ) -> None:
         """Give what is on a picture to the pages that want to know."""
@@ -126,22 +126,22 @@ class CameraDetection:
         self._unreadable = False
         # By the camera's clock: the newest picture's, and how far ours was ahead of it then.
         self._last_us, self._ahead_us = 0, 0
-        self.recount(counted)
+        self.apply_counts(counted)
 
-    def recount(self, counted: Mapping[str, Signal]) -> None:
+    def apply_counts(self, counted: Mapping[str, Signal]) -> None:
         """Count for these signals from here on."""
         self._counted = counted
         self._said = {address: said for address, said in self._said.items() if address in counted}
         sources = {
             address: source_as(of.source, DetectionSource) for address, of in counted.items()
         }
-        self._eyes.recount(sources)
+        self._eyes.apply_counts(sources)
 
     async def run(self) -> None:
         """Look until cancelled; what is in sight then has ended."""
         try:
             while True:
-                self._around.watch_camera(self._live, self._name, self._arrived)
+                self._around.watch_camera(self._live, self._name, self._keep_picture)
                 try:
                     await self._examine_pictures()
                 except DetectorError as error:
@@ -155,15 +155,15 @@ class CameraDetection:
                 self._pass_time()
         finally:
             # What was in sight ends when nobody looks any more.
-            self._around.publish_sightings(self._live, self._name, self._eyes.end())
+            self._around.publish_sightings(self._live, self._name, self._eyes.end_sightings())
 
-    def _arrived(self, picture: PictureFrame) -> None:
+    def _keep_picture(self, picture: PictureFrame) -> None:
         # Single pictures only: a film is not decoded here.
         if picture.format == PictureForm.JPEG and 0 < picture.time_us < _LAST_US:
             self._picture = picture
             self._news.set()
 
-    def _newest(self) -> PictureFrame | None:
+    def _take_picture(self) -> PictureFrame | None:
         picture, self._picture = self._picture, None
         self._news.clear()
         return picture
@@ -190,7 +190,9 @@ class CameraDetection:
             now_s = loop.time()
             due_s = (due_s if now_s - due_s < period_s else now_s) + period_s
             try:
-                seen = await self._around.seen(self._live, self._detect, self._newest)
+                seen = await self._around.detect_objects(
+                    self._live, self._detect, self._take_picture
+                )
             except Unreadable as error:
                 self._say_unreadable(str(error))
                 raise
@@ -210,7 +212,7 @@ class CameraDetection:
         self._last_us = picture.time_us
         self._ahead_us = self._around.now_us() - picture.time_us
         counts = {}
-        for address, count in self._eyes.count(found).items():
+        for address, count in self._eyes.count_things(found).items():
             value = count * self._counted[address].scale
             # A count that was never said counts as another: NaN equals nothing.
             said_us, said = self._said.get(address, (-_SILENCE_US, math.nan))
@@ -218,7 +220,7 @@ class CameraDetection:
                 self._said[address] = (picture.time_us, value)
                 counts[address] = value
         self._around.publish_counts(self._live, picture.time_us, counts)
-        self._around.boxes(self._live, self._name, picture, found)
+        self._around.show_boxes(self._live, self._name, picture, found)
         self._around.publish_sightings(
             self._live, self._name, self._eyes.add_picture(found, rgb, picture.time_us)
         )

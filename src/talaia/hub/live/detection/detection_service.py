@@ -26,7 +26,7 @@ from talaia.hub.live.detection.camera_detection import CameraDetection
 from talaia.hub.live.detection.sightings import OWN
 from talaia.hub.live.gateways.ingest import Batch, Ingest
 from talaia.hub.live.pictures.jpeg_decoder import pixels_of
-from talaia.model.derived_signals import counts_of, detecting, detection_setup_of
+from talaia.model.derived_signals import counts_of, detecting_cameras, detection_setup_of
 from talaia.model.detection import DetectAt
 from talaia.objects.camera_objects import least_of
 from talaia.wire.columns import Columns
@@ -136,7 +136,7 @@ class DetectionService:
         """Look at what a site's description says from here on; what is the same goes on."""
         wanted = {
             name: detect
-            for name, detect in detecting(live.description)
+            for name, detect in detecting_cameras(live.description)
             if detect.at is DetectAt.HUB
         }
         site = self._of.get(live.name)
@@ -151,28 +151,28 @@ class DetectionService:
         wanted = dict(list(wanted.items())[:_MOST_CAMERAS])
         for name in list(site.cameras):
             # Set up in another way: it begins anew. Only what is counted may change in between.
-            if name not in wanted or site.cameras[name][0] != _eye(live, name):
-                self._end(site, name)
+            if name not in wanted or site.cameras[name][0] != _setup_of(live, name):
+                self._end_camera(site, name)
         self._take_models(live, wanted)
         for name, detect in wanted.items():
-            eye = _eye(live, name)
+            eye = _setup_of(live, name)
             if eye is None:
                 continue
             if name in site.cameras:
-                site.cameras[name][1].recount(_counted(live, name))
+                site.cameras[name][1].apply_counts(_counting_signals(live, name))
                 continue
             camera = CameraDetection(
-                self, live=live, name=name, detect=detect, counted=_counted(live, name)
+                self, live=live, name=name, detect=detect, counted=_counting_signals(live, name)
             )
             site.cameras[name] = (eye, camera, asyncio.create_task(camera.run()))
-        self._rest()
+        self._stop_idle()
 
     async def close(self) -> None:
         """Look no more; what was in sight has ended, and what was counted is stored."""
         self._closing = True
         for site in self._of.values():
             for name in list(site.cameras):
-                self._end(site, name)
+                self._end_camera(site, name)
         # Each still tells the end of what was in sight.
         await asyncio.gather(*self._ended, return_exceptions=True)
         # After the cameras, which may still wait for its answer.
@@ -180,7 +180,7 @@ class DetectionService:
             await self._worker.close()
         storing = {site.storing for site in self._of.values()}
         for site in self._of.values():
-            site.ingest.finish()
+            site.ingest.finish_storing()
         if storing:
             await asyncio.wait(storing, timeout=_FINISH_S)
         for task in storing:
@@ -190,7 +190,7 @@ class DetectionService:
     def _say_too_many(self, live: LiveSite, site: _SiteEyes, wanted: Mapping[str, Detect]) -> None:
         too_many = len(wanted) > _MOST_CAMERAS
         if too_many and not site.too_many:
-            self._reporting.event(
+            self._reporting.report_event(
                 live,
                 "detection lost",
                 message=f"the hub looks at {_MOST_CAMERAS} cameras of a site at the most; "
@@ -199,7 +199,7 @@ class DetectionService:
             )
         site.too_many = too_many
 
-    def _end(self, site: _SiteEyes, name: str) -> None:
+    def _end_camera(self, site: _SiteEyes, name: str) -> None:
         _, _, task = site.cameras.pop(name)
         task.cancel()
         self._ended.add(task)
@@ -226,10 +226,10 @@ class DetectionService:
         }
         self._models = {**others, **mine}
         if self._worker is None:
-            self._worker = self._make(self._fares)
+            self._worker = self._make(self._report_model)
         self._worker.redescribe(self._models)
 
-    def _rest(self) -> None:
+    def _stop_idle(self) -> None:
         """End the detectors that no camera needs any more."""
         needed = {
             _model_of(name, eye.detect.model)
@@ -239,9 +239,9 @@ class DetectionService:
         for model in [turn for turn in self._turns if turn not in needed]:
             del self._turns[model]
             if self._worker is not None:
-                self._worker.rest(model)
+                self._worker.stop_idle(model)
 
-    def _fares(self, model: str, why: str) -> None:
+    def _report_model(self, model: str, why: str) -> None:
         """Tell, for each camera of a detector, that it cannot see, or does again."""
         for name, site in self._of.items():
             for camera, (eye, _, _) in site.cameras.items():
@@ -257,13 +257,13 @@ class DetectionService:
         if why:
             _LOG.warning("%s of %s: nothing can be detected: %s", camera, live.name, why)
             said = f"nothing is detected on {called}, at the hub: {why}"
-            self._reporting.event(
+            self._reporting.report_event(
                 live, "detection lost", device=device, message=said[:500], good=False
             )
         else:
             _LOG.info("%s of %s: objects are detected again", camera, live.name)
             said = f"objects are detected on {called} again"
-            self._reporting.event(live, "detection back", device=device, message=said)
+            self._reporting.report_event(live, "detection back", device=device, message=said)
 
     # ── for a camera ────────────────────────────────────────────────────────────────────────
 
@@ -277,7 +277,7 @@ class DetectionService:
         """Need no pictures for now."""
         self._media.unwatch_stream(live.name, camera)
 
-    async def seen(
+    async def detect_objects(
         self, live: LiveSite, detect: Detect, newest: Callable[[], PictureFrame | None]
     ) -> tuple[PictureFrame, NDArray[np.uint8], list[Found]] | None:
         """See the newest picture when its detector's turn has come.
@@ -294,9 +294,9 @@ class DetectionService:
                 return None
             # Decoding must not hold up the loop.
             rgb = await asyncio.to_thread(pixels_of, picture.data)
-            return picture, rgb, await self._worker.seen(model, rgb, least_of(detect))
+            return picture, rgb, await self._worker.detect_objects(model, rgb, least_of(detect))
 
-    def boxes(
+    def show_boxes(
         self, live: LiveSite, camera: str, picture: PictureFrame, found: Sequence[Found]
     ) -> None:
         """Give what is on a picture to the pages that want to know."""
@@ -352,12 +352,12 @@ def _model_of(site: str, model: str) -> str:
     return f"{site}/{model}" if model else ""
 
 
-def _eye(live: LiveSite, name: str) -> DetectionSetup | None:
+def _setup_of(live: LiveSite, name: str) -> DetectionSetup | None:
     device, _, stream = name.partition("/")
     return detection_setup_of(live.description, device, stream)
 
 
-def _counted(live: LiveSite, name: str) -> dict[str, Signal]:
+def _counting_signals(live: LiveSite, name: str) -> dict[str, Signal]:
     """Give the signals that count what a camera sees, by their addresses."""
     found = {}
     for address, (camera, _) in counts_of(live.description).items():

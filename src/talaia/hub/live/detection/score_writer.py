@@ -60,7 +60,7 @@ class ScoreWriter:
             )
             first = self._first.get(site, 0)
             try:
-                await self._history.append(
+                await self._history.append_samples(
                     site, self._run, first, addresses=addresses, columns=columns
                 )
             except _FAILS:

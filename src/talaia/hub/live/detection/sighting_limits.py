@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from talaia.model.detection import Detect
     from talaia.model.site import Site, Stream
 
-__all__ = ["Key", "KnownSighting", "SiteSightings", "detect_of", "merged", "said_of"]
+__all__ = ["Key", "KnownSighting", "SiteSightings", "detect_of", "merge_sightings", "said_of"]
 
 # Of one site: so many may begin, or show another picture, at once, and then so many a second.
 # A gateway that was away tells a few hundred at once.
@@ -56,9 +56,9 @@ class SiteSightings:
 
     def takes_more(self, waiting: int, now_s: float) -> bool:
         """Tell whether another one may begin beside those that wait to be written."""
-        return len(self.open) + waiting < _MOST_OPEN and self.spends(now_s)
+        return len(self.open) + waiting < _MOST_OPEN and self.spend_token(now_s)
 
-    def spends(self, now_s: float) -> bool:
+    def spend_token(self, now_s: float) -> bool:
         """Take one from what may come, if there is one."""
         # A token bucket: it fills again with time.
         self._credit = min(_BURST, self._credit + (now_s - self._since_s) * _A_SECOND)
@@ -86,11 +86,13 @@ class SiteSightings:
 
 def detect_of(site: Site, camera: str) -> Detect | None:
     """Give what is looked for on a camera."""
-    found = _stream(site, camera)
+    found = _find_stream(site, camera)
     return found.detect if found else None
 
 
-def merged(older: Mapping[Key, Sighted], newer: Mapping[Key, Sighted]) -> dict[Key, Sighted]:
+def merge_sightings(
+    older: Mapping[Key, Sighted], newer: Mapping[Key, Sighted]
+) -> dict[Key, Sighted]:
     """Take the newer word on each; a picture stays until there is another."""
     found = dict(older)
     for key, sighting in newer.items():
@@ -103,20 +105,20 @@ def merged(older: Mapping[Key, Sighted], newer: Mapping[Key, Sighted]) -> dict[K
 
 def said_of(sighted: Sighted, site: Site | None) -> str:
     """Say what is over: ``person seen at Front camera 14:02–14:05 (at most 2)``."""
-    found = _stream(site, sighted.camera) if site else None
+    found = _find_stream(site, sighted.camera) if site else None
     name = found.name if found else sighted.camera
-    when = _when(sighted.began_us, sighted.ended_us, site.zone if site else "UTC")
+    when = _format_span(sighted.began_us, sighted.ended_us, site.zone if site else "UTC")
     most = f" (at most {sighted.many})" if sighted.many > 1 else ""
     return safe_text(f"{sighted.label} seen at {name} {when}{most}", 500)
 
 
-def _stream(site: Site, camera: str) -> Stream | None:
+def _find_stream(site: Site, camera: str) -> Stream | None:
     device, _, stream = camera.partition("/")
     described = site.devices.get(device)
     return described.streams.get(stream) if described else None
 
 
-def _when(began_us: int, ended_us: int, zone: str) -> str:
+def _format_span(began_us: int, ended_us: int, zone: str) -> str:
     """Say from when to when, in the site's time: ``14:02–14:05``."""
     began, ended = (
         dt.datetime.fromtimestamp(time_us / 1e6, ZoneInfo(zone)) for time_us in (began_us, ended_us)

@@ -22,7 +22,7 @@ from talaia.hub.live.detection.sighting_limits import (
     KnownSighting,
     SiteSightings,
     detect_of,
-    merged,
+    merge_sightings,
     said_of,
 )
 from talaia.hub.live.pictures.jpeg_validator import NotAPicture, bare_jpeg
@@ -99,7 +99,7 @@ class SightingJournal:
         self._sinks: list[SightingSink] = []
         # By site: what is in sight, and its limits.
         self._of: dict[str, SiteSightings] = {}
-        # What is to be written, the newest word on each; emptied by `settle`.
+        # What is to be written, the newest word on each; emptied by `settle_writes`.
         self._waiting: dict[Key, Sighted] = {}
         # Something is to be written, or the end.
         self._news = asyncio.Event()
@@ -110,7 +110,7 @@ class SightingJournal:
         # When old ones were last deleted (monotonic, s).
         self._trimmed_s = self._now_s()
 
-    def listen(self, sink: SightingSink) -> None:
+    def add_listener(self, sink: SightingSink) -> None:
         """Tell ``sink`` of everything that is kept from now on, and of what is in sight."""
         self._sinks.append(sink)
 
@@ -121,24 +121,24 @@ class SightingJournal:
             StoreDown: the database does not answer.
 
         """
-        for kept in await self._store.open():
+        for kept in await self._store.list_open():
             sighted = kept.sighted
-            self._site(sighted.site).open[sighted.key] = KnownSighting(sighted, kept.id)
+            self._site_of(sighted.site).open[sighted.key] = KnownSighting(sighted, kept.id)
             # Conditions that held when the hub was ended must hold again.
             self._tell_sinks(sighted)
             if sighted.boot.startswith(OWN):
                 # The hub was killed while it looked.
                 self._put_end(sighted, 0)
-        await self._trim()
+        await self._trim_old()
 
     # ── what is told ────────────────────────────────────────────────────────────────────────
 
-    def seen(self, live: LiveSite, seen: SightingReport) -> None:
+    def handle_report(self, live: LiveSite, seen: SightingReport) -> None:
         """Take what a gateway says; what its description does not let it say is left out."""
         detect = detect_of(live.description, seen.stream)
         key = (live.name, seen.stream, seen.label, seen.began_us)
         # One that has begun is followed to its end, even if the description looks for it no more.
-        known = key in self._site(live.name).open or key in self._waiting
+        known = key in self._site_of(live.name).open or key in self._waiting
         if not known and (detect is None or detect.at is not DetectAt.GATEWAY):
             self._leave_out(live, f"{seen.stream!r} is not watched by this gateway")
         elif not known and detect is not None and seen.label not in detect.classes:
@@ -151,7 +151,7 @@ class SightingJournal:
         if not (0 < seen.began_us < _LAST_US and 0 <= seen.ended_us < _LAST_US):
             self._leave_out(live, "its time cannot be right")
             return
-        site = self._site(live.name)
+        site = self._site_of(live.name)
         ended_us = seen.ended_us
         # An end before the beginning: the gateway's clock was set meanwhile.
         if ended_us and ended_us < seen.began_us:
@@ -176,30 +176,32 @@ class SightingJournal:
                 self._leave_out(live, "more is seen than anybody could follow")
                 return
         # Bounded too, for each picture is read and stored.
-        if seen.thumbnail and site.spends(self._now_s()):
-            picture = self._checked(live, seen)
+        if seen.thumbnail and site.spend_token(self._now_s()):
+            picture = self._check_thumbnail(live, seen)
         if waits is not None and not picture:
             picture = waits.picture
         self._waiting[sighted.key] = sighted._replace(picture=picture)
         self._news.set()
 
-    def attached(self, live: LiveSite) -> None:
+    def handle_attach(self, live: LiveSite) -> None:
         """Wait for what this run of the gateway says of what another one saw last."""
-        self._site(live.name).asked_s = self._now_s()
+        self._site_of(live.name).asked_s = self._now_s()
 
     def redescribe(self, live: LiveSite) -> None:
         """End what nobody watches any more."""
         site = live.description
-        self._end(live.name, lambda known: detect_of(site, known.camera) is None, self._now_us())
+        self._end_matching(
+            live.name, lambda known: detect_of(site, known.camera) is None, self._now_us()
+        )
 
     def greet(self, browser: Browser) -> None:
         """Tell a page that has just come what is in sight."""
         for site in self._of.values():
             for told in site.open.values():
-                browser.send_message(_news(told.id, told.sighted))
+                browser.send_message(_sighting_update(told.id, told.sighted))
 
-    def _end(self, name: str, which: Callable[[Sighted], bool], at_us: int) -> None:
-        site = self._site(name)
+    def _end_matching(self, name: str, which: Callable[[Sighted], bool], at_us: int) -> None:
+        site = self._site_of(name)
         # What waits is newer than what the database has.
         for key, told in list(site.open.items()):
             latest = self._waiting.get(key, told.sighted)
@@ -216,7 +218,7 @@ class SightingJournal:
         self._waiting[sighted.key] = sighted._replace(ended_us=ended_us, told_us=self._now_us())
         self._news.set()
 
-    def _checked(self, live: LiveSite, seen: SightingReport) -> bytes:
+    def _check_thumbnail(self, live: LiveSite, seen: SightingReport) -> bytes:
         try:
             return bare_jpeg(seen.thumbnail)
         except NotAPicture as error:
@@ -225,7 +227,7 @@ class SightingJournal:
 
     def _leave_out(self, live: LiveSite, why: str) -> None:
         """Say once that something is not kept, until all is well again."""
-        if self._site(live.name).leaves_out(self._now_s()):
+        if self._site_of(live.name).leaves_out(self._now_s()):
             _LOG.warning("sightings of %s are left out: %s", live.name, why)
 
     # ── what comes of it ────────────────────────────────────────────────────────────────────
@@ -242,9 +244,9 @@ class SightingJournal:
                 await asyncio.sleep(_GATHER_S)
             try:
                 self.end_forgotten()
-                await self.settle()
+                await self.settle_writes()
                 if self._now_s() - self._trimmed_s > _TRIM_S:
-                    await self._trim()
+                    await self._trim_old()
             except StoreDown:
                 if not self._failing:
                     _LOG.exception("sightings cannot be kept; they wait")
@@ -276,22 +278,22 @@ class SightingJournal:
         for name, site in self._of.items():
             if were := site.calm_again(now_s):
                 _LOG.info("no more sightings of %s are left out; %d were", name, were)
-            live = self._sites.get(name)
+            live = self._sites.find_site(name)
             if live is None:
                 continue
             # A new run has had its time: what it has not spoken of has ended.
             if site.asked_s and now_s - site.asked_s >= GRACE_S:
                 site.asked_s = 0.0
-                self._end(
+                self._end_matching(
                     name, _of_others(safe_text(live.gateway.boot, 200)), live.presence.last_seen_us
                 )
             if not site.open or live.online:
                 continue
             # By wall times, for `since_us` is one; a clock that is set ends them early or late.
             if now_us - live.presence.since_us > _AWAY_S * 1e6:
-                self._end(name, lambda _each: True, live.presence.last_seen_us)
+                self._end_matching(name, lambda _each: True, live.presence.last_seen_us)
 
-    async def settle(self) -> None:
+    async def settle_writes(self) -> None:
         """Write what waits, and tell of it.
 
         Raises:
@@ -302,21 +304,21 @@ class SightingJournal:
             # Swapped, so that what comes during the write waits apart.
             batch, self._waiting = self._waiting, {}
             try:
-                kept = await self._store.save_sightings(list(batch.values()), self._line)
+                kept = await self._store.save_sightings(list(batch.values()), self._audit_line)
             except StoreDown:
                 # What came meanwhile is newer; a picture is not said twice.
-                self._waiting = merged(batch, self._waiting)
+                self._waiting = merge_sightings(batch, self._waiting)
                 raise
             except SQLAlchemyError:
                 # It answers, and does not take this: nor would it take it again.
                 _LOG.exception("sightings cannot be kept, and are left out: %d", len(batch))
                 continue
-            self._show(kept)
+            self._publish_written(kept)
 
-    def _show(self, written: Sequence[Put]) -> None:
+    def _publish_written(self, written: Sequence[Put]) -> None:
         for kept, again, entry in written:
             sighted = kept.sighted
-            open_ = self._site(sighted.site).open
+            open_ = self._site_of(sighted.site).open
             if sighted.ended_us:
                 open_.pop(sighted.key, None)
             else:
@@ -324,7 +326,7 @@ class SightingJournal:
             # The same word again: shown anew, but no alarm is raised twice.
             if not again:
                 self._tell_sinks(sighted)
-            self._browsers.broadcast_message(_news(kept.id, sighted))
+            self._browsers.broadcast_message(_sighting_update(kept.id, sighted))
             if entry is not None:
                 self._tell_line(entry, sighted.began_us)
 
@@ -339,7 +341,7 @@ class SightingJournal:
             sighted.ended_us or None,
         )
         for sink in self._sinks:
-            sink.sighting(news)
+            sink.report_sighting(news)
 
     def _tell_line(self, entry: AuditEntry, began_us: int) -> None:
         """Let logbooks on pages, and marks on charts, follow."""
@@ -353,21 +355,21 @@ class SightingJournal:
             )
         )
 
-    def _line(self, sighted: Sighted) -> AuditEntry:
+    def _audit_line(self, sighted: Sighted) -> AuditEntry:
         """Give the logbook's line of what is over."""
-        live = self._sites.get(sighted.site)
+        live = self._sites.find_site(sighted.site)
         device, _, _ = sighted.camera.partition("/")
         message = said_of(sighted, None if live is None else live.description)
         return AuditEntry(self._now_us(), KIND, site=sighted.site, device=device, message=message)
 
-    async def _trim(self) -> None:
+    async def _trim_old(self) -> None:
         self._trimmed_s = self._now_s()
         before_us = self._now_us() - round(self._days * _DAY_US) if self._days else 0
-        gone = await self._store.trim(before_us, self._most)
+        gone = await self._store.delete_old(before_us, self._most)
         if gone:
             _LOG.info("%d old sightings were forgotten", gone)
 
-    def _site(self, name: str) -> SiteSightings:
+    def _site_of(self, name: str) -> SiteSightings:
         found = self._of.get(name)
         if found is None:
             found = self._of[name] = SiteSightings(self._now_s())
@@ -385,7 +387,7 @@ def _of_others(boot: str) -> Callable[[Sighted], bool]:
     return lambda known: known.boot != boot and not known.boot.startswith(OWN)
 
 
-def _news(number: int, sighted: Sighted) -> page.SightingUpdate:
+def _sighting_update(number: int, sighted: Sighted) -> page.SightingUpdate:
     return page.SightingUpdate(
         site=sighted.site,
         id=number,

@@ -29,7 +29,7 @@ class Thinning:
         # From when on a channel's next sample is taken (µs).
         self._next_us = np.zeros(thin.size, np.int64)
 
-    def pick(self, columns: Columns, at: NDArray[np.intp]) -> NDArray[np.intp]:
+    def pick_samples(self, columns: Columns, at: NDArray[np.intp]) -> NDArray[np.intp]:
         """Choose among the samples at the places ``at`` of a batch.
 
         Returns:

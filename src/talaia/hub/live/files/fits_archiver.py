@@ -29,7 +29,7 @@ class FitsArchiver:
 
     async def __call__(self, site: str, offer: ArchiveOffer, path: Path) -> None:
         """See `Keeper`."""
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         if live is None:
             raise UploadRefused(f"there is no site {site!r}")
         try:

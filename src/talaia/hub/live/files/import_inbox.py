@@ -16,7 +16,13 @@ from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.hub.history.errors import HistoryError
-from talaia.hub.history.import_file import READY, ParcelDamaged, boot_of, read_parcel, sweep
+from talaia.hub.history.import_file import (
+    READY,
+    ParcelDamaged,
+    boot_of,
+    read_parcel,
+    remove_abandoned,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -66,11 +72,11 @@ class ImportInbox:
 
     async def run(self) -> None:
         """Take parcels as they come, until cancelled."""
-        await asyncio.to_thread(self._tidy)
+        await asyncio.to_thread(self._tidy_folder)
         while True:
             # Sorted, so that the order does not hang on the file system.
             for path in sorted(self._folder.glob(f"*{READY}")):
-                await self._try(path)
+                await self._try_import(path)
             await asyncio.sleep(_LOOK_S)
 
     async def import_file(self, path: Path) -> ImportResult:
@@ -92,7 +98,7 @@ class ImportInbox:
                     # nothing twice.
                     boot = boot_of(head.digest, batch.address)
                     before[batch.address] = await self._history.stored_below(head.site, boot)
-            await asyncio.gather(*(self._append(head, batch) for batch in group))
+            await asyncio.gather(*(self._append_chunk(head, batch) for batch in group))
             for batch in group:
                 count = len(batch.columns)
                 known = min(count, max(0, before[batch.address] - batch.first))
@@ -111,13 +117,13 @@ class ImportInbox:
         )
         return taken
 
-    async def _append(self, head: Head, stretch: ImportChunk) -> None:
+    async def _append_chunk(self, head: Head, stretch: ImportChunk) -> None:
         boot = boot_of(head.digest, stretch.address)
-        await self._history.append(
+        await self._history.append_samples(
             head.site, boot, stretch.first, addresses=[stretch.address], columns=stretch.columns
         )
 
-    async def _try(self, path: Path) -> None:
+    async def _try_import(self, path: Path) -> None:
         try:
             await self.import_file(path)
         # Whoever put it there has taken it back.
@@ -142,8 +148,8 @@ class ImportInbox:
         # After the answer is there, or whoever waits would find neither.
         path.unlink()
 
-    def _tidy(self) -> None:
-        sweep(self._folder)
+    def _tidy_folder(self) -> None:
+        remove_abandoned(self._folder)
         # An answer that nobody has fetched: its reader was ended.
         for path in self._folder.glob(f"*{ANSWER}*"):
             if time.time() - os.stat(path).st_mtime > _ANSWERS_KEPT_S:

@@ -79,14 +79,14 @@ class GatewayFiles:
         # Why; the first reason stays.
         self._reason = ""
 
-    def dismiss(self, reason: str) -> None:
+    def dismiss_gateway(self, reason: str) -> None:
         """Say good-bye and close."""
         self._reason = self._reason or reason
         self._over.set()
 
-    async def serve(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
+    async def serve_files(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
         """Take files until either side ends it."""
-        results = await until_first(self._read(recordings, uploads, site), self._over.wait())
+        results = await until_first(self._read_events(recordings, uploads, site), self._over.wait())
         reason, code = self._reason, 1000
         for result in results:
             if isinstance(result, PeerError):
@@ -103,7 +103,7 @@ class GatewayFiles:
         except _GONE:
             return
 
-    async def _read(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
+    async def _read_events(self, recordings: Recordings, uploads: Uploads, site: str) -> None:
         # The file that is being sent on this connection: pieces name it by its id.
         offered: FileOffer | FilmOffer | ArchiveOffer | None = None
         while True:
@@ -115,10 +115,10 @@ class GatewayFiles:
             match message:
                 case FileOffer() | FilmOffer():
                     offered = message
-                    answer = await recordings.offered(site, message)
+                    answer = await recordings.answer_offer(site, message)
                 case ArchiveOffer():
                     offered = message
-                    answer = await uploads.offered(site, message)
+                    answer = await uploads.answer_offer(site, message)
                 case _:
                     if offered is None or offered.id != message.id:
                         raise PeerError("a piece of a file that was not offered")
@@ -138,11 +138,11 @@ class FileLinks:
         self._recordings = recordings
         self._uploads = uploads
 
-    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+    async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take a gateway's recordings and pictures until it has handed over all."""
         files = GatewayFiles(socket)
-        with self._links.opened(key.id, files):
-            await files.serve(self._recordings, self._uploads, key.site)
+        with self._links.count_open(key.id, files):
+            await files.serve_files(self._recordings, self._uploads, key.site)
 
 
 class Recordings:
@@ -161,22 +161,22 @@ class Recordings:
         # One thing at a time for each recording: two connections may bring the same.
         self._turn = asyncio.Lock()
 
-    def path(self, recorded: Recorded) -> Path:
+    def file_path(self, recorded: Recorded) -> Path:
         """Give the file of a complete recording."""
-        return self._file(recorded, _ending(recorded))
+        return self._file_with(recorded, _file_ending(recorded))
 
-    async def of(self, site: str) -> list[Recorded]:
+    async def recordings_of(self, site: str) -> list[Recorded]:
         """List a site's recordings, the newest first."""
-        return await self._rows.of(site)
+        return await self._rows.recordings_of(site)
 
-    async def between(self, site: str, from_us: int, to_us: int) -> list[Recorded]:
+    async def recordings_between(self, site: str, from_us: int, to_us: int) -> list[Recorded]:
         """List what a site has of a stretch of time (µs, UTC), the newest first."""
-        return await self._rows.between(site, from_us, to_us)
+        return await self._rows.recordings_between(site, from_us, to_us)
 
-    async def find(self, site: str, name: str) -> Recorded | None:
+    async def find_recording(self, site: str, name: str) -> Recorded | None:
         """Find one."""
         # Ids from a request are checked before they become a path.
-        return await self._rows.find(site, name) if _ID.fullmatch(name) else None
+        return await self._rows.find_recording(site, name) if _ID.fullmatch(name) else None
 
     async def open(self) -> None:
         """Bring files and rows together: what has a file gets a row, and nothing is deleted.
@@ -185,8 +185,8 @@ class Recordings:
             StoreDown: the database does not answer.
 
         """
-        rows = {(row.site, row.id): row for row in await self._rows.all()}
-        found = await asyncio.to_thread(self._scan)
+        rows = {(row.site, row.id): row for row in await self._rows.list_recordings()}
+        found = await asyncio.to_thread(self._scan_folder)
         for key, recorded in found.items():
             before = rows.get(key)
             # What lies in the folder counts, whatever its row says.
@@ -200,10 +200,10 @@ class Recordings:
                 await self._rows.save_recording(failed)
                 _LOG.warning("the file of the recording %s of %s is not there", key[1], key[0])
 
-    async def offered(self, site: str, offer: FileOffer | FilmOffer) -> FileProgress:
+    async def answer_offer(self, site: str, offer: FileOffer | FilmOffer) -> FileProgress:
         """Answer an offer: how much of it is here."""
         async with self._turn:
-            row = await self._rows.find(site, offer.id)
+            row = await self._rows.find_recording(site, offer.id)
             # The same id with another content: a complete recording is never written over.
             if row is not None and row.digest != offer.digest:
                 return FileProgress(id=offer.id, refused="another recording has that name already")
@@ -214,17 +214,17 @@ class Recordings:
                 return FileProgress(id=offer.id, refused=why)
             if not _SITE.fullmatch(site) or not offer.size:
                 return FileProgress(id=offer.id, refused="it cannot be kept")
-            recorded = _recorded(site, offer)
+            recorded = _recorded_of(site, offer)
             if not await self._make_room(recorded):
                 why = "what comes already fills all the room that recordings may take"
                 return FileProgress(id=offer.id, refused=why)
             try:
-                have = await asyncio.to_thread(self._begin, recorded)
+                have = await asyncio.to_thread(self._begin_file, recorded)
             except OSError as error:
                 raise StoreDown(f"the recording cannot be written: {error}") from error
             await self._rows.save_recording(recorded._replace(have=have))
             if have == offer.size:
-                return await self._finish(recorded)
+                return await self._finish_file(recorded)
             return FileProgress(id=offer.id, have=have)
 
     async def append_piece(
@@ -241,7 +241,7 @@ class Recordings:
         if piece.at + len(piece.data) > offer.size or not piece.data:
             raise PeerError("a piece that does not lie inside its file")
         async with self._turn:
-            row = await self._rows.find(site, offer.id)
+            row = await self._rows.find_recording(site, offer.id)
             # Deleted while it came: the rest is refused, or it would come back without its
             # beginning.
             if row is None or row.state is RecordingState.FAILED or row.digest != offer.digest:
@@ -249,25 +249,25 @@ class Recordings:
             if row.state is RecordingState.COMPLETE:
                 return FileProgress(id=offer.id, have=row.size, done=True)
             try:
-                have = await asyncio.to_thread(self._write, row, piece)
+                have = await asyncio.to_thread(self._write_piece, row, piece)
             except OSError as error:
                 raise StoreDown(f"the recording cannot be written: {error}") from error
             key = (site, offer.id)
             if have == offer.size:
                 self._told.pop(key, None)
-                return await self._finish(row)
+                return await self._finish_file(row)
             if have - self._told.get(key, 0) >= _TELL_BYTES:
                 self._told[key] = have
                 await self._rows.save_recording(row._replace(have=have))
             return FileProgress(id=offer.id, have=have)
 
-    async def remove(self, recorded: Recorded) -> None:
+    async def remove_recording(self, recorded: Recorded) -> None:
         """Delete a recording: the file first, so that nothing is left that no row names."""
         async with self._turn:
-            await self._delete(recorded)
+            await self._delete_recording(recorded)
 
-    async def _finish(self, row: Recorded) -> FileProgress:
-        good = await asyncio.to_thread(self._close, row)
+    async def _finish_file(self, row: Recorded) -> FileProgress:
+        good = await asyncio.to_thread(self._close_part, row)
         if good:
             await self._rows.save_recording(
                 row._replace(state=RecordingState.COMPLETE, have=row.size)
@@ -286,7 +286,7 @@ class Recordings:
         if not self._most_bytes:
             return True
         key = (coming.site, coming.id)
-        rows = [row for row in await self._rows.all() if (row.site, row.id) != key]
+        rows = [row for row in await self._rows.list_recordings() if (row.site, row.id) != key]
         # Those have no file that takes room.
         rows = [row for row in rows if row.state is not RecordingState.FAILED]
         total = coming.size + sum(row.size for row in rows)
@@ -296,7 +296,7 @@ class Recordings:
                 break
             # What is still coming is not deleted under its gateway.
             if oldest.state is RecordingState.COMPLETE:
-                await self._delete(oldest)
+                await self._delete_recording(oldest)
                 total -= oldest.size
                 self._audit.append_record(
                     "recording deleted",
@@ -306,31 +306,31 @@ class Recordings:
                 )
         return total <= self._most_bytes
 
-    async def _delete(self, recorded: Recorded) -> None:
+    async def _delete_recording(self, recorded: Recorded) -> None:
         # The file first: a row without a file is found at the next start, and says so.
-        await asyncio.to_thread(self._unlink, recorded)
-        await self._rows.remove(recorded.site, recorded.id)
+        await asyncio.to_thread(self._unlink_files, recorded)
+        await self._rows.remove_recording(recorded.site, recorded.id)
 
     # ── files; in a thread ──
 
-    def _file(self, recorded: Recorded, ending: str) -> Path:
+    def _file_with(self, recorded: Recorded, ending: str) -> Path:
         return self._folder / recorded.site / (recorded.id + ending)
 
-    def _part(self, recorded: Recorded) -> Path:
-        return self._file(recorded, _ending(recorded) + _PART)
+    def _part_path(self, recorded: Recorded) -> Path:
+        return self._file_with(recorded, _file_ending(recorded) + _PART)
 
-    def _begin(self, recorded: Recorded) -> int:
+    def _begin_file(self, recorded: Recorded) -> int:
         folder = self._folder / recorded.site
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         # The database and the rest of the machine need the last of the disk more.
         if shutil.disk_usage(folder).free < recorded.size + _SPARE_BYTES:
             raise OSError("the disk is full")
-        about = self._file(recorded, _ABOUT)
+        about = self._file_with(recorded, _ABOUT)
         # Under another name first: a hub that is killed leaves no half of it.
         partial = about.with_suffix(".json.tmp")
         partial.write_text(json.dumps({**recorded._asdict(), "state": recorded.state.value}))
         partial.replace(about)
-        part = self._part(recorded)
+        part = self._part_path(recorded)
         have = part.stat().st_size if part.exists() else 0
         # Of another file with that name: it cannot be its beginning.
         if have > recorded.size:
@@ -338,8 +338,8 @@ class Recordings:
             have = 0
         return have
 
-    def _write(self, recorded: Recorded, piece: FilePiece) -> int:
-        number = os.open(self._part(recorded), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    def _write_piece(self, recorded: Recorded, piece: FilePiece) -> int:
+        number = os.open(self._part_path(recorded), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         try:
             have = os.fstat(number).st_size
             # Only what follows: a piece that came twice is there already.
@@ -355,8 +355,8 @@ class Recordings:
         finally:
             os.close(number)
 
-    def _close(self, recorded: Recorded) -> bool:
-        part = self._part(recorded)
+    def _close_part(self, recorded: Recorded) -> bool:
+        part = self._part_path(recorded)
         with part.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
             # On disk before it is called complete: the gateway need not keep its own after that.
@@ -365,28 +365,32 @@ class Recordings:
             part.unlink()
             return False
         # Only a whole file has the name without `.part`.
-        part.rename(self.path(recorded))
+        part.rename(self.file_path(recorded))
         return True
 
-    def _unlink(self, recorded: Recorded) -> None:
-        for path in (self.path(recorded), self._part(recorded), self._file(recorded, _ABOUT)):
+    def _unlink_files(self, recorded: Recorded) -> None:
+        for path in (
+            self.file_path(recorded),
+            self._part_path(recorded),
+            self._file_with(recorded, _ABOUT),
+        ):
             path.unlink(missing_ok=True)
 
-    def _scan(self) -> dict[tuple[str, str], Recorded]:
+    def _scan_folder(self) -> dict[tuple[str, str], Recorded]:
         found = {}
         endings = {kind + state: kind for kind in (_MESSAGES, _FILM) for state in ("", _PART)}
         for path in sorted(self._folder.glob("*/*.m*")):
             site, name = path.parent.name, path.name.split(".", 1)[0]
             ending = path.name[len(name) :]
             if ending in endings and _ID.fullmatch(name) and _SITE.fullmatch(site):
-                described = self._described(path, site, name, whole=ending == endings[ending])
+                described = self._describe_file(path, site, name, whole=ending == endings[ending])
                 # What stands beside it may say nothing, but the ending tells a film.
                 film = endings[ending] == _FILM
                 stream = (described.stream or _UNKNOWN) if film else ""
                 found[site, name] = described._replace(stream=stream)
         return found
 
-    def _described(self, path: Path, site: str, name: str, *, whole: bool) -> Recorded:
+    def _describe_file(self, path: Path, site: str, name: str, *, whole: bool) -> Recorded:
         """Say what a file is: by the words beside it, else by what the disk knows."""
         size = path.stat().st_size
         state = RecordingState.COMPLETE if whole else RecordingState.UPLOADING
@@ -403,11 +407,11 @@ class Recordings:
         )
 
 
-def _ending(recorded: Recorded) -> str:
+def _file_ending(recorded: Recorded) -> str:
     return _FILM if recorded.stream else _MESSAGES
 
 
-def _recorded(site: str, offer: FileOffer | FilmOffer) -> Recorded:
+def _recorded_of(site: str, offer: FileOffer | FilmOffer) -> Recorded:
     return Recorded(
         site=site,
         id=offer.id,

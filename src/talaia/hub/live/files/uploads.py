@@ -69,7 +69,7 @@ class Uploads:
         # One thing at a time: two connections may bring the same.
         self._turn = asyncio.Lock()
 
-    async def offered(self, site: str, offer: ArchiveOffer) -> FileProgress:
+    async def answer_offer(self, site: str, offer: ArchiveOffer) -> FileProgress:
         """Answer an offer: how much of it is here.
 
         Raises:
@@ -77,7 +77,7 @@ class Uploads:
 
         """
         async with self._turn:
-            return await self._answered(site, offer, None)
+            return await self._answer_piece(site, offer, None)
 
     async def append_piece(self, site: str, offer: ArchiveOffer, piece: FilePiece) -> FileProgress:
         """Take a piece of an offered file.
@@ -94,19 +94,19 @@ class Uploads:
         if piece.at + len(piece.data) > offer.size or not piece.data:
             raise PeerError("a piece that does not lie inside its file")
         async with self._turn:
-            return await self._answered(site, offer, piece)
+            return await self._answer_piece(site, offer, piece)
 
-    async def _answered(
+    async def _answer_piece(
         self, site: str, offer: ArchiveOffer, piece: FilePiece | None
     ) -> FileProgress:
         try:
             if piece is None:
-                have = await self._begin(site, offer)
+                have = await self._begin_upload(site, offer)
             else:
-                have = await asyncio.to_thread(_append, self._path(site, offer), piece)
+                have = await asyncio.to_thread(_append_piece, self._part_path(site, offer), piece)
             if have < offer.size:
                 return FileProgress(id=offer.id, have=have)
-            return await self._finish(site, offer)
+            return await self._finish_upload(site, offer)
         except UploadRefused as error:
             log.warning("a file of %s is refused: %s", site, error)
             return FileProgress(id=offer.id, refused=str(error)[:2000])
@@ -115,18 +115,18 @@ class Uploads:
             log.warning("a file of %s must wait: %s", site, error)
             raise StoreDown(f"a file must wait: {error}") from error
 
-    async def _begin(self, site: str, offer: ArchiveOffer) -> int:
+    async def _begin_upload(self, site: str, offer: ArchiveOffer) -> int:
         if offer.kind not in self._keepers:
             raise UploadRefused(f"this hub keeps no files of the kind {offer.kind!r}")
         if offer.size > self._most:
             raise UploadRefused(
                 f"a file of {offer.size} bytes is more than the {self._most} allowed"
             )
-        return await asyncio.to_thread(self._found, site, offer)
+        return await asyncio.to_thread(self._found_bytes, site, offer)
 
-    async def _finish(self, site: str, offer: ArchiveOffer) -> FileProgress:
-        path = self._path(site, offer)
-        if await asyncio.to_thread(_digest, path) != offer.digest:
+    async def _finish_upload(self, site: str, offer: ArchiveOffer) -> FileProgress:
+        path = self._part_path(site, offer)
+        if await asyncio.to_thread(_file_digest, path) != offer.digest:
             # Which piece is wrong cannot be told, so all of it comes once more.
             path.unlink(missing_ok=True)
             log.warning("a file of %s came damaged; it is sent again", site)
@@ -139,11 +139,11 @@ class Uploads:
             raise
         return FileProgress(id=offer.id, have=offer.size, done=True)
 
-    def _path(self, site: str, offer: ArchiveOffer) -> Path:
+    def _part_path(self, site: str, offer: ArchiveOffer) -> Path:
         return self._folder / site / f"{offer.id}.part"
 
-    def _found(self, site: str, offer: ArchiveOffer) -> int:
-        path = self._path(site, offer)
+    def _found_bytes(self, site: str, offer: ArchiveOffer) -> int:
+        path = self._part_path(site, offer)
         path.parent.mkdir(parents=True, exist_ok=True)
         # Only when something comes: there is no task that tidies.
         for old in path.parent.glob("*.part"):
@@ -161,7 +161,7 @@ class Uploads:
         return size
 
 
-def _append(path: Path, piece: FilePiece) -> int:
+def _append_piece(path: Path, piece: FilePiece) -> int:
     # Readable by the hub's own account only.
     number = os.open(path, os.O_WRONLY | os.O_CREAT, 0o600)
     try:
@@ -174,6 +174,6 @@ def _append(path: Path, piece: FilePiece) -> int:
         os.close(number)
 
 
-def _digest(path: Path) -> str:
+def _file_digest(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

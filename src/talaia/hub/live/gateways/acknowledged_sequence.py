@@ -18,7 +18,7 @@ class StoredRun:
         # What is stored beyond the first hole: first number to one past the last.
         self._above: dict[int, int] = {}
 
-    def add(self, first: int, end: int) -> None:
+    def add_stored(self, first: int, end: int) -> None:
         """Count ``first`` up to, not including, ``end`` as stored (or as a recorded gap)."""
         if end <= self.below:
             return

@@ -7,7 +7,7 @@ import secrets
 from typing import TYPE_CHECKING
 
 from talaia.wire.frames import ChangePhase, ChangeRequest, ChangeState
-from talaia.wire.sealing import deflated, digest_of, seal_of
+from talaia.wire.sealing import compress_text, digest_of, seal_of
 
 if TYPE_CHECKING:
     from talaia.hub.live.sites import LiveSite
@@ -30,7 +30,9 @@ class ChangeRequestClient:
         # How each came about, in a few words; kept with the version that comes of it.
         self._notes: dict[str, str] = {}
 
-    async def ask(self, live: LiveSite, text: str, who: str, note: str = "") -> ChangeState:
+    async def request_change(
+        self, live: LiveSite, text: str, who: str, note: str = ""
+    ) -> ChangeState:
         """Ask a site's gateway to go by ``text``; give how it ended.
 
         Without an answer in time, or when the link is lost, the answer is *waiting*: look which
@@ -51,7 +53,7 @@ class ChangeRequestClient:
             )
         # Which text the change was made from.
         base = digest_of(live.gateway.source)
-        data = await asyncio.to_thread(deflated, text)
+        data = await asyncio.to_thread(compress_text, text)
         seal = seal_of(key_hash, change_id=name, who=who, base=base, text=text)
         answer: asyncio.Future[ChangeState] = asyncio.get_running_loop().create_future()
         self._asked[name] = (live.name, answer)

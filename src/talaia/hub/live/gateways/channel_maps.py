@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from talaia.hub.live.gateways.ingest import Batch
-from talaia.wire.columns import renumbered, unpack
+from talaia.wire.columns import renumber_channels, unpack_columns
 from talaia.wire.errors import PeerError
 from talaia.wire.newest import NewestSamples, newest_of
 
@@ -61,32 +61,34 @@ class ChannelMaps:
         # It was made by the former addresses.
         self._order.clear()
 
-    def shown(self, addresses: tuple[str, ...]) -> None:
+    def show_channels(self, addresses: tuple[str, ...]) -> None:
         """Take the channels that pages are shown now."""
         self._shown = addresses
         self._order.clear()
 
-    def batch(self, message: SampleBatch) -> Batch:
+    def read_batch(self, message: SampleBatch) -> Batch:
         """Read a batch's columns and see that each channel is one of its list.
 
         Raises:
             PeerError: it is numbered by a list that the hub was not told, or out of it.
 
         """
-        columns = unpack(message)
-        return Batch(message.boot, message.first, self._addresses(message, columns), columns)
+        columns = unpack_columns(message)
+        return Batch(message.boot, message.first, self._addresses_of(message, columns), columns)
 
-    def newest(self, message: NewestBatch) -> tuple[tuple[str, ...], NewestSamples]:
+    def read_newest(self, message: NewestBatch) -> tuple[tuple[str, ...], NewestSamples]:
         """Read the newest samples that are told, and the addresses that they are numbered by.
 
         Raises:
-            PeerError: see `batch`.
+            PeerError: see `read_batch`.
 
         """
         told = newest_of(message)
-        return self._addresses(message, told.columns), told
+        return self._addresses_of(message, told.columns), told
 
-    def _addresses(self, message: SampleBatch | NewestBatch, columns: Columns) -> tuple[str, ...]:
+    def _addresses_of(
+        self, message: SampleBatch | NewestBatch, columns: Columns
+    ) -> tuple[str, ...]:
         # With its own addresses: what waited in the gateway from before.
         if message.addresses:
             addresses = self._called_now(tuple(message.addresses))
@@ -99,11 +101,11 @@ class ChannelMaps:
             raise PeerError("a sample's channel is not in the catalogue")
         return addresses
 
-    def live(self, batch: Batch) -> Columns:
+    def live_columns(self, batch: Batch) -> Columns:
         """Give a batch's samples as pages are shown them, without those they are not shown yet."""
         if batch.addresses == self._shown:
             return batch.columns
-        return renumbered(batch.columns, self._order_of(batch.addresses))
+        return renumber_channels(batch.columns, self._order_of(batch.addresses))
 
     def live_newest(self, addresses: tuple[str, ...], told: NewestSamples) -> NewestSamples:
         """Give newest samples by the channels that pages are shown, without the others."""
@@ -111,7 +113,7 @@ class ChannelMaps:
             return told
         order = self._order_of(addresses)
         shown = order[told.columns.channel] >= 0
-        columns = renumbered(told.columns, order)
+        columns = renumber_channels(told.columns, order)
         return NewestSamples(columns, told.sequence[shown], told.age_ms[shown])
 
     def _order_of(self, addresses: tuple[str, ...]) -> NDArray[np.int64]:

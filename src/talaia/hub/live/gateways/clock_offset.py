@@ -25,7 +25,7 @@ class ClockOffset:
         # Beats that came back, so that the one who sends them sees how many did not.
         self.heard = 0
 
-    def beat(self, sent_us: int, received_us: int, peer_us: int) -> None:
+    def add_beat(self, sent_us: int, received_us: int, peer_us: int) -> None:
         """Take a beat sent and received on our clock, answered at ``peer_us`` on theirs."""
         self.heard += 1
         loop = received_us - sent_us
@@ -41,7 +41,7 @@ class ClockOffset:
         """Whether any beat has come back."""
         return bool(self._seen)
 
-    def ours(self, peer_us: int) -> int | None:
+    def to_ours(self, peer_us: int) -> int | None:
         """Turn a moment on their clock into one on ours; None while nothing is known."""
         if not self._seen:
             return None

@@ -12,11 +12,11 @@ from talaia.errors import TalaiaError
 from talaia.hub.live.gateways.fingerprint import fingerprint_of
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
-from talaia.model.renames import renames
+from talaia.model.renames import list_renames
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
-from talaia.wire.sealing import inflated
+from talaia.wire.sealing import decompress_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,7 +49,7 @@ def source_of(message: frames.Hello | frames.DescriptionUpdate) -> str:
         PeerError: it cannot be unpacked.
 
     """
-    return inflated(message.source) if message.source else ""
+    return decompress_text(message.source) if message.source else ""
 
 
 class DescriptionIntake:
@@ -78,7 +78,7 @@ class DescriptionIntake:
         # Knows why a change was asked for, and who waits for its end.
         self._changes = changes
 
-    async def greeted(
+    async def handle_hello(
         self, hello: frames.Hello, description: Site, source: str, gateway: int
     ) -> None:
         """Take in what a gateway says of its site when it comes.
@@ -88,19 +88,21 @@ class DescriptionIntake:
 
         """
         site = description.site
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         told = fingerprint_of(hello.description, hello.catalogue)
         # Word for word what it said before: there is nothing to store.
         if live is None or live.gateway.fingerprint != told:
             # Before `describe`, which would make new channels for the new names.
             if live is not None:
-                await self._history.rename(site, renames(live.description, description))
+                await self._history.rename_channels(
+                    site, list_renames(live.description, description)
+                )
             await self._registry.said_hello(site, hello.description, hello.catalogue, hello.version)
-            await self._history.describe(description)
+            await self._history.describe_site(description)
         # The text that a person wrote may change while what it describes does not.
         if live is None or live.gateway.fingerprint != told or live.gateway.source != source:
             note = "first seen" if live is None else "changed at the gateway"
-            await self._versions.add(
+            await self._versions.add_version(
                 site, source or hello.description, gateway=gateway, who="", note=note
             )
 
@@ -117,7 +119,7 @@ class DescriptionIntake:
         """Nobody answers for the changes that were asked for."""
         self._changes.link_lost(live)
 
-    def later(self, live: LiveSite, states: list[frames.DeviceState]) -> None:
+    def report_devices(self, live: LiveSite, states: list[frames.DeviceState]) -> None:
         """Tell what was said of devices that were not known yet."""
         for state in states:
             self._reporting.publish_message(live, state)
@@ -127,7 +129,7 @@ class DescriptionIntake:
         kept = "sent through the hub" if told.id else "changed at the gateway"
         return self._changes.note_of(told.id) or kept
 
-    async def store(
+    async def store_version(
         self,
         description: Site,
         told: frames.DescriptionUpdate,
@@ -143,15 +145,15 @@ class DescriptionIntake:
 
         """
         site = description.site
-        live = self._sites.get(site)
-        await self._history.describe(description)
+        live = self._sites.find_site(site)
+        await self._history.describe_site(description)
         await self._registry.said_hello(site, said, told.catalogue)
         gateway = 0 if live is None else live.gateway.id
-        return await self._versions.add(
+        return await self._versions.add_version(
             site, source or said, gateway=gateway, who=told.who, note=note
         )
 
-    def show(
+    def show_description(
         self,
         live: LiveSite,
         description: Site,
@@ -168,7 +170,7 @@ class DescriptionIntake:
                 live, frames.InterlockState(interlock=name, locked=False)
             )
         # Nothing is awaited from here on: no page and no part sees half of it.
-        self._sites.describe(description, told.catalogue, told.renamed)
+        self._sites.describe_site(description, told.catalogue, told.renamed)
         # A hello that says the same is known by it.
         live.gateway.fingerprint = fingerprint_of(said, told.catalogue)
         live.gateway.source = source
@@ -178,7 +180,7 @@ class DescriptionIntake:
         self.notify_followers(live)
         self._media.watch(live.name)
         self._reporting.publish_description(live)
-        self._reporting.event(
+        self._reporting.report_event(
             live, "description changed", who=told.who, message=f"version {number}"
         )
 
@@ -213,9 +215,9 @@ class Redescription:
         self.pending += 1
         # Asked now: whoever asked for the change may have given up waiting when it is stored.
         note = self._describing.note_of(told)
-        self._waiting.put_nowait((told, note, self._ingest.rename(told.renamed)))
+        self._waiting.put_nowait((told, note, self._ingest.rename_channels(told.renamed)))
 
-    def later(self, state: frames.DeviceState) -> None:
+    def defer_state(self, state: frames.DeviceState) -> None:
         """Tell it once the device may be known."""
         self._later.append(state)
 
@@ -230,28 +232,30 @@ class Redescription:
             told, note, renamed = await self._waiting.get()
             # Before channels of the new names are made.
             await renamed.wait()
-            await self._apply(told, note)
+            await self._apply_update(told, note)
             self.pending -= 1
             later, self._later = self._later, []
-            self._describing.later(self._live, later)
+            self._describing.report_devices(self._live, later)
 
-    async def _apply(self, told: frames.DescriptionUpdate, note: str) -> None:
+    async def _apply_update(self, told: frames.DescriptionUpdate, note: str) -> None:
         live = self._live
         source = source_of(told)
         # A large description takes a while to read: not in the way of other links.
-        said, description = await asyncio.to_thread(_read, told.description)
+        said, description = await asyncio.to_thread(_read_description, told.description)
         if description.site != live.name:
             raise PeerError(f"the description is of {description.site!r}, not {live.name!r}")
         # Samples are numbered by that list: by another, values would go to other channels.
         if [channel.address for channel in description.channels()] != list(told.addresses):
             raise PeerError("the description has other channels than its list")
-        number = await self._stored(description, told, said=said, source=source, note=note)
-        self._describing.show(live, description, told, said=said, source=source, number=number)
+        number = await self._store_version(description, told, said=said, source=source, note=note)
+        self._describing.show_description(
+            live, description, told, said=said, source=source, number=number
+        )
         # From here on samples are shown by the new numbers.
-        self._lists.shown(tuple(channel.address for channel in live.channels))
+        self._lists.show_channels(tuple(channel.address for channel in live.channels))
         _LOG.info("%s is described anew: version %d", live.name, number)
 
-    async def _stored(
+    async def _store_version(
         self,
         description: Site,
         told: frames.DescriptionUpdate,
@@ -264,7 +268,7 @@ class Redescription:
         failing = False
         while True:
             try:
-                return await self._describing.store(
+                return await self._describing.store_version(
                     description, told, said=said, source=source, note=note
                 )
             except _STORE_FAILS:
@@ -276,8 +280,8 @@ class Redescription:
                 await asyncio.sleep(_RETRY_S)
 
 
-def _read(data: bytes) -> tuple[str, Site]:
-    said = inflated(data)
+def _read_description(data: bytes) -> tuple[str, Site]:
+    said = decompress_text(data)
     try:
         return said, raise_first(load_site(said))
     except DescriptionError as error:

@@ -29,15 +29,15 @@ class DuplicateGateways:
         # The same run again is no rival: its former link is dead, and is replaced.
         if live is None or live.link is None or boot >= live.gateway.boot:
             return False
-        self._publish(live, boot, "the one that was started earlier is kept out")
+        self._publish_rival(live, boot, "the one that was started earlier is kept out")
         return True
 
-    def replaced(self, live: LiveSite, by: str) -> None:
+    def record_replacement(self, live: LiveSite, by: str) -> None:
         """Note that the linked run gives way; one that dials anew is no other."""
         if live.gateway.boot != by:
-            self._publish(live, live.gateway.boot, "the one that was started later was taken")
+            self._publish_rival(live, live.gateway.boot, "the one that was started later was taken")
 
-    def _publish(self, live: LiveSite, boot: str, message: str) -> None:
+    def _publish_rival(self, live: LiveSite, boot: str, message: str) -> None:
         self._reporting.rival_seen(live)
         if live.rivals.add_boot(boot):
-            self._reporting.event(live, "second gateway", message=message, good=False)
+            self._reporting.report_event(live, "second gateway", message=message, good=False)

@@ -91,11 +91,11 @@ class Ingest:
         # Set once: what waits is stored, and `run` ends.
         self._ending = False
 
-    async def start(self, boot: str) -> int:
+    async def first_missing(self, boot: str) -> int:
         """Give the first sequence number of ``boot`` that is not stored."""
-        return (await self._run(boot)).below
+        return (await self._stored_run(boot)).below
 
-    def below(self, boot: str) -> int:
+    def first_unstored(self, boot: str) -> int:
         """Give the first sequence number of ``boot`` that is not known to be stored."""
         run = self._runs.get(boot)
         return 0 if run is None else run.below
@@ -114,20 +114,20 @@ class Ingest:
         self._samples += len(item.columns) if isinstance(item, Batch) else 1
         self._news.set()
 
-    def rename(self, moves: Mapping[str, str]) -> asyncio.Event:
+    def rename_channels(self, moves: Mapping[str, str]) -> asyncio.Event:
         """Rename channels once what came before is stored, and before what comes after."""
         renaming = Renaming(moves)
         self._waiting.append(renaming)
         self._news.set()
         return renaming.done
 
-    def finish(self) -> None:
+    def finish_storing(self) -> None:
         """Let `run` end once what waits is stored."""
         self._ending = True
         self._news.set()
 
     async def run(self) -> None:
-        """Store until `finish`. When the database fails, try again."""
+        """Store until `finish_storing`. When the database fails, try again."""
         failing = False
         while self._waiting or not self._ending:
             await self._news.wait()
@@ -155,7 +155,7 @@ class Ingest:
         first = self._waiting[0]
         # Nothing is stored beside it: what follows has the new addresses.
         if isinstance(first, Renaming):
-            await self._history.rename(self._site, first.moves)
+            await self._history.rename_channels(self._site, first.moves)
             # Only when it is done: after a failure it is still the first.
             self._waiting.popleft()
             first.done.set()
@@ -173,20 +173,23 @@ class Ingest:
                 reason=first.reason,
             )
         else:
-            pieces = self._pieces()
+            pieces = self._next_batches()
             batches = [batch for piece in pieces for batch in piece]
             taken = [*batches]
             spans = [(batch.boot, batch.first, batch.end) for batch in batches]
             # Side by side: pieces that do not follow each other share a commit all the same.
             stored = await asyncio.gather(
-                *(self._append(piece) for piece in pieces), return_exceptions=True
+                *(self._append_batches(piece) for piece in pieces), return_exceptions=True
             )
             # Pieces that were stored are stored once more then, which changes nothing.
             for failure in stored:
                 if isinstance(failure, BaseException):
                     raise failure
         # Asks the database for a run that is new, so it stands before the first change here.
-        runs = {boot: await self._run(boot) for boot in dict.fromkeys(boot for boot, _, _ in spans)}
+        runs = {
+            boot: await self._stored_run(boot)
+            for boot in dict.fromkeys(boot for boot, _, _ in spans)
+        }
         for item in taken:
             self._waiting.popleft()
             self._samples -= len(item.columns) if isinstance(item, Batch) else 1
@@ -195,18 +198,18 @@ class Ingest:
                 self._tell(ResendRequest(boot=boot, first=owed, below=below))
             self._owed.clear()
         for boot, begin, end in spans:
-            runs[boot].add(begin, end)
+            runs[boot].add_stored(begin, end)
         for boot, run in runs.items():
             self._tell(Ack(boot=boot, below=run.below))
 
-    async def _append(self, piece: list[Batch]) -> None:
+    async def _append_batches(self, piece: list[Batch]) -> None:
         first = piece[0]
         columns = join([batch.columns for batch in piece])
-        await self._history.append(
+        await self._history.append_samples(
             self._site, first.boot, first.first, addresses=first.addresses, columns=columns
         )
 
-    def _pieces(self) -> list[list[Batch]]:
+    def _next_batches(self) -> list[list[Batch]]:
         """Take from the front the batches of one commit, those together that follow each other."""
         pieces: list[list[Batch]] = []
         expected, count = -1, 0
@@ -231,7 +234,7 @@ class Ingest:
             expected = item.end
         return pieces
 
-    async def _run(self, boot: str) -> StoredRun:
+    async def _stored_run(self, boot: str) -> StoredRun:
         run = self._runs.get(boot)
         if run is None:
             below = await self._history.stored_below(self._site, boot)

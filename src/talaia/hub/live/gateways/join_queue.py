@@ -42,7 +42,7 @@ class JoinQueue:
         return max(2.0, self._waiting * self.TURN_S)
 
     @asynccontextmanager
-    async def turn(self) -> AsyncIterator[None]:
+    async def wait_turn(self) -> AsyncIterator[None]:
         """Wait for a turn, and hold it.
 
         Raises:

@@ -35,7 +35,7 @@ class GatewayLink:
         # Of its clock, by beats; counts those that were answered too.
         self.offset = ClockOffset()
         self._socket = socket
-        # What waits to go down; written by `write` alone.
+        # What waits to go down; written by `write_queued` alone.
         self._lanes = PrioritySendQueue()
         # Something waits.
         self._wake = asyncio.Event()
@@ -46,15 +46,15 @@ class GatewayLink:
         """Queue a message."""
         # So much waits that it cannot be reading.
         if not self._lanes.enqueue_message(message):
-            self.dismiss("it does not listen")
+            self.dismiss_gateway("it does not listen")
         self._wake.set()
 
-    def dismiss(self, reason: str) -> None:
+    def dismiss_gateway(self, reason: str) -> None:
         """Say good-bye and close."""
         if not self._over.done():
             self._over.set_result(reason)
 
-    async def receive(self) -> FromGateway | None:
+    async def receive_message(self) -> FromGateway | None:
         """Read one message; None when the gateway has hung up. Unknown kinds are skipped."""
         while True:
             event = await self._socket.receive()
@@ -67,7 +67,7 @@ class GatewayLink:
             except UnknownKind as error:
                 _LOG.debug("a gateway sent %s", error)
 
-    async def write(self) -> None:
+    async def write_queued(self) -> None:
         """Send what is queued, for ever."""
         while True:
             await self._wake.wait()
@@ -77,12 +77,12 @@ class GatewayLink:
                 # One at a time: a STOP that comes during a send goes out next.
                 await self._socket.send_bytes(LINK_FROM_HUB.encode(self._lanes.next_message()))
 
-    async def dismissed(self) -> str:
+    async def wait_dismissed(self) -> str:
         """Wait until somebody dismisses this link; give the reason."""
         # The cancelled wait would cancel the future itself.
         return await asyncio.shield(self._over)
 
-    async def farewell(self, reason: str, code: int, after_s: float = 0.0) -> None:
+    async def send_farewell(self, reason: str, code: int, after_s: float = 0.0) -> None:
         """Say one last thing and close, to a gateway that may not be listening.
 
         ``after_s`` is when it is to come back; 0 leaves that to it.

@@ -24,11 +24,11 @@ from talaia.hub.live.gateways.link import GONE, GatewayLink
 from talaia.hub.live.site_state import LinkedGateway
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.errors import DescriptionError
-from talaia.model.renames import formers, renames
+from talaia.model.renames import former_addresses, list_renames
 from talaia.model.yaml_text.load import load_site
 from talaia.wire import frames
 from talaia.wire.errors import PeerError
-from talaia.wire.message import speaks
+from talaia.wire.message import is_compatible
 from talaia.wire.newest import chosen_newest, runs_of
 
 if TYPE_CHECKING:
@@ -125,23 +125,23 @@ class LinkService:
         # Comings and goings of links are written down one after the other.
         self._parting = asyncio.Lock()
 
-    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+    async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Serve the link of a gateway until it ends."""
         link = GatewayLink(socket)
         # Counted from the start, so that a key that is revoked during the hello ends this link too.
-        with self._links.opened(key.id, link):
-            await self._serve(link, key, socket.client.host if socket.client else "")
+        with self._links.count_open(key.id, link):
+            await self._serve_link(link, key, socket.client.host if socket.client else "")
 
-    async def _serve(self, link: GatewayLink, key: GatewayKey, address: str) -> None:
+    async def _serve_link(self, link: GatewayLink, key: GatewayKey, address: str) -> None:
         site = key.site
         try:
-            hello, description = await self._hello(link, site)
+            hello, description = await self._receive_hello(link, site)
             source = "" if hello is None else source_of(hello)
         # Before `GONE`, which has `TimeoutError` too: one that is late with its hello is told why.
         except (PeerError, DescriptionError, TimeoutError) as error:
             reason = str(error) or "no hello in time"
             _LOG.warning("the gateway of %s is refused: %s", site, reason)
-            await link.farewell(reason, REFUSED)
+            await link.send_farewell(reason, REFUSED)
             return
         except GONE:
             return
@@ -149,28 +149,28 @@ class LinkService:
             return
         told = fingerprint_of(hello.description, hello.catalogue)
         # Before anything is looked up: a rival dials again and again.
-        if self._rivals.keeps_out(self._sites.get(site), hello.boot):
-            await link.farewell(KEPT_OUT, REPLACED)
+        if self._rivals.keeps_out(self._sites.find_site(site), hello.boot):
+            await link.send_farewell(KEPT_OUT, REPLACED)
             return
         ingest = Ingest(self._history, site, link.send, self._settings.commit_s)
         try:
-            async with self._admission.turn():
-                await self._describing.greeted(hello, description, source, key.id)
-                acked = await ingest.start(hello.boot)
+            async with self._admission.wait_turn():
+                await self._describing.handle_hello(hello, description, source, key.id)
+                acked = await ingest.first_missing(hello.boot)
         except HubBusy as error:
-            await link.farewell(str(error), TRY_LATER, self._admission.after_s)
+            await link.send_farewell(str(error), TRY_LATER, self._admission.after_s)
             return
         except _STORE_FAILS as error:
             _LOG.error("the gateway of %s must wait: the database fails: %s", site, error)
             said = "the hub cannot store anything now; try again later"
-            await link.farewell(said, TRY_LATER, STORE_AFTER_S)
+            await link.send_farewell(said, TRY_LATER, STORE_AFTER_S)
             return
         # Again: while this one waited for its turn a later run may have been linked. Nothing is
-        # awaited from here to `_attach`, so no other comes between.
-        if self._rivals.keeps_out(self._sites.get(site), hello.boot):
-            await link.farewell(KEPT_OUT, REPLACED)
+        # awaited from here to `_attach_link`, so no other comes between.
+        if self._rivals.keeps_out(self._sites.find_site(site), hello.boot):
+            await link.send_farewell(KEPT_OUT, REPLACED)
             return
-        # Only queued; `_run` writes it.
+        # Only queued; `_run_link` writes it.
         link.send(
             frames.Welcome(
                 version=__version__,
@@ -182,78 +182,81 @@ class LinkService:
         gateway = LinkedGateway(
             id=key.id, boot=hello.boot, fingerprint=told, source=source, accepts=hello.accepts
         )
-        live = self._attach(link, hello, description, gateway)
-        self._attendance.linked(key.id, site, hello.version, address)
+        live = self._attach_link(link, hello, description, gateway)
+        self._attendance.record_link(key.id, site, hello.version, address)
         storing = asyncio.create_task(ingest.run())
         try:
-            await self._run(link, live, ingest)
+            await self._run_link(link, live, ingest)
         finally:
             # Pages see it as away at once; what came is stored after that.
-            self._detach(link, live)
-            ingest.finish()
+            self._detach_link(link, live)
+            ingest.finish_storing()
             await asyncio.wait({storing}, timeout=_FINISH_S)
             storing.cancel()
             await asyncio.gather(storing, return_exceptions=True)
-            self._attendance.left(key.id, site)
+            self._attendance.record_leave(key.id, site)
 
-    async def _hello(self, link: GatewayLink, site: str) -> tuple[frames.Hello | None, Site | None]:
+    async def _receive_hello(
+        self, link: GatewayLink, site: str
+    ) -> tuple[frames.Hello | None, Site | None]:
         async with asyncio.timeout(self._settings.hello_s):
-            hello = await link.receive()
+            hello = await link.receive_message()
         # It has hung up without a word.
         if hello is None:
             return None, None
         if not isinstance(hello, frames.Hello):
             raise PeerError("expected hello as the first message", REFUSED)
-        if not speaks(hello.protocol):
+        if not is_compatible(hello.protocol):
             raise PeerError(f"protocol {hello.protocol} is not spoken here; update", REFUSED)
         # A key is for one site: otherwise a gateway could speak for another's robots.
         if hello.site != site:
             raise PeerError(f"this key is for the site {site!r}, not {hello.site!r}", REFUSED)
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         if live is not None and live.gateway.fingerprint == fingerprint_of(
             hello.description, hello.catalogue
         ):
             # Word for word what it said before: there is nothing to read.
             return hello, live.description
         # A large description takes a while to read: not in the way of the others.
-        description = await asyncio.to_thread(_read, hello.description)
+        description = await asyncio.to_thread(_read_site, hello.description)
         # The site is named in the description too, and that one must fit the key as well.
         if description.site != site:
             raise PeerError(f"the description is of {description.site!r}, not {site!r}", REFUSED)
         return hello, description
 
-    def _attach(
+    def _attach_link(
         self, link: GatewayLink, hello: frames.Hello, description: Site, gateway: LinkedGateway
     ) -> LiveSite:
         site = description.site
-        before = self._sites.get(site)
+        before = self._sites.find_site(site)
         if before is not None and before.link is not None:
-            # Its own `_serve` ends by this, and `_detach` there finds that another has its place.
-            before.link.dismiss("another gateway of this site has connected")
+            # Its own `_serve_link` ends by this, and `_detach_link` there finds that another
+            # has its place.
+            before.link.dismiss_gateway("another gateway of this site has connected")
             # Before the new link begins: its leases are free and its commands unknown.
             self._reporting.link_lost(before)
-            self._rivals.replaced(before, hello.boot)
+            self._rivals.record_replacement(before, hello.boot)
         changed = before is None or before.description != description
-        renamed = {} if before is None else renames(before.description, description)
+        renamed = {} if before is None else list_renames(before.description, description)
         known = {} if before is None else before.renamed
-        live = self._sites.describe(description, hello.catalogue, renamed)
+        live = self._sites.describe_site(description, hello.catalogue, renamed)
         # A channel that was renamed twice is found by its first address too.
         live.renamed = {
-            **formers(description),
+            **former_addresses(description),
             **{old: renamed.get(new, new) for old, new in known.items()},
             **renamed,
         }
-        live.attach(link, gateway, self._clock.wall_ns() // 1000)
-        self._sightings.attached(live)
+        live.attach_link(link, gateway, self._clock.wall_ns() // 1000)
+        self._sightings.handle_attach(live)
         # 0: the gateway does not say.
         if hello.time_us:
             live.presence.skew_ms = round(hello.time_us / 1000 - self._clock.wall_ns() / 1e6, 1)
         if changed:
             self._describing.notify_followers(live)
         self._reporting.publish_site(live)
-        self._reporting.event(live, "gateway connected", message=f"version {hello.version}")
+        self._reporting.report_event(live, "gateway connected", message=f"version {hello.version}")
         if changed and before is not None:
-            self._reporting.event(
+            self._reporting.report_event(
                 live, "description changed", message=f"catalogue {hello.catalogue}"
             )
         self._media.watch(site)
@@ -261,19 +264,19 @@ class LinkService:
         _LOG.info("the gateway of %s is connected", site)
         return live
 
-    def _detach(self, link: GatewayLink, live: LiveSite) -> None:
+    def _detach_link(self, link: GatewayLink, live: LiveSite) -> None:
         # Another link has taken its place: what stands now belongs to that one.
         if live.link is not link:
             return
-        live.detach(self._clock.wall_ns() // 1000)
+        live.detach_link(self._clock.wall_ns() // 1000)
         self._taps.link_lost(live.name)
         self._describing.link_lost(live)
         self._reporting.link_lost(live)
         self._reporting.publish_site(live)
-        self._reporting.event(live, "gateway lost", good=False)
+        self._reporting.report_event(live, "gateway lost", good=False)
         _LOG.warning("the gateway of %s is gone", live.name)
 
-    async def _run(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
+    async def _run_link(self, link: GatewayLink, live: LiveSite, ingest: Ingest) -> None:
         addresses = [channel.address for channel in live.channels]
         lists = ChannelMaps(live.catalogue, addresses, live.renamed)
         redescription = Redescription(self._describing, live, lists, ingest)
@@ -281,9 +284,9 @@ class LinkService:
         results = await until_first(
             self._read_all(link, live, ingest=ingest, lists=lists, redescription=redescription),
             redescription.run(),
-            self._beat(link, live),
-            link.write(),
-            link.dismissed(),
+            self._send_beats(link, live),
+            link.write_queued(),
+            link.wait_dismissed(),
         )
         # The last is `dismissed`: a text if somebody has ended the link.
         said = results[-1] if isinstance(results[-1], str) else ""
@@ -297,9 +300,9 @@ class LinkService:
             # ours.
             elif isinstance(result, Exception) and not isinstance(result, GONE):
                 # 1011: the server met something that it did not expect (RFC 6455).
-                await link.farewell("the hub failed; see its log", 1011)
+                await link.send_farewell("the hub failed; see its log", 1011)
                 raise result
-        await link.farewell(said, code)
+        await link.send_farewell(said, code)
 
     async def _read_all(
         self,
@@ -310,12 +313,12 @@ class LinkService:
         lists: ChannelMaps,
         redescription: Redescription,
     ) -> None:
-        while (message := await link.receive()) is not None:
+        while (message := await link.receive_message()) is not None:
             match message:
                 case frames.SampleBatch():
-                    batch = lists.batch(message)
+                    batch = lists.read_batch(message)
                     if not message.addresses:
-                        shown = lists.live(batch)
+                        shown = lists.live_columns(batch)
                         if message.live:
                             end = batch.first + len(batch.columns)
                             self._samples.publish_batch(live, shown, boot=batch.boot, end=end)
@@ -330,11 +333,11 @@ class LinkService:
                     self._describing.receive_change_state(live, message)
                 # It may be of a device that only the description in hand brings.
                 case frames.DeviceState() if redescription.pending:
-                    redescription.later(message)
+                    redescription.defer_state(message)
                 case frames.SampleGap():
                     ingest.enqueue_batch(message)
                 case frames.SightingReport():
-                    self._sightings.seen(live, message)
+                    self._sightings.handle_report(live, message)
                 case frames.Beat():
                     link.send(
                         frames.BeatReply(
@@ -342,7 +345,7 @@ class LinkService:
                         )
                     )
                 case frames.BeatReply():
-                    link.offset.beat(message.mono_us, self._now_us(), message.peer_us)
+                    link.offset.add_beat(message.mono_us, self._now_us(), message.peer_us)
                     live.presence.loop_ms = round(link.offset.loop_us / 1000, 2)
                 case frames.Bye():
                     return
@@ -358,18 +361,18 @@ class LinkService:
         self, live: LiveSite, message: frames.NewestBatch, lists: ChannelMaps, ingest: Ingest
     ) -> None:
         """Take what was said while nobody heard it for what counts now, and keep it first."""
-        addresses, told = lists.newest(message)
+        addresses, told = lists.read_newest(message)
         shown, now_ns = lists.live_newest(addresses, told), self._clock.monotonic_ns()
         current = message.boot == live.gateway.boot
-        newer = live.latest.newer(shown, message.boot, now_ns, current=current)
+        newer = live.latest.newer_samples(shown, message.boot, now_ns, current=current)
         if newer.any():
             fresh = chosen_newest(shown, newer)
             self._samples.publish_newest(live, fresh, message.boot, now_ns)
         # What is stored already is left out.
-        for first, columns in runs_of(told, ingest.below(message.boot)):
+        for first, columns in runs_of(told, ingest.first_unstored(message.boot)):
             ingest.enqueue_batch(Batch(message.boot, first, addresses, columns))
 
-    async def _beat(self, link: GatewayLink, live: LiveSite) -> None:
+    async def _send_beats(self, link: GatewayLink, live: LiveSite) -> None:
         sent = 0
         while True:
             # Read before the next beat goes, whose answer cannot be there yet.
@@ -377,7 +380,7 @@ class LinkService:
             link.send(frames.Beat(n=sent, mono_us=self._now_us()))
             sent += 1
             if sent - heard > _MISSED_BEATS:
-                link.dismiss("it has not answered for three beats")
+                link.dismiss_gateway("it has not answered for three beats")
             # A rival that dials no more is forgotten before the site is shown.
             if sent % _NEWS_EVERY == 0:
                 self._reporting.forget_rival(live)
@@ -389,5 +392,5 @@ class LinkService:
         return self._clock.monotonic_ns() // 1000
 
 
-def _read(text: str) -> Site:
+def _read_site(text: str) -> Site:
     return raise_first(load_site(text))

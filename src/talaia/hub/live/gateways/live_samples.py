@@ -33,7 +33,7 @@ class LiveSamples:
     ) -> None:
         """Hand on a live batch; ``boot`` is its run and ``end`` one past its last number there."""
         # First: whoever asks for the newest value from here on is to get this one.
-        live.latest.update(columns, self._clock.monotonic_ns(), boot, end)
+        live.latest.update_values(columns, self._clock.monotonic_ns(), boot, end)
         self._fanout.publish(live, columns)
         self._alarms.evaluate_samples(live, columns)
         self._anomalies.enqueue_samples(live, columns)
@@ -45,7 +45,7 @@ class LiveSamples:
     def publish_newest(self, live: LiveSite, newest: NewestSamples, boot: str, now_ns: int) -> None:
         """Hand on the newest sample of each channel, with the age it had at ``now_ns``."""
         # Before `publish_known`, which has pages told what `latest` holds.
-        live.latest.correct(newest, boot, now_ns)
+        live.latest.correct_values(newest, boot, now_ns)
         self._fanout.publish_known(live, newest.columns.channel)
         self._alarms.evaluate_samples(live, newest.columns, now_ns - newest.age_ms * 1e6)
         self._anomalies.enqueue_samples(live, newest.columns)

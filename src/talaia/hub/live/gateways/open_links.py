@@ -24,7 +24,7 @@ _LOG = logging.getLogger(__name__)
 class OpenConnection(Protocol):
     """A connection of a gateway: its link, or the one for pictures."""
 
-    def dismiss(self, reason: str) -> None:
+    def dismiss_gateway(self, reason: str) -> None:
         """Say good-bye and close."""
         ...
 
@@ -40,7 +40,7 @@ class OpenLinks:
         self._open: dict[OpenConnection, int] = {}
 
     @contextmanager
-    def opened(self, gateway: int, connection: OpenConnection) -> Iterator[None]:
+    def count_open(self, gateway: int, connection: OpenConnection) -> Iterator[None]:
         """Count a connection as open."""
         self._open[connection] = gateway
         try:
@@ -48,7 +48,7 @@ class OpenLinks:
         finally:
             del self._open[connection]
 
-    def online(self) -> dict[int, LiveSite]:
+    def online_gateways(self) -> dict[int, LiveSite]:
         """Give the gateways that have a link now, each with the site it speaks for."""
         linked = {live.link: live for live in self._sites if live.link is not None}
         return {
@@ -62,17 +62,17 @@ class OpenLinks:
         # A copy: what is dismissed goes out of it.
         for connection, of in list(self._open.items()):
             if of == gateway:
-                connection.dismiss(reason)
+                connection.dismiss_gateway(reason)
 
-    def reconnect(self, gateway: int, device: str, who: str) -> bool:
+    def reconnect_device(self, gateway: int, device: str, who: str) -> bool:
         """Let a gateway connect anew to a device; False when it is away or has none such."""
-        live = self.online().get(gateway)
+        live = self.online_gateways().get(gateway)
         if live is None or live.link is None or device not in live.description.devices:
             return False
         live.link.send(ReconnectRequest(device=device, who=who))
         return True
 
-    async def watch(self, every_s: float) -> None:
+    async def watch_keys(self, every_s: float) -> None:
         """Hold the open connections against the keys until cancelled.
 
         This finds what other processes did (the command line, another hub).
@@ -81,7 +81,7 @@ class OpenLinks:
         while True:
             await asyncio.sleep(every_s)
             try:
-                await self.check()
+                await self.check_keys()
             # Links stay: that nobody can look revokes no key.
             except StoreDown:
                 if not failing:
@@ -90,10 +90,10 @@ class OpenLinks:
             else:
                 failing = False
 
-    async def check(self) -> None:
+    async def check_keys(self) -> None:
         """Close the connections of gateways whose key is void."""
         if not self._open:
             return
         known = set(self._open.values())
-        for gateway in known - await self._registry.good(known):
+        for gateway in known - await self._registry.good_keys(known):
             self.hang_up(gateway, "its key was revoked")

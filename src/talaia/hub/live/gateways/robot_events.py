@@ -110,7 +110,7 @@ class RobotEvents:
         """Pass on what a gateway says, to each page that may know."""
         match told:
             case frames.LeaseState():
-                self._lease(live, told)
+                self._handle_lease(live, told)
             case frames.ControlTick():
                 news = relay_message(page.TickUpdate, told, live.name)
                 # Only pages that hold a lease drive by it.
@@ -122,7 +122,7 @@ class RobotEvents:
                 live.current.drives[told.device] = told
                 self._browsers.broadcast_message(relay_message(page.DriveUpdate, told, live.name))
             case frames.StopState():
-                self._stop(live, told)
+                self._handle_stop(live, told)
             case frames.ResetToken():
                 # Only for the page that asked: nobody else is to release the STOP by its token.
                 browser = self._browsers.get(told.session)
@@ -150,7 +150,7 @@ class RobotEvents:
             case frames.DeviceState():
                 self._device_state(live, told)
             case frames.Event():
-                self.event(
+                self.report_event(
                     live,
                     told.kind,
                     device=told.device,
@@ -160,7 +160,7 @@ class RobotEvents:
                     time_us=told.time_us,
                 )
 
-    def event(
+    def report_event(
         self,
         live: LiveSite,
         kind: str,
@@ -188,9 +188,9 @@ class RobotEvents:
             )
         )
 
-    def anomaly(self, news: AnomalyReport) -> None:
+    def report_anomaly(self, news: AnomalyReport) -> None:
         """Tell of an anomaly that began or ended; see `AnomalySink`."""
-        live = self._sites.get(news.site)
+        live = self._sites.find_site(news.site)
         if live is None:
             return
         device, _, signal = news.channel.partition("/")
@@ -202,13 +202,13 @@ class RobotEvents:
         if news.ended_us is not None:
             kind, time_us = "anomaly ended", news.ended_us
         good = news.ended_us is not None
-        self.event(
+        self.report_event(
             live, kind, device=device, message=f"{name}: {news.why}", good=good, time_us=time_us
         )
 
-    def detector(self, site: str, watched: DetectorRunner) -> None:
+    def report_detector(self, site: str, watched: DetectorRunner) -> None:
         """Tell everyone who may see the signal how a detector stands; see `DetectorSink`."""
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         if live is None:
             return
         device, _, signal = watched.address.partition("/")
@@ -245,9 +245,9 @@ class RobotEvents:
 
     def link_lost(self, live: LiveSite) -> None:
         """Show all leases as free and every command under way as unknown."""
-        # A copy: `_lease` writes into it.
+        # A copy: `_handle_lease` writes into it.
         for device in list(live.current.leases):
-            self._lease(live, frames.LeaseState(device=device))
+            self._handle_lease(live, frames.LeaseState(device=device))
         for pending in list(live.current.pending.values()):
             self._command_state(
                 live,
@@ -287,7 +287,7 @@ class RobotEvents:
         if news is not None:
             browser.send_message(news)
 
-    def _lease(self, live: LiveSite, state: frames.LeaseState) -> None:
+    def _handle_lease(self, live: LiveSite, state: frames.LeaseState) -> None:
         before = live.current.leases.get(state.device)
         live.current.leases[state.device] = (state, self._clock.monotonic_ns())
         # A refusal is the answer to one page; nobody else is told.
@@ -332,7 +332,7 @@ class RobotEvents:
             forceable=answer and state.forceable,
         )
 
-    def _stop(self, live: LiveSite, state: frames.StopState) -> None:
+    def _handle_stop(self, live: LiveSite, state: frames.StopState) -> None:
         before = live.retained.stops.get(state.device)
         live.retained.stops[state.device] = state
         self._browsers.broadcast_message(relay_message(page.StopUpdate, state, live.name))

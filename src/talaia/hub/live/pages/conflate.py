@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from talaia.wire.columns import MAX_SAMPLES, MAX_SPAN_US, Columns, PackedColumns, pack
+from talaia.wire.columns import MAX_SAMPLES, MAX_SPAN_US, Columns, PackedColumns, pack_columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -100,7 +100,7 @@ def frames_of(columns: Columns) -> list[PackedColumns]:
     times = columns.time_us
     spans = int(times.max()) - int(times.min()) > MAX_SPAN_US
     if len(columns) <= MAX_SAMPLES and not spans:
-        return [pack(columns)]
+        return [pack_columns(columns)]
     # Halved, for neither count nor span can be told in advance; each half is packed by itself.
     half = len(columns) // 2
     first = np.zeros(len(columns), bool)

@@ -67,7 +67,7 @@ class Fanout:
 
     def subscribe(self, browser: Browser, asked: Subscribe) -> None:
         """Start a subscription, or replace the one with its number, and send what is known."""
-        live = self._sites.get(asked.site)
+        live = self._sites.find_site(asked.site)
         if live is None:
             return
         self.unsubscribe(browser, asked.sub)
@@ -170,14 +170,14 @@ class Fanout:
     def known(self, browser: Browser, sub: int, places: list[int]) -> list[Values]:
         """Give the newest values of channels of a subscription (places in its list), and ages."""
         group = self._of.get((browser, sub))
-        live = None if group is None else self._sites.get(group.site)
+        live = None if group is None else self._sites.find_site(group.site)
         if group is None or live is None:
             return []
         at = np.array(places, np.int64)
         numbers = group.selection.channels[at]
         # Those that were refused have no number.
         at, numbers = at[numbers >= 0], numbers[numbers >= 0]
-        columns, ages = live.latest.of(numbers, self._clock.monotonic_ns())
+        columns, ages = live.latest.values_of(numbers, self._clock.monotonic_ns())
         # Numbered by the places in the page's own list.
         columns = Columns(
             at[columns.channel].astype("<u2"), columns.time_us, columns.value, columns.texts

@@ -36,8 +36,8 @@ def interlock_news(
         return None
     state, heard_ns = live.current.interlocks[name]
     # Reasons name values and people: only for those who may view the whole site.
-    views = grants.may(Right.VIEW, live.name)
-    admin = grants.may(Right.ADMIN, live.name)
+    views = grants.has_right(Right.VIEW, live.name)
+    admin = grants.has_right(Right.ADMIN, live.name)
     seen = [command for command in rule.refuse if _sees(live, grants, command)]
     slowed = [command for command in rule.slow if _sees(live, grants, command)]
     passed_ms = (mono_ns - heard_ns) // MS

@@ -53,7 +53,7 @@ class MessageAuthorizer:
         """
         need = need_of_message(FROM_BROWSER, message)
         site, device, _ = message.subject()
-        live = self._sites.get(site) if site else None
+        live = self._sites.find_site(site) if site else None
         described = live.description if live else None
         tag = str(type(message).__struct_config__.tag)
         if allows(need, grants, described, device):
@@ -79,7 +79,7 @@ class MessageAuthorizer:
         if need is AccessNeed.SESSION:
             return True
         site, device, stream = message.subject()
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         described = live.description if live else None
         if isinstance(message, StreamMessage):
             # What a camera saw is like its pictures themselves.

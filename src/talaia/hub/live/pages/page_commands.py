@@ -50,7 +50,7 @@ class PageCommands:
 
     def ask(self, browser: Browser, asked: Asked) -> None:
         """Pass on what a page asks; answer at once when the gateway is away."""
-        live = self._sites.get(asked.site)
+        live = self._sites.find_site(asked.site)
         if live is None or live.link is None:
             self._refuse(browser, asked, "offline", f"{asked.site} is not connected")
             return
@@ -104,7 +104,7 @@ class PageCommands:
         """Free, at once, what a page that has gone was holding or was about to get."""
         # All that it ever asked for: freeing what it does not hold changes nothing.
         for site, device in self._asked.pop(browser.key, set()):
-            live = self._sites.get(site)
+            live = self._sites.find_site(site)
             if live is not None and live.link is not None:
                 live.link.send(_lease_ask(browser, device, LeaseOp.FREE))
 

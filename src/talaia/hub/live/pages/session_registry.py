@@ -45,11 +45,11 @@ class SessionSocket(Protocol):
 class CredentialLookup(Protocol):
     """Who is signed in, by the database."""
 
-    async def living(self, keys: Collection[str]) -> Mapping[str, LiveSession]:
+    async def live_sessions(self, keys: Collection[str]) -> Mapping[str, LiveSession]:
         """Give those of the sessions and tokens that are alive, with their rights of now."""
         ...
 
-    async def touch(self, used: Collection[LiveSession]) -> int:
+    async def mark_used(self, used: Collection[LiveSession]) -> int:
         """Write down that sessions are used."""
         ...
 
@@ -144,7 +144,11 @@ class SocketSessions:
         # When it began, not when it ended: rights may have changed during a slow answer.
         began_ns = self._clock.monotonic_ns()
         seats = list(self._seats)
-        living = await self._register.living({seat.who.session for seat in seats}) if seats else {}
+        living = (
+            await self._register.live_sessions({seat.who.session for seat in seats})
+            if seats
+            else {}
+        )
         # Two may run at once; the one that began later counts.
         self._checked_ns = max(self._checked_ns, began_ns)
         self._last = living
@@ -162,7 +166,7 @@ class SocketSessions:
                 if seat.take_use() and not now.who.script:
                     used.append(now)
         if used:
-            await self._register.touch(used)
+            await self._register.mark_used(used)
 
     def _warn(self, seat: SessionSocket, alive: LiveSession) -> None:
         """Tell, once, that the end is near; and once that it is not any more."""

@@ -70,7 +70,7 @@ class GatewayCamera:
         # Why; the first reason stays.
         self._reason = ""
 
-    def dismiss(self, reason: str) -> None:
+    def dismiss_gateway(self, reason: str) -> None:
         """Say good-bye and close."""
         self._reason = self._reason or reason
         self._over.set()
@@ -136,18 +136,18 @@ class MediaLinks:
         # The open connection of each site; at most one, the newest.
         self._open: dict[str, GatewayCamera] = {}
 
-    async def serve(self, socket: WebSocket, key: GatewayKey) -> None:
+    async def serve_socket(self, socket: WebSocket, key: GatewayKey) -> None:
         """Take pictures of a site until its gateway hangs up or a newer one comes."""
         camera, site = GatewayCamera(socket), key.site
         before = self._open.get(site)
         if before is not None:
             # A gateway needs one; the older is likely a connection that is dead.
-            before.dismiss("a newer connection was opened")
+            before.dismiss_gateway("a newer connection was opened")
         self._open[site] = camera
         # What the older has begun it will not end.
         self._taps.media_lost(site)
         try:
-            with self._links.opened(key.id, camera):
+            with self._links.count_open(key.id, camera):
                 receivers = MediaReceivers(
                     picture=lambda picture: self._publish(site, picture),
                     trouble=lambda said: self._media.trouble(site, said),
@@ -161,7 +161,7 @@ class MediaLinks:
                 del self._open[site]
 
     def _publish(self, site: str, picture: PictureFrame) -> None:
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         # Its offset turns the time of a picture into ours, so no link: no pictures.
         if live is not None and isinstance(live.link, GatewayLink):
             self._media.shot(live, picture, live.link.offset)

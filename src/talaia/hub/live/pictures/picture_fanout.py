@@ -79,7 +79,7 @@ class PictureFanout:
 
     def watch(self, site: str) -> None:
         """Tell a site's gateway which streams are looked at now, and as what."""
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         if live is not None and live.link is not None:
             forms = {
                 stream: [form.value for form in sorted(wanted)]
@@ -169,7 +169,7 @@ class PictureFanout:
             viewer.trouble(said.why)
 
     def _shot(self, picture: PictureFrame, offset: ClockOffset) -> CameraPicture:
-        captured = offset.ours(picture.mono_us)
+        captured = offset.to_ours(picture.mono_us)
         now_us = self._clock.monotonic_ns() // 1000
         return CameraPicture(
             seq=picture.seq,
@@ -189,7 +189,7 @@ class PictureFanout:
         """Ask the gateway for what a viewer wants now, where that is new."""
         self._request_stream((viewer.site, viewer.stream))
         if viewer.flow.wants_key(self._clock.monotonic_ns() // 1000):
-            live = self._sites.get(viewer.site)
+            live = self._sites.find_site(viewer.site)
             if live is not None and live.link is not None:
                 live.link.send(KeyframeRequest(stream=viewer.stream, form=viewer.flow.form))
 

@@ -94,7 +94,7 @@ class TapFanout:
 
     def topics(self, site: str, grants: Grants | None) -> list[TapTopic]:
         """List the topics of a site that somebody may tap, by name; none of a site not known."""
-        live, known = self._sites.get(site), self._known.get(site)
+        live, known = self._sites.find_site(site), self._known.get(site)
         if live is None or known is None:
             return []
         return [
@@ -123,7 +123,7 @@ class TapFanout:
                 answer.
 
         """
-        live, known = self._sites.get(site), self._known.get(site)
+        live, known = self._sites.find_site(site), self._known.get(site)
         entry = None if known is None else known.entries.get(topic)
         # What may not be had is as if it were not there.
         if live is None or known is None or entry is None or not _allows(grants, live, topic):
@@ -161,7 +161,7 @@ class TapFanout:
             TapRefused: the person may not have it, or takes too many.
 
         """
-        live = self._sites.get(site)
+        live = self._sites.find_site(site)
         if live is None or not _allows(taker.grants, live, topic):
             raise TapRefused(f"there is no topic {topic!r} that you may tap")
         before = taker.taps.get((site, topic))
@@ -269,7 +269,7 @@ class TapFanout:
                     tap.taker.begin_tap(tap, schema)
 
     def _check_right(self, tap: TopicTap) -> None:
-        live = self._sites.get(tap.site)
+        live = self._sites.find_site(tap.site)
         if live is None or not _allows(tap.taker.grants, live, tap.topic):
             self._remove_tap(tap)
             tap.taker.forget_tap(tap, _NO_RIGHT)
@@ -297,7 +297,7 @@ class TapFanout:
     def _ask_all(self) -> None:
         sites, self._to_ask = self._to_ask, set()
         for site in sites:
-            live, known = self._sites.get(site), self._known.get(site)
+            live, known = self._sites.find_site(site), self._known.get(site)
             if live is None or known is None or live.link is None:
                 continue
             wanted = known.subscription(lambda topic, live=live: self._most_rate(live, topic))  # type: ignore[misc]

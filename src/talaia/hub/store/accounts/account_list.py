@@ -41,12 +41,12 @@ class AccountList:
         self._database = database
         self._alive = alive
 
-    async def all(self) -> list[AccountEntry]:
+    async def list_accounts(self) -> list[AccountEntry]:
         """List everyone by name."""
         async with self._database.read() as connection:
-            return await self._entries(connection)
+            return await self._read_entries(connection)
 
-    async def one(self, user: int) -> AccountEntry:
+    async def find_account(self, user: int) -> AccountEntry:
         """Find a person.
 
         Raises:
@@ -54,9 +54,9 @@ class AccountList:
 
         """
         async with self._database.read() as connection:
-            return await self._one(connection, user)
+            return await self._read_account(connection, user)
 
-    async def change(
+    async def change_account(
         self,
         user: int,
         *,
@@ -73,7 +73,7 @@ class AccountList:
 
         """
         async with self._database.write() as connection:
-            before = await self._one(connection, user)
+            before = await self._read_account(connection, user)
             values: dict[str, object] = {}
             if role is not None and role != before.role:
                 values["role_id"] = await role_number(connection, role)
@@ -85,9 +85,9 @@ class AccountList:
                 await connection.execute(update(users).where(users.c.id == user).values(values))
                 await sign_out(connection, user)
             await _someone_manages(connection)
-            return await self._one(connection, user)
+            return await self._read_account(connection, user)
 
-    async def remove(self, user: int) -> AccountEntry:
+    async def remove_account(self, user: int) -> AccountEntry:
         """Remove a person with sessions and tokens; give what was known of them.
 
         Raises:
@@ -96,20 +96,20 @@ class AccountList:
 
         """
         async with self._database.write() as connection:
-            gone = await self._one(connection, user)
+            gone = await self._read_account(connection, user)
             await sign_out(connection, user)
             await connection.execute(delete(api_tokens).where(api_tokens.c.user_id == user))
             await connection.execute(delete(users).where(users.c.id == user))
             await _someone_manages(connection)
         return gone
 
-    async def _one(self, connection: AsyncConnection, user: int) -> AccountEntry:
-        found = await self._entries(connection, user)
+    async def _read_account(self, connection: AsyncConnection, user: int) -> AccountEntry:
+        found = await self._read_entries(connection, user)
         if not found:
             raise UnknownPerson("there is no such person")
         return found[0]
 
-    async def _entries(
+    async def _read_entries(
         self, connection: AsyncConnection, user: int | None = None
     ) -> list[AccountEntry]:
         open_now = (

@@ -21,10 +21,13 @@ class Credentials:
         self._sessions = sessions
         self._tokens = tokens
 
-    async def living(self, keys: Collection[str]) -> dict[str, LiveSession]:
+    async def live_sessions(self, keys: Collection[str]) -> dict[str, LiveSession]:
         """Give those that are alive, with their rights of now."""
-        return {**await self._sessions.living(keys), **await self._tokens.living(keys)}
+        return {
+            **await self._sessions.live_sessions(keys),
+            **await self._tokens.live_sessions(keys),
+        }
 
-    async def touch(self, used: Collection[LiveSession]) -> int:
+    async def mark_used(self, used: Collection[LiveSession]) -> int:
         """Write down that sessions are used; give when they end if nobody does any more (µs)."""
-        return await self._sessions.touch(used)
+        return await self._sessions.mark_used(used)

@@ -40,29 +40,29 @@ class FailedLogins:
                 for row in rows
             )
 
-    async def count(self, user: str, address: str, browser: str) -> int:
+    async def count_attempt(self, user: str, address: str, browser: str) -> int:
         """Count a try as wrong and give 0, or how long to wait (ns) and count nothing."""
         now = self._clock.wall_ns()
         # Asked and counted without a pause between: many at once must not slip through.
         wait_ns = self._throttle.wait_ns(user, address, now, browser)
         if not wait_ns:
-            self._throttle.tried(user, address, now, browser)
-            await self.keep()
+            self._throttle.count_attempt(user, address, now, browser)
+            await self.save_counts()
         return wait_ns
 
     async def count_unfinished(self, user: str, address: str, browser: str) -> None:
         """Take a counted try for the first half of a sign-in, and not for a wrong one."""
-        self._throttle.unfinished(user, address, browser)
-        await self.keep()
+        self._throttle.uncount_attempt(user, address, browser)
+        await self.save_counts()
 
     async def count_success(self, user: str, address: str, browser: str) -> None:
         """Forget the wrong tries of one who has proved who they are."""
-        self._throttle.succeeded(user, address, browser)
-        await self.keep()
+        self._throttle.clear_attempts(user, address, browser)
+        await self.save_counts()
 
-    async def keep(self) -> None:
+    async def save_counts(self) -> None:
         """Write down what was counted since."""
-        changes = self._throttle.changes()
+        changes = self._throttle.changed_attempts()
         if not changes:
             return
         counted = [

@@ -30,7 +30,7 @@ class KnownBrowsers:
         self._database = database
         self._clock = clock
 
-    async def knows(self, token: str, name: str) -> bool:
+    async def is_known(self, token: str, name: str) -> bool:
         """Tell whether the person of this name has signed in from that browser before."""
         async with self._database.read() as connection:
             found = await connection.execute(
@@ -44,7 +44,7 @@ class KnownBrowsers:
             # Known for whoever has signed in there, for nobody else.
             return found.scalar() == name_key(name)
 
-    async def remember(self, user: int, token: str) -> str:
+    async def remember_browser(self, user: int, token: str) -> str:
         """Know a browser from now on; give the token for its cookie, ``token`` if it is known."""
         now = self._now_us()
         mine = known_browsers.c.user_id == user

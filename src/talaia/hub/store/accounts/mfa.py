@@ -44,22 +44,22 @@ class SecondFactors:
         # Secrets are sealed in the database: who reads a backup cannot make codes.
         self._seal = seal
 
-    async def offer(self, user: int) -> str | None:
+    async def offer_factor(self, user: int) -> str | None:
         """Make a secret that waits for its first code; None when there is a factor already."""
         secret = new_factor()
         async with self._database.write() as connection:
             # A factor in use is removed first: whoever takes over a session cannot put theirs in
             # its place.
-            if await _column(connection, user, "factor_secret"):
+            if await _read_column(connection, user, "factor_secret"):
                 return None
             await connection.execute(
                 update(users)
                 .where(users.c.id == user)
-                .values(factor_pending=self._seal().close(secret, _about(user)))
+                .values(factor_pending=self._seal().seal_text(secret, _factor_context(user)))
             )
         return secret
 
-    async def confirm(self, user: int, code: str) -> list[str] | None:
+    async def confirm_factor(self, user: int, code: str) -> list[str] | None:
         """Switch the offered factor on by its first code; give the recovery codes.
 
         Returns:
@@ -67,8 +67,8 @@ class SecondFactors:
 
         """
         async with self._database.write() as connection:
-            pending = await _column(connection, user, "factor_pending")
-            secret = self._seal().open(pending, _about(user)) if pending else None
+            pending = await _read_column(connection, user, "factor_pending")
+            secret = self._seal().open_text(pending, _factor_context(user)) if pending else None
             step = step_of(secret, code, self._now_s()) if secret else None
             if step is None:
                 return None
@@ -86,7 +86,7 @@ class SecondFactors:
             )
         return codes
 
-    async def use(self, user: int, code: str) -> CodeVerdict:
+    async def use_code(self, user: int, code: str) -> CodeVerdict:
         """Take a code of time, or a recovery code, each at most once."""
         async with self._database.write() as connection:
             # Deleting is the test: of two that use one code at once only one deletes it.
@@ -98,8 +98,8 @@ class SecondFactors:
             )
             if gone.rowcount:
                 return CodeVerdict.RECOVERY
-            sealed = await _column(connection, user, "factor_secret")
-            secret = self._seal().open(sealed, _about(user)) if sealed else None
+            sealed = await _read_column(connection, user, "factor_secret")
+            secret = self._seal().open_text(sealed, _factor_context(user)) if sealed else None
             step = step_of(secret, code, self._now_s()) if secret else None
             if step is None:
                 return CodeVerdict.WRONG
@@ -111,7 +111,7 @@ class SecondFactors:
             )
         return CodeVerdict.RIGHT if taken.rowcount else CodeVerdict.REPLAYED
 
-    async def remove(self, user: int) -> bool:
+    async def remove_factor(self, user: int) -> bool:
         """Take a person's factor and recovery codes away; False when there was none.
 
         Raises:
@@ -119,7 +119,7 @@ class SecondFactors:
 
         """
         async with self._database.write() as connection:
-            had = await _column(connection, user, "factor_secret")
+            had = await _read_column(connection, user, "factor_secret")
             await connection.execute(
                 update(users)
                 .where(users.c.id == user)
@@ -132,11 +132,11 @@ class SecondFactors:
         return self._clock.wall_ns() / 1e9
 
 
-def _about(user: int) -> str:
+def _factor_context(user: int) -> str:
     return f"second factor of person {user}"
 
 
-async def _column(connection: AsyncConnection, user: int, name: str) -> str:
+async def _read_column(connection: AsyncConnection, user: int, name: str) -> str:
     found = (await connection.execute(select(users.c[name]).where(users.c.id == user))).scalar()
     if found is None:
         raise UnknownPerson("there is no such person")

@@ -42,24 +42,26 @@ class People:
         self._database = database
         self._clock = clock
 
-    async def find(self, name: str) -> Person | None:
+    async def find_by_name(self, name: str) -> Person | None:
         """Find a person by name, in any case."""
         key = name_key(name)
         # PostgreSQL refuses such a text, and nobody has that name.
         if "\0" in key:
             return None
         async with self._database.read() as connection:
-            found = (await connection.execute(_people().where(users.c.name_key == key))).first()
+            found = (
+                await connection.execute(_select_people().where(users.c.name_key == key))
+            ).first()
         # MariaDB takes a name with spaces at its end for the same; the throttle does not.
-        return _person(found) if found is not None and found.name_key == key else None
+        return _row_to_person(found) if found is not None and found.name_key == key else None
 
-    async def get(self, user: int) -> Person | None:
+    async def find_by_id(self, user: int) -> Person | None:
         """Find a person by number."""
         async with self._database.read() as connection:
-            found = (await connection.execute(_people().where(users.c.id == user))).first()
-        return None if found is None else _person(found)
+            found = (await connection.execute(_select_people().where(users.c.id == user))).first()
+        return None if found is None else _row_to_person(found)
 
-    async def add(self, name: str, password_hash: str, role: str) -> int:
+    async def add_person(self, name: str, password_hash: str, role: str) -> int:
         """Add a person; give the number.
 
         Raises:
@@ -68,7 +70,7 @@ class People:
 
         """
         async with self._database.write() as connection:
-            return await self._insert(connection, name, password_hash, role)
+            return await self._insert_person(connection, name, password_hash, role)
 
     async def set_password(self, name: str, password_hash: str) -> None:
         """Give a person another password; every session of theirs ends.
@@ -78,7 +80,7 @@ class People:
 
         """
         async with self._database.write() as connection:
-            await set_hash(connection, await _number(connection, name), password_hash)
+            await set_hash(connection, await _person_id(connection, name), password_hash)
 
     async def change_password(self, user: int, password_hash: str, keep: str) -> None:
         """Give a person another password; every session of theirs but ``keep`` ends."""
@@ -103,7 +105,7 @@ class People:
         """Make a one-time token for the first admin; None when there are people already."""
         token = new_token()
         async with self._database.write() as connection:
-            if await _count(connection):
+            if await _count_people(connection):
                 return None
             await connection.execute(delete(setup_tokens))
             await connection.execute(
@@ -116,7 +118,7 @@ class People:
     async def may_set_up(self, token: str) -> bool:
         """Tell whether a set-up token is good, without using it."""
         async with self._database.read() as connection:
-            return await self._good(connection, token)
+            return await self._is_good_token(connection, token)
 
     async def set_up(self, token: str, name: str, password_hash: str) -> int | None:
         """Use the token to add the first admin; of two at once exactly one wins.
@@ -127,12 +129,12 @@ class People:
         """
         async with self._database.write() as connection:
             # Asked in the transaction that adds: two who set up at once do not both become admin.
-            if not await self._good(connection, token) or await _count(connection):
+            if not await self._is_good_token(connection, token) or await _count_people(connection):
                 return None
             await connection.execute(delete(setup_tokens))
-            return await self._insert(connection, name, password_hash, ADMIN)
+            return await self._insert_person(connection, name, password_hash, ADMIN)
 
-    async def _good(self, connection: AsyncConnection, token: str) -> bool:
+    async def _is_good_token(self, connection: AsyncConnection, token: str) -> bool:
         rows = await connection.execute(
             select(setup_tokens.c.expires_us).where(
                 setup_tokens.c.token_hash == hash_token(token),
@@ -141,7 +143,7 @@ class People:
         )
         return rows.first() is not None
 
-    async def _insert(
+    async def _insert_person(
         self, connection: AsyncConnection, name: str, password_hash: str, role: str
     ) -> int:
         try:
@@ -203,11 +205,11 @@ async def set_hash(
     )
 
 
-async def _count(connection: AsyncConnection) -> int:
+async def _count_people(connection: AsyncConnection) -> int:
     return (await connection.execute(select(func.count()).select_from(users))).scalar_one()
 
 
-async def _number(connection: AsyncConnection, name: str) -> int:
+async def _person_id(connection: AsyncConnection, name: str) -> int:
     found = select(users.c.id).where(users.c.name_key == name_key(name))
     user = (await connection.execute(found)).scalar()
     if user is None:
@@ -215,7 +217,7 @@ async def _number(connection: AsyncConnection, name: str) -> int:
     return int(user)
 
 
-def _people() -> Select[tuple[int, str, str, str, bool, str, str]]:
+def _select_people() -> Select[tuple[int, str, str, str, bool, str, str]]:
     return select(
         users.c.id,
         users.c.name,
@@ -227,7 +229,7 @@ def _people() -> Select[tuple[int, str, str, str, bool, str, str]]:
     ).join(roles, roles.c.id == users.c.role_id)
 
 
-def _person(row: Row[tuple[int, str, str, str, bool, str, str]]) -> Person:
+def _row_to_person(row: Row[tuple[int, str, str, str, bool, str, str]]) -> Person:
     return Person(
         row.id, row.name, row.role, row.password_hash, bool(row.disabled), bool(row.factor_secret)
     )

@@ -57,7 +57,7 @@ async def grant_permissions(
 ) -> None:
     """Let a holder have exactly these permissions."""
     await connection.execute(delete(relation.table).where(relation.holder == holder))
-    numbers = [await _number(connection, permission) for permission in set(given)]
+    numbers = [await _permission_id(connection, permission) for permission in set(given)]
     if numbers:
         await connection.execute(
             insert(relation.table),
@@ -65,7 +65,7 @@ async def grant_permissions(
         )
 
 
-async def _number(connection: AsyncConnection, wanted: Permission) -> int:
+async def _permission_id(connection: AsyncConnection, wanted: Permission) -> int:
     """Find a permission, or add it."""
     found = await connection.execute(
         select(permissions.c.id).where(

@@ -42,7 +42,7 @@ class Roles:
         """Work on ``database``."""
         self._database = database
 
-    async def all(self) -> list[Role]:
+    async def list_roles(self) -> list[Role]:
         """List every role, the seeded ones first."""
         async with self._database.read() as connection:
             rows = (
@@ -56,19 +56,19 @@ class Roles:
             held = await grants_of(connection, OF_ROLES, [row[0] for row in rows])
         return [Role(row[0], row[1], bool(row[2]), row[3], held[row[0]]) for row in rows]
 
-    async def one(self, role: int) -> Role:
+    async def find_role(self, role: int) -> Role:
         """Find a role.
 
         Raises:
             UnknownRole: there is none of that number.
 
         """
-        for found in await self.all():
+        for found in await self.list_roles():
             if found.id == role:
                 return found
         raise UnknownRole("there is no such role")
 
-    async def add(self, name: str, given: Iterable[Permission]) -> int:
+    async def add_role(self, name: str, given: Iterable[Permission]) -> int:
         """Add a role; give its number.
 
         Raises:
@@ -76,14 +76,14 @@ class Roles:
 
         """
         async with self._database.write() as connection:
-            await _free(connection, name, 0)
+            await _check_name_free(connection, name, 0)
             added = await connection.execute(insert(roles).values(name=name, seeded=False))
             key = added.inserted_primary_key
             role = int(key[0]) if key else 0
             await grant_permissions(connection, OF_ROLES, role, given)
         return role
 
-    async def change(self, role: int, name: str, given: Iterable[Permission]) -> None:
+    async def change_role(self, role: int, name: str, given: Iterable[Permission]) -> None:
         """Give a role another name or other permissions; open sockets follow within a second.
 
         Raises:
@@ -93,16 +93,16 @@ class Roles:
 
         """
         async with self._database.write() as connection:
-            before, seeded = await _row(connection, role)
+            before, seeded = await _read_role(connection, role)
             if seeded and name != before:
                 raise SeededRole(f"the role {before!r} came with the hub and keeps its name")
             if seeded and before == ADMIN:
                 raise SeededRole("the permissions of admin cannot be changed")
-            await _free(connection, name, role)
+            await _check_name_free(connection, name, role)
             await connection.execute(update(roles).where(roles.c.id == role).values(name=name))
             await grant_permissions(connection, OF_ROLES, role, given)
 
-    async def remove(self, role: int) -> str:
+    async def remove_role(self, role: int) -> str:
         """Remove a role; give the name it had.
 
         Raises:
@@ -112,7 +112,7 @@ class Roles:
 
         """
         async with self._database.write() as connection:
-            name, seeded = await _row(connection, role)
+            name, seeded = await _read_role(connection, role)
             if seeded:
                 raise SeededRole(f"the role {name!r} came with the hub and stays")
             people = select(func.count()).select_from(users).where(users.c.role_id == role)
@@ -124,7 +124,7 @@ class Roles:
         return name
 
 
-async def _row(connection: AsyncConnection, role: int) -> tuple[str, bool]:
+async def _read_role(connection: AsyncConnection, role: int) -> tuple[str, bool]:
     found = (
         await connection.execute(select(roles.c.name, roles.c.seeded).where(roles.c.id == role))
     ).first()
@@ -133,7 +133,7 @@ async def _row(connection: AsyncConnection, role: int) -> tuple[str, bool]:
     return found.name, bool(found.seeded)
 
 
-async def _free(connection: AsyncConnection, name: str, but: int) -> None:
+async def _check_name_free(connection: AsyncConnection, name: str, but: int) -> None:
     """Hold a name against those of the other roles, as names of people are compared."""
     others = await connection.execute(select(roles.c.name).where(roles.c.id != but))
     if name_key(name) in {name_key(other) for other in others.scalars()}:

@@ -58,7 +58,9 @@ class Sessions:
         # So long after it began, it is over however much it is used.
         self._life_us = round(settings.life_s * 1e6)
 
-    async def begin(self, user: int, address: str, agent: str = "") -> tuple[str, LiveSession]:
+    async def start_session(
+        self, user: int, address: str, agent: str = ""
+    ) -> tuple[str, LiveSession]:
         """Start a session; give the token for the cookie and whom it stands for."""
         token = new_token()
         hashed = hash_token(token)
@@ -77,10 +79,10 @@ class Sessions:
                 )
             )
             await connection.execute(update(users).where(users.c.id == user).values(used_us=now))
-            found = await self._read(connection, [hashed])
+            found = await self._read_sessions(connection, [hashed])
         return token, found[hashed]
 
-    async def who(self, token: str, *, used: bool = True) -> LiveSession | None:
+    async def find_session(self, token: str, *, used: bool = True) -> LiveSession | None:
         """Tell who holds ``token``; None when it stands for no living session.
 
         Args:
@@ -89,19 +91,19 @@ class Sessions:
 
         """
         hashed = hash_token(token)
-        found = (await self.living([hashed])).get(hashed)
+        found = (await self.live_sessions([hashed])).get(hashed)
         if found is None or not used:
             return found
-        return found._replace(idle_ends_us=await self.touch([found]))
+        return found._replace(idle_ends_us=await self.mark_used([found]))
 
-    async def living(self, hashes: Collection[str]) -> dict[str, LiveSession]:
+    async def live_sessions(self, hashes: Collection[str]) -> dict[str, LiveSession]:
         """Give those of the sessions that are alive, with their people's rights of now."""
         if not hashes:
             return {}
         async with self._database.read() as connection:
-            return await self._read(connection, hashes)
+            return await self._read_sessions(connection, hashes)
 
-    async def touch(self, used: Collection[LiveSession]) -> int:
+    async def mark_used(self, used: Collection[LiveSession]) -> int:
         """Write down that sessions are used; give when they end if nobody does any more (µs)."""
         now = self._now_us()
         old = [session.who for session in used if session.used_us < now - _TOUCH_US]
@@ -119,7 +121,7 @@ class Sessions:
                 )
         return now + self._idle_us
 
-    async def of(self, user: int) -> list[OpenSession]:
+    async def sessions_of(self, user: int) -> list[OpenSession]:
         """List the living sessions of a person, the last used first."""
         async with self._database.read() as connection:
             rows = await connection.execute(
@@ -144,7 +146,7 @@ class Sessions:
             )
         return bool(gone.rowcount)
 
-    async def end(self, hashed: str) -> None:
+    async def end_session(self, hashed: str) -> None:
         """End one session."""
         async with self._database.write() as connection:
             await connection.execute(delete(sessions).where(sessions.c.token_hash == hashed))
@@ -156,7 +158,7 @@ class Sessions:
                 delete(sessions).where(sessions.c.user_id == user, sessions.c.token_hash != keep)
             )
 
-    async def _read(
+    async def _read_sessions(
         self, connection: AsyncConnection, hashes: Collection[str]
     ) -> dict[str, LiveSession]:
         # A person who is disabled is out at once, whatever sessions they have.

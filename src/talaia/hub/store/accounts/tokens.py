@@ -54,7 +54,7 @@ class ApiTokens:
         self._database = database
         self._clock = clock
 
-    async def of(self, user: int) -> list[ApiToken]:
+    async def tokens_of(self, user: int) -> list[ApiToken]:
         """List a person's tokens that have not ended, the newest first."""
         async with self._database.read() as connection:
             rows = (
@@ -73,7 +73,7 @@ class ApiTokens:
             held = await grants_of(connection, OF_TOKENS, [row.id for row in rows])
         return [ApiToken(*row, held[row.id]) for row in rows]
 
-    async def add(
+    async def add_token(
         self, user: int, name: str, ends_us: int, given: Collection[Permission]
     ) -> tuple[int, str] | None:
         """Make a token; give its number and its text, which is never shown again.
@@ -103,7 +103,7 @@ class ApiTokens:
             await grant_permissions(connection, OF_TOKENS, token, given)
         return token, text
 
-    async def remove(self, user: int, token: int) -> str | None:
+    async def revoke_token(self, user: int, token: int) -> str | None:
         """Revoke a person's token; give the name it had, None when they have none such."""
         async with self._database.write() as connection:
             # With the person's number too: nobody removes another's token.
@@ -114,15 +114,15 @@ class ApiTokens:
                 await connection.execute(delete(api_tokens).where(*mine))
         return name
 
-    async def who(self, text: str) -> LiveSession | None:
+    async def find_session(self, text: str) -> LiveSession | None:
         """Tell for whom a token speaks; None when it is unknown, revoked or has ended."""
         key = _NAMED + hash_token(text)
-        found = (await self.living([key])).get(key)
+        found = (await self.live_sessions([key])).get(key)
         if found is not None and found.used_us < self._now_us() - _TOUCH_US:
-            await self._touch(key)
+            await self._mark_token(key)
         return found
 
-    async def living(self, keys: Collection[str]) -> dict[str, LiveSession]:
+    async def live_sessions(self, keys: Collection[str]) -> dict[str, LiveSession]:
         """Give those of the tokens that are good, with what is left of their rights now.
 
         A token never has more than its person has at this moment.
@@ -161,7 +161,7 @@ class ApiTokens:
                     row.user,
                     row.name,
                     row.role,
-                    theirs[row.role_id].limited(asked[row.id].permissions),
+                    theirs[row.role_id].limited_to(asked[row.id].permissions),
                     script=True,
                 ),
                 # Use does not prolong a token, so it has one end.
@@ -172,7 +172,7 @@ class ApiTokens:
             for row in rows
         }
 
-    async def _touch(self, key: str) -> None:
+    async def _mark_token(self, key: str) -> None:
         async with self._database.write() as connection:
             await connection.execute(
                 update(api_tokens)

@@ -14,7 +14,7 @@ from sqlalchemy import delete, insert, select, update
 from talaia.hub.alarms.state_machine import Happened, Phase, State, What
 from talaia.hub.store.alarm_tables import alarm_definitions, alarm_history, alarm_states
 from talaia.hub.store.alarms.notification_outbox import add_notices
-from talaia.hub.store.audit import AuditEntry, append
+from talaia.hub.store.audit import AuditEntry, append_entries
 from talaia.hub.store.safe_text import safe_text
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class AlarmStore:
         """Work on ``database``."""
         self._database = database
 
-    async def states(self) -> dict[tuple[str, str], State]:
+    async def load_states(self) -> dict[tuple[str, str], State]:
         """Give how every alarm stands, by site and alarm."""
         async with self._database.read() as connection:
             rows = await connection.execute(select(alarm_states))
@@ -71,7 +71,7 @@ class AlarmStore:
             for row in found
         }
 
-    async def commit(self, changes: Sequence[AlarmChange], now_us: int) -> None:
+    async def commit_changes(self, changes: Sequence[AlarmChange], now_us: int) -> None:
         """Write states, what happened, and the notices of it, all or nothing."""
         async with self._database.write() as connection:
             entries: list[AuditEntry] = []
@@ -92,7 +92,7 @@ class AlarmStore:
                 else:
                     await connection.execute(update(alarm_states).where(*same).values(**row))
                 for happened in change.happened:
-                    entries.append(_entry(about, happened))
+                    entries.append(_audit_entry(about, happened))
                     added = await connection.execute(
                         insert(alarm_history).values(
                             **key,
@@ -113,9 +113,11 @@ class AlarmStore:
                             now_us=now_us,
                         )
             if entries:
-                await append(connection, entries)
+                await append_entries(connection, entries)
 
-    async def past(self, site: str, alarm: str, limit: int, before: int = 2**62) -> list[Past]:
+    async def alarm_history(
+        self, site: str, alarm: str, limit: int, before: int = 2**62
+    ) -> list[Past]:
         """List what has happened to an alarm, newest first."""
         table = alarm_history
         async with self._database.read() as connection:
@@ -133,13 +135,13 @@ class AlarmStore:
                 for row in rows
             ]
 
-    async def made(self) -> list[MadeAlarm]:
+    async def list_made(self) -> list[MadeAlarm]:
         """List the alarms that were made in the page."""
         async with self._database.read() as connection:
             rows = await connection.execute(select(alarm_definitions))
             return [MadeAlarm(*row) for row in rows]
 
-    async def define(self, made: MadeAlarm) -> None:
+    async def save_made(self, made: MadeAlarm) -> None:
         """Keep an alarm that was made in the page, in place of the one of its name."""
         table = alarm_definitions
         same = (table.c.site == made.site, table.c.alarm == made.alarm)
@@ -147,7 +149,7 @@ class AlarmStore:
             await connection.execute(delete(table).where(*same))
             await connection.execute(insert(table).values(**made._asdict()))
 
-    async def forget(self, site: str, alarm: str) -> bool:
+    async def delete_made(self, site: str, alarm: str) -> bool:
         """Remove an alarm that was made in the page; False when there is none."""
         table = alarm_definitions
         async with self._database.write() as connection:
@@ -157,7 +159,7 @@ class AlarmStore:
         return done.rowcount == 1
 
 
-def _entry(about: About, happened: Happened) -> AuditEntry:
+def _audit_entry(about: About, happened: Happened) -> AuditEntry:
     """Give the line of the logbook."""
     return AuditEntry(
         happened.time_us,

@@ -1,4 +1,7 @@
-"""Ways by which people are told, their rules, and the browsers that take Web Push."""
+"""Ways by which people are told, their rules, and the browsers that take Web Push.
+
+Long, because channels, rules and browsers are bound to each other by one set of statements.
+"""
 
 from __future__ import annotations
 
@@ -76,18 +79,18 @@ class NotifyStore:
         # Passwords of mail servers and the like are sealed in the database.
         self._seal = seal
 
-    async def ways(self) -> list[Way]:
+    async def list_ways(self) -> list[Way]:
         """List the ways, by name."""
         async with self._database.read() as connection:
             rows = await connection.execute(select(notify_ways).order_by(notify_ways.c.name))
-            return [self._way(row) for row in rows]
+            return [self._row_to_way(row) for row in rows]
 
-    async def way(self, number: int) -> tuple[Way, dict[str, str]] | None:
+    async def find_way(self, number: int) -> tuple[Way, dict[str, str]] | None:
         """Give a way with its secrets, for whoever delivers."""
         async with self._database.read() as connection:
             rows = await connection.execute(select(notify_ways).where(notify_ways.c.id == number))
             row = rows.first()
-        return None if row is None else (self._way(row), self._open(row))
+        return None if row is None else (self._row_to_way(row), self._open_secrets(row))
 
     async def put_way(
         self,
@@ -118,7 +121,9 @@ class NotifyStore:
                     row = rows.first()
                     if row is None or row.kind != kind.value:
                         return None
-                    before = {} if _elsewhere(row, settings, secrets) else self._open(row)
+                    before = (
+                        {} if _is_other_server(row, settings, secrets) else self._open_secrets(row)
+                    )
                 kept = {key: said for key, said in {**before, **secrets}.items() if said}
                 values = {
                     "name": name,
@@ -134,7 +139,9 @@ class NotifyStore:
                     number = int(key[0]) if key else 0
                     values = {}
                 # Sealed for its number, which a new one has only now.
-                sealed = self._seal().close(json.dumps(kept), _about_way(number)) if kept else ""
+                sealed = (
+                    self._seal().seal_text(json.dumps(kept), _about_way(number)) if kept else ""
+                )
                 await connection.execute(
                     update(notify_ways)
                     .where(notify_ways.c.id == number)
@@ -150,7 +157,7 @@ class NotifyStore:
             done = await connection.execute(delete(notify_ways).where(notify_ways.c.id == number))
         return done.rowcount == 1
 
-    async def rules(self, user: int) -> list[Rule]:
+    async def rules_of(self, user: int) -> list[Rule]:
         """List a person's rules."""
         async with self._database.read() as connection:
             rows = await connection.execute(
@@ -194,7 +201,7 @@ class NotifyStore:
             )
         return done.rowcount == 1
 
-    async def browsers(self, user: int) -> list[PushBrowser]:
+    async def browsers_of(self, user: int) -> list[PushBrowser]:
         """List the browsers of a person that take messages."""
         async with self._database.read() as connection:
             rows = await connection.execute(
@@ -203,7 +210,7 @@ class NotifyStore:
                 .order_by(push_browsers.c.id)
             )
             found = rows.all()
-        opened = [(row, self._seal().open(row.sealed, row.endpoint_hash)) for row in found]
+        opened = [(row, self._seal().open_text(row.sealed, row.endpoint_hash)) for row in found]
         return [
             PushBrowser(row.id, row.agent, row.created_us, json.loads(text))
             for row, text in opened
@@ -227,7 +234,7 @@ class NotifyStore:
                 insert(push_browsers).values(
                     user_id=user,
                     endpoint_hash=hashed,
-                    sealed=self._seal().close(json.dumps(dict(subscription)), hashed),
+                    sealed=self._seal().seal_text(json.dumps(dict(subscription)), hashed),
                     agent=agent,
                     created_us=now_us,
                 )
@@ -245,20 +252,22 @@ class NotifyStore:
             )
         return done.rowcount == 1
 
-    def _way(self, row: object) -> Way:
+    def _row_to_way(self, row: object) -> Way:
         found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
         return Way(
             found["id"],
             found["name"],
             WayKind(found["kind"]),
             json.loads(found["settings"]),
-            tuple(sorted(self._open(row))),
+            tuple(sorted(self._open_secrets(row))),
         )
 
-    def _open(self, row: object) -> dict[str, str]:
+    def _open_secrets(self, row: object) -> dict[str, str]:
         found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
         text = (
-            self._seal().open(found["sealed"], _about_way(found["id"])) if found["sealed"] else ""
+            self._seal().open_text(found["sealed"], _about_way(found["id"]))
+            if found["sealed"]
+            else ""
         )
         opened: dict[str, str] = json.loads(text) if text else {}
         return opened
@@ -284,7 +293,7 @@ def _about_way(number: int) -> str:
     return f"way {number}"
 
 
-def _elsewhere(row: object, settings: Mapping[str, str], secrets: Mapping[str, str]) -> bool:
+def _is_other_server(row: object, settings: Mapping[str, str], secrets: Mapping[str, str]) -> bool:
     """Tell whether it goes to another server than before.
 
     There a kept secret is of no use: else whoever may change a way could have it sent to a server

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from sqlalchemy import and_, func, insert, or_, select, true, update
 
-from talaia.hub.alarms.rules import Rule, due_us, wants
+from talaia.hub.alarms.rules import Rule, due_us, rule_matches
 from talaia.hub.alarms.state_machine import What
 from talaia.hub.auth.permissions import ANY, Right
 from talaia.hub.auth.tokens import new_token
@@ -121,7 +121,7 @@ async def add_notices(
     wanted = [
         (rule, row.role_id)
         for row in rows
-        if wants(rule := rule_of(row), about.site, about.severity, happened)
+        if rule_matches(rule := rule_of(row), about.site, about.severity, happened)
     ]
     if not wanted:
         return
@@ -129,7 +129,7 @@ async def add_notices(
     told = []
     for rule, role in wanted:
         # A rule gives no right: who may not view it is not told.
-        if not grants[role].may(Right.VIEW, about.site, about.device or ANY):
+        if not grants[role].has_right(Right.VIEW, about.site, about.device or ANY):
             continue
         due = due_us(rule, about.severity, now_us)
         told.append(
@@ -145,7 +145,7 @@ async def add_notices(
                 "what": happened.what.value,
                 "severity": about.severity.value,
                 "title": safe_text(f"{about.site_name}: {about.name}", 200),
-                "text": _text(about, happened),
+                "text": _notice_text(about, happened),
                 "time_us": happened.time_us,
                 "state": NoticeState.PENDING.value,
                 "parcel": "",
@@ -178,7 +178,7 @@ def rule_of(row: object) -> Rule:
     )
 
 
-def _text(about: About, happened: Happened) -> str:
+def _notice_text(about: About, happened: Happened) -> str:
     said = safe_text(happened.message, 1000)
     advice = safe_text(about.advice, 1000) if happened.what is not What.CLEARED else ""
     return f"{said}\n{advice}".strip()
@@ -253,9 +253,9 @@ class NotificationOutbox:
             ).all()
             key = first.parcel or new_token()[:_PARCEL]
             ids = [row.id for row in rows]
-            found_target = await self._target(connection, rows[0])
+            found_target = await self._find_target(connection, rows[0])
             if found_target is None:
-                await self._mark(
+                await self._mark_notices(
                     connection, ids, state=NoticeState.DROPPED, now_us=now_us, problem=""
                 )
                 return OutboxMessage(key, first.rule, 0, 0, "", "UTC", 0, ())
@@ -271,23 +271,25 @@ class NotificationOutbox:
                     tries=notices.c.tries + 1,
                 )
             )
-        told = tuple(_notice(row) for row in rows)
+        told = tuple(_row_to_notice(row) for row in rows)
         tries = max(row.tries for row in rows) + 1
         return OutboxMessage(key, first.rule, rows[0].user_id, way, target, zone, tries, told)
 
-    async def sent(self, parcel: OutboxMessage, now_us: int) -> None:
+    async def mark_sent(self, parcel: OutboxMessage, now_us: int) -> None:
         """It has arrived."""
-        await self._settle(parcel, NoticeState.SENT, now_us, "")
+        await self._settle_notices(parcel, NoticeState.SENT, now_us, "")
 
-    async def failed(self, parcel: OutboxMessage, now_us: int, problem: str) -> None:
+    async def mark_failed(self, parcel: OutboxMessage, now_us: int, problem: str) -> None:
         """It has not arrived, and is not tried again."""
-        await self._settle(parcel, NoticeState.FAILED, now_us, problem)
+        await self._settle_notices(parcel, NoticeState.FAILED, now_us, problem)
 
-    async def unsure(self, parcel: OutboxMessage, now_us: int, problem: str) -> None:
+    async def mark_unsure(self, parcel: OutboxMessage, now_us: int, problem: str) -> None:
         """It may have arrived."""
-        await self._settle(parcel, NoticeState.UNSURE, now_us, problem)
+        await self._settle_notices(parcel, NoticeState.UNSURE, now_us, problem)
 
-    async def again(self, parcel: OutboxMessage, due: int, problem: str, *, same: bool) -> None:
+    async def retry_later(
+        self, parcel: OutboxMessage, due: int, problem: str, *, same: bool
+    ) -> None:
         """It is tried once more, later.
 
         Args:
@@ -309,7 +311,7 @@ class NotificationOutbox:
         async with self._database.write() as connection:
             await connection.execute(update(notices).where(notices.c.id.in_(ids)).values(**values))
 
-    async def recover(self, repeatable: Collection[int], now_us: int) -> int:
+    async def recover_unsent(self, repeatable: Collection[int], now_us: int) -> int:
         """See to what was under way when the hub ended; give how many are left unsure.
 
         By a way in ``repeatable`` it is sent once more, as the very same message.
@@ -330,7 +332,7 @@ class NotificationOutbox:
             )
         return done.rowcount
 
-    async def troubles(self) -> dict[tuple[str, str], str]:
+    async def failed_alarms(self) -> dict[tuple[str, str], str]:
         """Name the alarms of whose latest episode a message failed, with the reason.
 
         What may have been delivered is among them, and what is being tried again.
@@ -367,7 +369,7 @@ class NotificationOutbox:
             return {(row.site, row.alarm): row.problem for row in rows}
 
     @staticmethod
-    async def _target(connection: AsyncConnection, row: object) -> tuple[int, str, str] | None:
+    async def _find_target(connection: AsyncConnection, row: object) -> tuple[int, str, str] | None:
         """Give the way, where to, and the zone; None when rule, person or right are gone."""
         found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
         rows = await connection.execute(
@@ -380,19 +382,19 @@ class NotificationOutbox:
             return None
         # Asked again: rights may have changed since it happened.
         grants = await grants_of(connection, OF_ROLES, {there.role_id})
-        if not grants[there.role_id].may(Right.VIEW, found["site"], found["device"] or ANY):
+        if not grants[there.role_id].has_right(Right.VIEW, found["site"], found["device"] or ANY):
             return None
         return int(there.way), str(there.target), str(there.zone)
 
-    async def _settle(
+    async def _settle_notices(
         self, parcel: OutboxMessage, state: NoticeState, now_us: int, problem: str
     ) -> None:
         ids = [notice.id for notice in parcel.notices]
         async with self._database.write() as connection:
-            await self._mark(connection, ids, state=state, now_us=now_us, problem=problem)
+            await self._mark_notices(connection, ids, state=state, now_us=now_us, problem=problem)
 
     @staticmethod
-    async def _mark(
+    async def _mark_notices(
         connection: AsyncConnection,
         ids: Sequence[int],
         *,
@@ -407,7 +409,7 @@ class NotificationOutbox:
         )
 
 
-def _notice(row: object) -> OutboxNotice:
+def _row_to_notice(row: object) -> OutboxNotice:
     found = row._mapping  # type: ignore[attr-defined]  # noqa: SLF001 - SQLAlchemy's own name
     return OutboxNotice(
         found["id"],

@@ -87,10 +87,10 @@ class PostgresqlDialect:
         names = tuple(rows[0])
         if _has_texts(table, names):
             columns = {name: [row[name] for row in rows] for name in names}
-            connection.execute(_unnest(table, names, in_place), columns)
+            connection.execute(_unnest_insert(table, names, in_place), columns)
             return
         past = on_conflict(table, names) if in_place else ""
-        written = ",".join([f"({','.join(map(_literal, row.values()))})" for row in rows])
+        written = ",".join([f"({','.join(map(_sql_literal, row.values()))})" for row in rows])
         connection.exec_driver_sql(f"{insert_head(table, names)}{written}{past}")
 
     def fetch_columns(self, connection: Connection, query: Query) -> Iterator[Values]:
@@ -169,7 +169,7 @@ def _inline_integers(
     return statement % tuple(f"'{value}'" for value in parameters), ()
 
 
-def _literal(value: float | bytes | None) -> str:
+def _sql_literal(value: float | bytes | None) -> str:
     """Write a value so that PostgreSQL reads the same one."""
     if value is None:
         return "NULL"
@@ -187,7 +187,7 @@ def _has_texts(table: Table, names: tuple[str, ...]) -> bool:
 
 
 @cache
-def _unnest(table: Table, names: tuple[str, ...], in_place: bool) -> TextClause:  # noqa: FBT001
+def _unnest_insert(table: Table, names: tuple[str, ...], in_place: bool) -> TextClause:  # noqa: FBT001
     arrays = ", ".join(f"CAST(:{name} AS {_array_type(table, name)})" for name in names)
     head = insert_head(table, names).removesuffix("VALUES ")
     past = on_conflict(table, names) if in_place else ""

@@ -48,7 +48,7 @@ class Descriptions:
         self._database = database
         self._clock = clock
 
-    async def add(
+    async def add_version(
         self, site: str, text: str, *, gateway: int, who: str = "", note: str = ""
     ) -> int:
         """Write down what counts from now on, unless it is what counted before; give its number."""
@@ -79,7 +79,7 @@ class Descriptions:
             )
         return number
 
-    async def of(self, site: str, below: int = 2**62, most: int = 100) -> list[Version]:
+    async def versions_of(self, site: str, below: int = 2**62, most: int = 100) -> list[Version]:
         """List a site's versions below a number, the newest first."""
         columns = (_table.c[name] for name in Version._fields)
         query = (
@@ -91,14 +91,14 @@ class Descriptions:
         async with self._database.read() as connection:
             return [Version(*row) for row in await connection.execute(query)]
 
-    async def text(self, site: str, number: int) -> str | None:
+    async def version_text(self, site: str, number: int) -> str | None:
         """Give the text of a version; None when there is no such version."""
         query = select(_table.c.text).where(_table.c.site == site, _table.c.number == number)
         async with self._database.read() as connection:
             found = (await connection.execute(query)).scalar()
         return None if found is None else str(found)
 
-    async def count(self, site: str) -> int:
+    async def count_versions(self, site: str) -> int:
         """Tell how many versions there are."""
         query = select(func.count()).where(_table.c.site == site)
         async with self._database.read() as connection:

@@ -25,7 +25,7 @@ class DetectorState:
         self._database = database
         self._clock = clock
 
-    async def of(self, site: str) -> dict[tuple[str, str], bytes]:
+    async def states_of(self, site: str) -> dict[tuple[str, str], bytes]:
         """Give everything kept of a site, by address and detector.
 
         Raises:
@@ -36,7 +36,7 @@ class DetectorState:
             rows = await connection.execute(select(learned).where(learned.c.site == site))
             return {(row.address, row.detector): row.state for row in rows}
 
-    async def save(self, rows: Sequence[tuple[str, str, str, bytes]]) -> None:
+    async def save_states(self, rows: Sequence[tuple[str, str, str, bytes]]) -> None:
         """Keep states in place of those before: site, address, detector, bytes.
 
         Raises:

@@ -65,10 +65,10 @@ class Enrolment:
         self._clock = clock
         self._gate = asyncio.Semaphore(_AT_ONCE)
 
-    async def offer(self, site: str, name: str = "") -> tuple[OpenCode, str]:
+    async def offer_code(self, site: str, name: str = "") -> tuple[OpenCode, str]:
         """Make a code for a gateway of ``site``; give it with its secret, told once."""
         secret = secret_of(secrets.randbits(60))
-        hashed = await self._hash(secret)
+        hashed = await self._hash_in_thread(secret)
         now = self._now_us()
         said = {
             "site": site,
@@ -86,7 +86,7 @@ class Enrolment:
             int(number[0]) if number else 0, site, name, now, now + CODE_LIFE_US
         ), secret
 
-    async def open(self) -> list[OpenCode]:
+    async def list_open(self) -> list[OpenCode]:
         """List the codes that can be used now, the newest first."""
         columns = (codes.c[name] for name in OpenCode._fields)
         async with self._database.read() as connection:
@@ -97,7 +97,7 @@ class Enrolment:
             )
             return [OpenCode(*row) for row in rows]
 
-    async def withdraw(self, number: int) -> OpenCode | None:
+    async def withdraw_code(self, number: int) -> OpenCode | None:
         """Take back a code that was not used; None when there is none."""
         columns = (codes.c[name] for name in OpenCode._fields)
         unused = (codes.c.id == number, codes.c.used_us == 0)
@@ -108,7 +108,7 @@ class Enrolment:
             done = await connection.execute(delete(codes).where(*unused))
         return OpenCode(*row) if done.rowcount else None
 
-    async def redeem(self, secret: str, name: str) -> Enrolled | EnrolmentRefusal:
+    async def redeem_code(self, secret: str, name: str) -> Enrolled | EnrolmentRefusal:
         """Use a code: of two at once exactly one gets a key.
 
         Args:
@@ -116,7 +116,7 @@ class Enrolment:
             name: what the gateway calls itself, where the code was made without a name.
 
         """
-        hashed = await self._hash(secret)
+        hashed = await self._hash_in_thread(secret)
         now = self._now_us()
         async with self._database.write() as connection:
             used = await connection.execute(
@@ -138,13 +138,13 @@ class Enrolment:
             gateway, key, replaced = await add_key(connection, row.site, row.name or name, now)
         return Enrolled(gateway, row.site, key, replaced)
 
-    async def _hash(self, secret: str) -> str:
+    async def _hash_in_thread(self, secret: str) -> str:
         async with self._gate:
-            return await asyncio.to_thread(_hash, secret)
+            return await asyncio.to_thread(_hash_secret, secret)
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000
 
 
-def _hash(secret: str) -> str:
+def _hash_secret(secret: str) -> str:
     return hashlib.scrypt(secret.encode(), salt=_SALT, dklen=32, **_COST).hex()

@@ -45,19 +45,19 @@ class GatewayPresence:
         # Ends the wait between two writes at once.
         self._stopping = asyncio.Event()
 
-    def linked(self, gateway: int, site: str, version: str, address: str) -> None:
+    def record_link(self, gateway: int, site: str, version: str, address: str) -> None:
         """Keep that a gateway has linked."""
         self._gateways.setdefault(gateway, {}).update(
             seen_us=self._now_us(), version=version[:200], address=address[:200]
         )
         self._sites.setdefault(site, {}).update(last_seen_us=self._now_us(), version=version[:200])
 
-    def left(self, gateway: int, site: str) -> None:
+    def record_leave(self, gateway: int, site: str) -> None:
         """Keep that a gateway was there until now."""
         self._gateways.setdefault(gateway, {})["seen_us"] = self._now_us()
         self._sites.setdefault(site, {})["last_seen_us"] = self._now_us()
 
-    def of(self, gateway: int) -> Mapping[str, Any]:
+    def pending_columns(self, gateway: int) -> Mapping[str, Any]:
         """Give what the database does not know yet of a gateway, by column."""
         return self._gateways.get(gateway, {})
 
@@ -69,7 +69,7 @@ class GatewayPresence:
                 async with asyncio.timeout(_EVERY_S):
                     await self._stopping.wait()
             try:
-                await self.write()
+                await self.write_pending()
             except _FAILS as error:
                 if not failing:
                     _LOG.error("when gateways were there cannot be kept for now: %s", error)
@@ -81,7 +81,7 @@ class GatewayPresence:
         """Let `run` write the last and end."""
         self._stopping.set()
 
-    async def write(self) -> None:
+    async def write_pending(self) -> None:
         """Write what there is, in one transaction.
 
         Raises:
@@ -112,15 +112,15 @@ class GatewayPresence:
                             update(table).where(key == bindparam("_key")).values(**change), rows
                         )
         except BaseException:
-            self._gateways = _over(of_gateways, self._gateways)
-            self._sites = _over(of_sites, self._sites)
+            self._gateways = _merge_pending(of_gateways, self._gateways)
+            self._sites = _merge_pending(of_sites, self._sites)
             raise
 
     def _now_us(self) -> int:
         return self._clock.wall_ns() // 1000
 
 
-def _over(
+def _merge_pending(
     older: dict[_Key, dict[str, object]], newer: dict[_Key, dict[str, object]]
 ) -> dict[_Key, dict[str, object]]:
     return {key: {**older.get(key, {}), **newer.get(key, {})} for key in older | newer}

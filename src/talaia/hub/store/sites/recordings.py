@@ -61,23 +61,23 @@ class RecordingList:
         """Work on ``database``."""
         self._database = database
 
-    async def of(self, site: str) -> list[Recorded]:
+    async def recordings_of(self, site: str) -> list[Recorded]:
         """List a site's recordings, the newest first."""
-        return await self._select(_table.c.site == site)
+        return await self._select_recordings(_table.c.site == site)
 
-    async def between(self, site: str, from_us: int, to_us: int) -> list[Recorded]:
+    async def recordings_between(self, site: str, from_us: int, to_us: int) -> list[Recorded]:
         """List what a site has of a stretch of time, the newest first."""
-        return await self._select(
+        return await self._select_recordings(
             _table.c.site == site, _table.c.begin_us <= to_us, _table.c.end_us >= from_us
         )
 
-    async def all(self) -> list[Recorded]:
+    async def list_recordings(self) -> list[Recorded]:
         """List every recording, the newest first."""
-        return await self._select()
+        return await self._select_recordings()
 
-    async def find(self, site: str, name: str) -> Recorded | None:
+    async def find_recording(self, site: str, name: str) -> Recorded | None:
         """Find one."""
-        found = await self._select(_table.c.site == site, _table.c.id == name)
+        found = await self._select_recordings(_table.c.site == site, _table.c.id == name)
         return found[0] if found else None
 
     async def save_recording(self, recorded: Recorded) -> None:
@@ -95,7 +95,7 @@ class RecordingList:
             else:
                 await connection.execute(update(_table).where(*same).values(**row))
 
-    async def remove(self, site: str, name: str) -> bool:
+    async def remove_recording(self, site: str, name: str) -> bool:
         """Delete a row; False when there is none."""
         async with self._database.write() as connection:
             done = await connection.execute(
@@ -103,7 +103,7 @@ class RecordingList:
             )
         return done.rowcount == 1
 
-    async def _select(self, *conditions: object) -> list[Recorded]:
+    async def _select_recordings(self, *conditions: object) -> list[Recorded]:
         columns = (_table.c[name] for name in Recorded._fields)
         query = select(*columns).where(*conditions)  # type: ignore[arg-type]
         async with self._database.read() as connection:

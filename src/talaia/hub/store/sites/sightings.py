@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import and_, delete, func, insert, or_, select, update
 
-from talaia.hub.store.audit import append
+from talaia.hub.store.audit import append_entries
 from talaia.hub.store.tables import sightings
 
 if TYPE_CHECKING:
@@ -138,8 +138,12 @@ class SightingStore:
         entries: list[AuditEntry] = []
         async with self._database.write() as connection:
             for sighting in told:
-                before = await _before(connection, sighting)
-                if before is not None and not sighting.picture and _same(before.sighted, sighting):
+                before = await _find_existing(connection, sighting)
+                if (
+                    before is not None
+                    and not sighting.picture
+                    and _is_unchanged(before.sighted, sighting)
+                ):
                     continue
                 noted_us = before.noted_us if before else 0
                 entry = note(sighting) if sighting.ended_us and not noted_us else None
@@ -150,19 +154,21 @@ class SightingStore:
                     entries.append(entry)
                     noted_us = entry.time_us
                 again = bool(before and before.sighted.ended_us and sighting.ended_us)
-                kept = await _write(connection, sighting, before, noted_us)
+                kept = await _write_sighting(connection, sighting, before, noted_us)
                 written.append(Put(kept, again, entry))
             if entries:
-                await append(connection, entries)
+                await append_entries(connection, entries)
         return written
 
-    async def open(self) -> list[Kept]:
+    async def list_open(self) -> list[Kept]:
         """List all that are in sight."""
         async with self._database.read() as connection:
             rows = await connection.execute(select(*_COLUMNS).where(_table.c.ended_us == 0))
-            return [_kept(row) for row in rows]
+            return [_row_to_sighting(row) for row in rows]
 
-    async def find(self, site: str, asked: SightingsAsked, limit: int) -> tuple[list[Kept], bool]:
+    async def find_sightings(
+        self, site: str, asked: SightingsAsked, limit: int
+    ) -> tuple[list[Kept], bool]:
         """List those that are meant, the last to begin first; tell whether there are more."""
         column = _table.c
         said = [
@@ -195,10 +201,10 @@ class SightingStore:
                 .order_by(column.began_us.desc(), column.id.desc())
                 .limit(limit + 1)
             )
-            found = [_kept(row) for row in rows]
+            found = [_row_to_sighting(row) for row in rows]
         return found[:limit], len(found) > limit
 
-    async def noted(self, site: str, times: Collection[int]) -> list[Kept]:
+    async def find_noted(self, site: str, times: Collection[int]) -> list[Kept]:
         """List those whose lines in the logbook are of these times."""
         if not times:
             return []
@@ -206,9 +212,9 @@ class SightingStore:
             rows = await connection.execute(
                 select(*_COLUMNS).where(_table.c.site == site, _table.c.noted_us.in_(sorted(times)))
             )
-            return [_kept(row) for row in rows]
+            return [_row_to_sighting(row) for row in rows]
 
-    async def seen(self, site: str) -> list[tuple[str, str]]:
+    async def seen_labels(self, site: str) -> list[tuple[str, str]]:
         """List what was ever seen, each camera with each label."""
         column = _table.c
         async with self._database.read() as connection:
@@ -220,7 +226,7 @@ class SightingStore:
             )
             return [(row.camera, row.label) for row in rows]
 
-    async def picture(self, site: str, number: int) -> tuple[str, bytes] | None:
+    async def sighting_picture(self, site: str, number: int) -> tuple[str, bytes] | None:
         """Give a sighting's camera and its picture, which may be empty; None: no such sighting."""
         column = _table.c
         async with self._database.read() as connection:
@@ -233,7 +239,7 @@ class SightingStore:
             ).first()
         return None if row is None else (row.camera, bytes(row.picture or b""))
 
-    async def trim(self, before_us: int, most: int) -> int:
+    async def delete_old(self, before_us: int, most: int) -> int:
         """Forget what was told before a time, and what is more than ``most`` of a site.
 
         What is in sight stays. Gives how many went.
@@ -268,16 +274,16 @@ _SAID = Sighted._fields[:-1]
 _COLUMNS = tuple(_table.c[name] for name in ("id", *_SAID, "noted_us", "pictured"))
 
 
-def _kept(row: Row[Any]) -> Kept:
+def _row_to_sighting(row: Row[Any]) -> Kept:
     sighted = Sighted._make([*(getattr(row, name) for name in _SAID), b""])
     return Kept(row.id, sighted, row.noted_us, bool(row.pictured))
 
 
-def _same(before: Sighted, now: Sighted) -> bool:
+def _is_unchanged(before: Sighted, now: Sighted) -> bool:
     return before._replace(told_us=0) == now._replace(told_us=0)
 
 
-async def _before(connection: AsyncConnection, sighting: Sighted) -> Kept | None:
+async def _find_existing(connection: AsyncConnection, sighting: Sighted) -> Kept | None:
     found = await connection.execute(
         select(*_COLUMNS).where(
             _table.c.site == sighting.site,
@@ -287,10 +293,10 @@ async def _before(connection: AsyncConnection, sighting: Sighted) -> Kept | None
         )
     )
     row = found.first()
-    return None if row is None else _kept(row)
+    return None if row is None else _row_to_sighting(row)
 
 
-async def _write(
+async def _write_sighting(
     connection: AsyncConnection, sighting: Sighted, before: Kept | None, noted_us: int
 ) -> Kept:
     row = {**sighting._asdict(), "noted_us": noted_us}

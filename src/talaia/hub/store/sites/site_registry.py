@@ -98,24 +98,24 @@ class SiteRegistry:
             )
             return rows.scalar()
 
-    async def gateways(self) -> list[KnownGateway]:
+    async def list_gateways(self) -> list[KnownGateway]:
         """List every gateway that has ever had a key, the newest of each site first."""
         columns = (gateways.c[name] for name in KnownGateway._fields)
         async with self._database.read() as connection:
             rows = await connection.execute(
                 select(*columns).order_by(gateways.c.site, gateways.c.id.desc())
             )
-            return [self._known(KnownGateway(*row)) for row in rows]
+            return [self._with_presence(KnownGateway(*row)) for row in rows]
 
-    async def gateway(self, number: int) -> KnownGateway | None:
+    async def find_gateway(self, number: int) -> KnownGateway | None:
         """Find one gateway."""
         columns = (gateways.c[name] for name in KnownGateway._fields)
         async with self._database.read() as connection:
             rows = await connection.execute(select(*columns).where(gateways.c.id == number))
             row = rows.first()
-        return None if row is None else self._known(KnownGateway(*row))
+        return None if row is None else self._with_presence(KnownGateway(*row))
 
-    async def revoke(self, number: int) -> bool:
+    async def revoke_key(self, number: int) -> bool:
         """Make a gateway's key void; False when it was void already, or there is none."""
         async with self._database.write() as connection:
             done = await connection.execute(
@@ -125,7 +125,7 @@ class SiteRegistry:
             )
         return done.rowcount == 1
 
-    async def good(self, numbers: Collection[int]) -> set[int]:
+    async def good_keys(self, numbers: Collection[int]) -> set[int]:
         """Give those of the gateways whose key is still good."""
         async with self._database.read() as connection:
             rows = await connection.execute(
@@ -133,10 +133,10 @@ class SiteRegistry:
             )
             return set(rows.scalars())
 
-    def _known(self, row: KnownGateway) -> KnownGateway:
-        return row._replace(**self.attendance.of(row.id))
+    def _with_presence(self, row: KnownGateway) -> KnownGateway:
+        return row._replace(**self.attendance.pending_columns(row.id))
 
-    async def all(self) -> list[KnownSite]:
+    async def list_sites(self) -> list[KnownSite]:
         """List every site that has ever said hello."""
         async with self._database.read() as connection:
             rows = await connection.execute(

@@ -11,7 +11,14 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
-from talaia.model.units.astronomy import J2000, Observer, altaz, julian_day, precess, sun
+from talaia.model.units.astronomy import (
+    J2000,
+    Observer,
+    equatorial_to_horizontal,
+    julian_day,
+    precess_coordinates,
+    sun_position,
+)
 from talaia.sim.observatory.models.fits import Card, fits_file
 from talaia.sim.observatory.models.stars import Chip, Shot, draw_picture
 from talaia.sim.observatory.models.ticket import Ticket
@@ -108,7 +115,7 @@ class CcdCamera:
 
     # ── what may be asked ──
 
-    def expose(self, seconds: float, frame: str = "light", target: str = "") -> Ticket:
+    def start_exposure(self, seconds: float, frame: str = "light", target: str = "") -> Ticket:
         """Begin an exposure (s)."""
         if frame not in FRAMES:
             return Ticket.refused(f"frame {frame!r}: expected one of {', '.join(FRAMES)}")
@@ -125,21 +132,21 @@ class CcdCamera:
         self._ticket = Ticket()
         return self._ticket
 
-    def abort(self) -> Ticket:
+    def abort_exposure(self) -> Ticket:
         """End an exposure without a picture."""
         was = self.state
         self.state, self.remaining, self._begun = "idle", 0.0, None
-        self._ticket.end("the exposure was aborted", good=False)
+        self._ticket.end_with("the exposure was aborted", good=False)
         return Ticket.done("the camera was idle" if was == "idle" else "the exposure was aborted")
 
-    def cool(self, celsius: float) -> Ticket:
+    def cool_to(self, celsius: float) -> Ticket:
         """Hold the chip at a temperature (°C)."""
         if not -40.0 <= celsius <= 20.0:
             return Ticket.refused(f"temperature {celsius:g} °C: expected -40 to 20 °C")
         self.setpoint, self.cooling = celsius, True
         return Ticket.done(f"the camera is cooled to {celsius:g} °C")
 
-    def cooler(self, on: bool) -> Ticket:  # noqa: FBT001 - a switch, as the service has it
+    def switch_cooler(self, on: bool) -> Ticket:  # noqa: FBT001 - a switch, as the service has it
         """Switch the cooler."""
         self.cooling = on
         return Ticket.done(f"the cooler is {'on' if on else 'off'}")
@@ -167,13 +174,13 @@ class CcdCamera:
             self._count += 1
             self.newest = self._read_out(begun)
             self.state, self._begun = "idle", None
-            self._ticket.end(f"{self.newest.name} is taken", good=True)
+            self._ticket.end_with(f"{self.newest.name} is taken", good=True)
 
     def _read_out(self, begun: _Begun) -> Picture:
         scene, place = begun.scene, begun.scene.place
         jd = julian_day(begun.unix)
-        ra, dec = precess(scene.ra, scene.dec, jd, J2000)
-        sun_alt = altaz(*sun(jd), place, jd).alt
+        ra, dec = precess_coordinates(scene.ra, scene.dec, jd, J2000)
+        sun_alt = equatorial_to_horizontal(*sun_position(jd), place, jd).alt
         # About a factor of 2.5 for each degree of twilight; by day it is kept at what a narrow
         # filter lets through, or nobody would ever see a star in a demo that is shown by day.
         sky = 2.0 * min(30.0, 2.5 ** max(0.0, sun_alt + 15.0))
@@ -196,7 +203,7 @@ class CcdCamera:
 
     def _fits_cards(self, begun: _Begun, shot: Shot, jd: float) -> list[Card]:
         chip, scene = self.chip, begun.scene
-        at = altaz(scene.ra, scene.dec, scene.place, jd)
+        at = equatorial_to_horizontal(scene.ra, scene.dec, scene.place, jd)
         when = datetime.fromtimestamp(begun.unix, UTC)
         scale = chip.scale / 3600.0
         cards: list[Card] = [

@@ -46,23 +46,23 @@ class Shell:
         """Tell what its end switch says."""
         return self.lying == "closed" if self.lying else self.position <= 0.0
 
-    def begin(self) -> None:
+    def start_motor(self) -> None:
         """Switch its motor on."""
         self._stalled_s = 0.0
 
-    def arrived(self, wanted: float) -> bool:
+    def has_arrived(self, wanted: float) -> bool:
         """Tell whether it is where it is wanted; closed is what its end switch says."""
         return self.closed if wanted == 0.0 else self.position >= 1.0
 
-    def move(self, wanted: float, *, reach: float, seconds: float) -> bool:
+    def move_step(self, wanted: float, *, reach: float, seconds: float) -> bool:
         """Drive it for a step, ``reach`` at most; tell whether its motor is switched off."""
-        if self.arrived(wanted):
+        if self.has_arrived(wanted):
             return True
         before = self.position
         self.position = min(1.0, max(0.0, before + max(-reach, min(reach, wanted - before))))
         # A motor that draws current and does not turn is switched off by its controller.
         self._stalled_s = 0.0 if self.position != before else self._stalled_s + seconds
-        return self._stalled_s >= STALL_S or self.arrived(wanted)
+        return self._stalled_s >= STALL_S or self.has_arrived(wanted)
 
 
 class Clamshell(SimulatedEnclosure):
@@ -97,7 +97,7 @@ class Clamshell(SimulatedEnclosure):
 
     def _begin_move(self, wanted: float, already: str) -> Ticket:
         for shell in self.shells.values():
-            shell.begin()
+            shell.start_motor()
         return super()._begin_move(wanted, already)
 
     def _step_shutter(self, wanted: float, seconds: float) -> None:
@@ -105,16 +105,16 @@ class Clamshell(SimulatedEnclosure):
         for shell in self.shells.values():
             # All of it is stuck, or this shell alone.
             reach = 0.0 if self.stuck or shell.stuck else seconds / self.can.shutter_s
-            done.append(shell.move(wanted, reach=reach, seconds=seconds))
+            done.append(shell.move_step(wanted, reach=reach, seconds=seconds))
         self.position = max(shell.position for shell in self.shells.values())
         if not all(done):
             return
         self.wanted = None
         # A shell that has stalled has also ended; whether it arrived is asked now.
-        failed = [shell.name for shell in self.shells.values() if not shell.arrived(wanted)]
+        failed = [shell.name for shell in self.shells.values() if not shell.has_arrived(wanted)]
         if failed:
             self._error = True
             shells = " and ".join(failed)
-            self._shutter.end(f"stuck: {shells}; no end switch was reached", good=False)
+            self._shutter.end_with(f"stuck: {shells}; no end switch was reached", good=False)
             return
-        self._shutter.end("the dome is opened" if wanted else "the dome is closed", good=True)
+        self._shutter.end_with("the dome is opened" if wanted else "the dome is closed", good=True)

@@ -142,7 +142,7 @@ class SimulatedEnclosure:
     def _begin_move(self, wanted: float, already: str) -> Ticket:
         if self.local:
             return Ticket.refused("the dome is under local control; nothing moves from afar")
-        self._shutter.end("another command came", good=False)
+        self._shutter.end_with("another command came", good=False)
         self._error = self._stopped = False
         self._stalled = 0.0
         # Asked of the sensor, as a real controller does: one that lies makes this wrong.
@@ -153,7 +153,7 @@ class SimulatedEnclosure:
         self._shutter = Ticket()
         return self._shutter
 
-    def turn(self, azimuth: float) -> Ticket:
+    def turn_to(self, azimuth: float) -> Ticket:
         """Turn the slit to an azimuth (°, 0 to 360)."""
         if not self.can.can_rotate:
             return Ticket.refused("this enclosure does not turn")
@@ -163,21 +163,21 @@ class SimulatedEnclosure:
             return Ticket.refused("the dome is under local control; nothing moves from afar")
         if self.lost:
             return Ticket.refused("the encoder is lost; the dome does not know where it is")
-        self._turn.end("another command came", good=False)
+        self._turn.end_with("another command came", good=False)
         self._to = azimuth % 360.0
         self._turn = Ticket()
         return self._turn
 
     def park(self) -> Ticket:
         """Turn to the park position. The shutter stays as it is: parked is not closed."""
-        return self.turn(self.PARK_AZIMUTH)
+        return self.turn_to(self.PARK_AZIMUTH)
 
     def stop(self) -> Ticket:
         """Stop all motion."""
         moving = self.wanted is not None or self._to is not None
         self.wanted = self._to = None
         for ticket in (self._shutter, self._turn):
-            ticket.end("the dome was stopped", good=False)
+            ticket.end_with("the dome was stopped", good=False)
         return Ticket.done("the dome is stopped" if moving else "the dome was not moving")
 
     # ── time ──
@@ -198,7 +198,7 @@ class SimulatedEnclosure:
             self._stalled += seconds
             if self._stalled >= 2.0:
                 self.wanted, self._error = None, True
-                self._shutter.end("the shutter is stuck", good=False)
+                self._shutter.end_with("the shutter is stuck", good=False)
             return
         shutter, flap = seconds / self.can.shutter_s, seconds / self.can.flap_s
         # The flap opens last and closes first.
@@ -210,19 +210,21 @@ class SimulatedEnclosure:
             self.position = _step_toward(self.position, wanted, shutter)
         if self.position == wanted and (not self.can.has_flap or self.flap == wanted):
             self.wanted = None
-            self._shutter.end("the dome is opened" if wanted else "the dome is closed", good=True)
+            self._shutter.end_with(
+                "the dome is opened" if wanted else "the dome is closed", good=True
+            )
 
     def _step_turn(self, to: float, seconds: float) -> None:
         if self.lost:
             self._to = None
-            self._turn.end("the encoder was lost; the dome has stopped", good=False)
+            self._turn.end_with("the encoder was lost; the dome has stopped", good=False)
             return
         # The shorter way round, -180 to 180°.
         way = (to - self.azimuth + 180.0) % 360.0 - 180.0
         reach = self.can.rate * seconds
         if abs(way) <= reach:
             self.azimuth, self._to = to, None
-            self._turn.end(f"the dome is at {to:.1f} °", good=True)
+            self._turn.end_with(f"the dome is at {to:.1f} °", good=True)
         else:
             self.azimuth = (self.azimuth + math.copysign(reach, way)) % 360.0
 

@@ -27,7 +27,7 @@ class Power:
         """Give what all outlets draw (W)."""
         return sum(watt for watt, on in zip(_WATT, self.on, strict=True) if on)
 
-    def switch(self, outlet: int, *, on: bool) -> Ticket:
+    def switch_outlet(self, outlet: int, *, on: bool) -> Ticket:
         """Switch an outlet, counted from 1."""
         if not 1 <= outlet <= len(OUTLETS):
             return Ticket.refused(f"outlet {outlet}: expected 1 to {len(OUTLETS)}")
@@ -36,9 +36,9 @@ class Power:
         self.on[outlet - 1] = on
         return Ticket.done(f"outlet {outlet} ({OUTLETS[outlet - 1]}) is {'on' if on else 'off'}")
 
-    def reboot(self, outlet: int) -> Ticket:
+    def reboot_outlet(self, outlet: int) -> Ticket:
         """Switch an outlet off, and on again after some seconds."""
-        ticket = self.switch(outlet, on=False)
+        ticket = self.switch_outlet(outlet, on=False)
         if ticket.good:
             self._again[outlet] = self.REBOOT_S
         return ticket
@@ -48,8 +48,8 @@ class Power:
         for outlet, left in list(self._again.items()):
             self._again[outlet] = left - seconds
             if left <= seconds:
-                self.switch(outlet, on=True)
+                self.switch_outlet(outlet, on=True)
 
-    def words(self) -> str:
+    def outlet_words(self) -> str:
         """Give all outlets in one line."""
         return " ".join(f"{n}:{'on' if on else 'off'}" for n, on in enumerate(self.on, 1))

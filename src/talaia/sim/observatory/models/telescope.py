@@ -12,11 +12,11 @@ from typing import NamedTuple
 from talaia.model.units.astronomy import (
     Horizontal,
     Observer,
-    altaz,
+    angular_separation,
+    equatorial_to_horizontal,
+    horizontal_to_equatorial,
     julian_day,
-    radec,
-    separation,
-    sun,
+    sun_position,
 )
 from talaia.sim.observatory.models.ticket import Ticket
 
@@ -77,12 +77,12 @@ class Telescope:
     @property
     def radec(self) -> tuple[float, float]:
         """Give where it points: right ascension (h) and declination (°) of date."""
-        return radec(self.at.alt, self.at.az, self.place, self.jd)
+        return horizontal_to_equatorial(self.at.alt, self.at.az, self.place, self.jd)
 
     @property
     def sun(self) -> Horizontal:
         """Give where the Sun is."""
-        return altaz(*sun(self.jd), self.place, self.jd)
+        return equatorial_to_horizontal(*sun_position(self.jd), self.place, self.jd)
 
     @property
     def target(self) -> tuple[float, float] | None:
@@ -97,7 +97,7 @@ class Telescope:
             return Ticket.refused(f"RA {ra:g} h: expected 0 to 24 h")
         if not -90.0 <= dec <= 90.0:
             return Ticket.refused(f"Dec {dec:g}: expected -90 to 90 °")
-        return self._begin_slew(altaz(ra, dec, self.place, self.jd), (ra, dec))
+        return self._begin_slew(equatorial_to_horizontal(ra, dec, self.place, self.jd), (ra, dec))
 
     def goto_altaz(self, alt: float, az: float) -> Ticket:
         """Slew to a place above the horizon (°) and stand there."""
@@ -111,7 +111,7 @@ class Telescope:
         problem = self._target_problem(to)
         if problem:
             return Ticket.refused(problem)
-        self._ticket.end("another command came", good=False)
+        self._ticket.end_with("another command came", good=False)
         self._target = target
         self._stand = to
         self.state = "slewing"
@@ -123,7 +123,7 @@ class Telescope:
             return (
                 f"the target stands at {to.alt:.1f} °, below the limit of {self.limits.horizon:g} °"
             )
-        away = separation(to, self.sun)
+        away = angular_separation(to, self.sun)
         # Below the horizon the Earth is in the way, but not by much: twilight counts as day.
         if self.sun.alt > -6.0:
             if away < self.limits.sun:
@@ -135,12 +135,12 @@ class Telescope:
 
     def _passes_sun(self, to: Horizontal) -> bool:
         now = self.at
-        if separation(now, self.sun) < self.limits.sun:
+        if angular_separation(now, self.sun) < self.limits.sun:
             return False  # it is there already; every way out is better than staying
         # Steps of 2° are far finer than the Sun's limit, so that no passage falls between two.
         while _angle_between(now, to) > 0.5:
             now = _moved_axes(now, to, 2.0)
-            if separation(now, self.sun) < self.limits.sun:
+            if angular_separation(now, self.sun) < self.limits.sun:
                 return True
         return False
 
@@ -148,7 +148,7 @@ class Telescope:
         """Go to the park position, and refuse to slew until it is unparked."""
         if self.state == "parked":
             return Ticket.done("the telescope is parked")
-        self._ticket.end("the telescope parks", good=False)
+        self._ticket.end_with("the telescope parks", good=False)
         self._target, self._stand = None, self.PARK
         self.state = "parking"
         self._ticket = Ticket()
@@ -162,7 +162,7 @@ class Telescope:
             self.state = "idle"
         return Ticket.done("the telescope is not parked")
 
-    def track(self, on: bool) -> Ticket:  # noqa: FBT001 - a switch, as the service has it
+    def set_tracking(self, on: bool) -> Ticket:  # noqa: FBT001 - a switch, as the service has it
         """Follow the sky from here, or stand."""
         if self.state in ("parked", "parking"):
             return Ticket.refused("the telescope is parked; unpark it first")
@@ -179,7 +179,7 @@ class Telescope:
         if self.state != "parked":
             self.state = "idle"
         self._target = None
-        self._ticket.end("the telescope was stopped", good=False)
+        self._ticket.end_with("the telescope was stopped", good=False)
         return Ticket.done("the telescope is stopped")
 
     # ── time ──
@@ -191,35 +191,37 @@ class Telescope:
             # The sky turns while the mount slews: the goal is reckoned anew at each step.
             to = self._stand
             if self._target is not None:
-                to = altaz(*self._target, self.place, self.jd)
+                to = equatorial_to_horizontal(*self._target, self.place, self.jd)
             if not self.stuck:
                 self.at = _moved_axes(self.at, to, self.limits.rate * seconds)
             # `_moved_axes` ends at the goal itself; the rest is rounding.
             if _angle_between(self.at, to) < 1e-6:
                 self._finish_slew()
         elif self.state == "tracking" and self._target is not None:
-            to = altaz(*self._target, self.place, self.jd)
+            to = equatorial_to_horizontal(*self._target, self.place, self.jd)
             problem = self._problem_of_tracking(to)
             if problem:
                 self._target, self.state = None, "idle"
-                self._ticket.end(problem, good=False)
+                self._ticket.end_with(problem, good=False)
             else:
                 self.at = to
 
     def _problem_of_tracking(self, to: Horizontal) -> str:
         if to.alt < self.limits.horizon:
             return "tracking ended at the horizon limit"
-        if self.sun.alt > -6.0 and separation(to, self.sun) < self.limits.sun:
+        if self.sun.alt > -6.0 and angular_separation(to, self.sun) < self.limits.sun:
             return "tracking ended at the Sun's limit"
         return ""
 
     def _finish_slew(self) -> None:
         if self.state == "parking":
             self.state = "parked"
-            self._ticket.end("the telescope is parked", good=True)
+            self._ticket.end_with("the telescope is parked", good=True)
             return
         self.state = "tracking" if self._target is not None else "idle"
-        self._ticket.end(f"the telescope is at Alt:{self.at.alt:f} Az:{self.at.az:f}", good=True)
+        self._ticket.end_with(
+            f"the telescope is at Alt:{self.at.alt:f} Az:{self.at.az:f}", good=True
+        )
 
 
 def _angle_between(now: Horizontal, to: Horizontal) -> float:

@@ -21,7 +21,7 @@ class Ticket:
         self.good = False
         self.message = ""
 
-    def end(self, message: str, *, good: bool) -> Ticket:
+    def end_with(self, message: str, *, good: bool) -> Ticket:
         """End it; the first end counts."""
         if not self.ended:
             self.ended, self.good, self.message = True, good, message
@@ -30,9 +30,9 @@ class Ticket:
     @classmethod
     def done(cls, message: str) -> Ticket:
         """Give one that ended well at once."""
-        return cls().end(message, good=True)
+        return cls().end_with(message, good=True)
 
     @classmethod
     def refused(cls, message: str) -> Ticket:
         """Give one that never began."""
-        return cls().end(message, good=False)
+        return cls().end_with(message, good=False)

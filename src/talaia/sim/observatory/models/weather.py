@@ -59,7 +59,7 @@ class Weather:
         self._unix = unix_s
         self.step(0.0, unix_s)
 
-    def force(self, what: str) -> str:
+    def force_weather(self, what: str) -> str:
         """Make it bad or good by one of `FORCES`, or let it go with an empty word.
 
         Returns:
@@ -105,7 +105,7 @@ class Weather:
         """Give the dew point (°C)."""
         return dew_point(self.temperature, self.humidity)
 
-    def words(self) -> tuple[str, str]:
+    def weather_words(self) -> tuple[str, str]:
         """Give the weather in a word and in two, as weather services do."""
         if self.rain > 0.0:
             return "Rain", "heavy rain" if self.rain > 2.0 else "light rain"
@@ -114,10 +114,10 @@ class Weather:
                 return "Clouds", word
         return ("Clouds", "few clouds") if self.clouds >= 11.0 else ("Clear", "clear sky")
 
-    def info(self) -> str:
+    def weather_info(self) -> str:
         """Give the founding design's list: words, °C, hPa, %, m/s, gust, dew point, mm/h, cover."""
         values = (
-            *self.words(),
+            *self.weather_words(),
             f"{self.temperature:.2f}",
             f"{self.pressure:.0f}",
             f"{self.humidity:.0f}",

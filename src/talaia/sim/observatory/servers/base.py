@@ -85,14 +85,14 @@ class Server:
         self.powered = True
         if self.outlet:
             # The outlet says by a topic whether it gives power.
-            self.hears[f"/pdu/on{self.outlet}"] = (bool, self.feed)
+            self.hears[f"/pdu/on{self.outlet}"] = (bool, self.set_power)
 
     @property
     def silent(self) -> bool:
         """Tell whether nothing is published."""
         return self.hanging or not self.powered
 
-    def feed(self, on: bool) -> None:  # noqa: FBT001 - a topic's value
+    def set_power(self, on: bool) -> None:  # noqa: FBT001 - a topic's value
         """Take power, or lose it: what moved stands, and nothing goes on when power is back."""
         if self.powered and not on:
             self.lose_power()
@@ -117,11 +117,11 @@ class Server:
         """Give how its hardware really stands, for the ledger; empty when nobody wants to know."""
         return ""
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Give what is published now, by the topic's name below the server's."""
         return {}
 
-    def frame(self, *, watched: bool) -> ImageFrame | None:
+    def take_frame(self, *, watched: bool) -> ImageFrame | None:
         """Give a picture that nobody was given yet; ``watched`` tells whether anybody looks."""
         del watched
         return None
@@ -129,7 +129,7 @@ class Server:
     def step(self, seconds: float, unix_s: float) -> None:
         """Let time pass."""
 
-    def fault(self, word: str) -> str:
+    def inject_fault(self, word: str) -> str:
         """Bring a fault about, or end all with ``ok``; give what is wrong with the word."""
         if word == "hang":
             self.hanging = True

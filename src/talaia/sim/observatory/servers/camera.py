@@ -34,12 +34,12 @@ class CameraServer(Server):
         self._last = ""
         self.triggers = {
             "status": lambda: Ticket.done(f"{model.state} {model.remaining:.1f}"),
-            "abort": model.abort,
+            "abort": model.abort_exposure,
         }
-        self.switches = {"cooler": model.cooler}
+        self.switches = {"cooler": model.switch_cooler}
         self.asks = {
-            "expose": Ask({"seconds": 0.0, "frame": "light", "target": ""}, model.expose),
-            "cool": Ask({"celsius": 0.0}, model.cool),
+            "expose": Ask({"seconds": 0.0, "frame": "light", "target": ""}, model.start_exposure),
+            "cool": Ask({"celsius": 0.0}, model.cool_to),
         }
         # The model's own: what is heard here stands in the header of the next exposure.
         scene = model.scene
@@ -56,10 +56,10 @@ class CameraServer(Server):
 
     def lose_power(self) -> None:
         """Lose the exposure, and the cold."""
-        self.model.abort()
-        self.model.cooler(False)  # noqa: FBT003 - a switch, as the service has it
+        self.model.abort_exposure()
+        self.model.switch_cooler(False)  # noqa: FBT003 - a switch, as the service has it
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Give its state."""
         model = self.model
         return {
@@ -72,7 +72,7 @@ class CameraServer(Server):
             "file": self._last,
         }
 
-    def frame(self, *, watched: bool) -> ImageFrame | None:
+    def take_frame(self, *, watched: bool) -> ImageFrame | None:
         """Give a new picture once, watched or not: it is a file as well."""
         del watched
         newest = self.model.newest

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from talaia.model.units.astronomy import altaz, julian_day, sun
+from talaia.model.units.astronomy import equatorial_to_horizontal, julian_day, sun_position
 from talaia.sim.observatory.models import cctv
 from talaia.sim.observatory.models.power import OUTLETS
 from talaia.sim.observatory.models.ticket import Ticket
@@ -72,7 +72,7 @@ class CctvServer(Server):
     def _see_lamp(self, on: bool) -> None:  # noqa: FBT001 - a topic's value
         self._lamp = on
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Say that it sees."""
         return {"status": "live"}
 
@@ -80,11 +80,11 @@ class CctvServer(Server):
         """Let time pass."""
         self._since += seconds
         jd = julian_day(unix_s)
-        height = altaz(*sun(jd), self._place, jd).alt
+        height = equatorial_to_horizontal(*sun_position(jd), self._place, jd).alt
         # Night until the Sun is 12° below the horizon, day from 6° above.
         self._light = min(1.0, max(0.0, (height + 12.0) / 18.0))
 
-    def frame(self, *, watched: bool) -> ImageFrame | None:
+    def take_frame(self, *, watched: bool) -> ImageFrame | None:
         """Give a picture once a second while somebody looks."""
         if not watched or self._since < self.EVERY_S:
             return None

@@ -43,7 +43,7 @@ class DomeServer(Server):
         }
         if model.can.can_rotate:
             self.triggers["park"] = model.park
-            self.asks = {"goto": Ask({"azimuth": 0.0}, model.turn)}
+            self.asks = {"goto": Ask({"azimuth": 0.0}, model.turn_to)}
 
     def lose_power(self) -> None:
         """Stand wherever it is."""
@@ -54,7 +54,7 @@ class DomeServer(Server):
         """Give where shutter and flap are."""
         return self.model.truth
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Give its sensors."""
         dome = self.model
         values: dict[str, Value] = {
@@ -78,8 +78,8 @@ class DomeServer(Server):
             self.own_acts.append(("close", self.model.close()))
         self.model.step(seconds)
 
-    def fault(self, word: str) -> str:
-        """See `Server.fault`: stuck, encoder, lying closed, lying opened, local."""
+    def inject_fault(self, word: str) -> str:
+        """See `Server.inject_fault`: stuck, encoder, lying closed, lying opened, local."""
         dome = self.model
         if word == "stuck":
             dome.stuck = True
@@ -93,7 +93,7 @@ class DomeServer(Server):
             if word == "ok":
                 dome.stuck = dome.lost = dome.local = False
                 dome.lying = ""
-            return super().fault(word)
+            return super().inject_fault(word)
         return ""
 
 
@@ -106,23 +106,23 @@ class ClamshellServer(DomeServer):
         """Offer what a clamshell does."""
         super().__init__(model)
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Give its sensors, then those of each shell."""
-        values = dict(super().topics())
+        values = dict(super().topic_values())
         for name, shell in self.model.shells.items():
             values[f"{name}_closed"] = shell.closed
             values[f"{name}_position"] = round(shell.position * 100.0, 1)
         return values
 
-    def fault(self, word: str) -> str:
-        """See `Server.fault`: what a dome may suffer, and of one shell ``west stuck`` and such."""
+    def inject_fault(self, word: str) -> str:
+        """See `Server.inject_fault`: what a dome may suffer, and ``west stuck`` of one shell."""
         name, _, what = word.partition(" ")
         shell = self.model.shells.get(name)
         if shell is None:
             if word == "ok":
                 for other in self.model.shells.values():
                     other.stuck, other.lying = False, ""
-            return super().fault(word)
+            return super().inject_fault(word)
         if what == "stuck":
             shell.stuck = True
         elif what in ("lying closed", "lying opened"):

@@ -26,16 +26,18 @@ class PowerServer(Server):
         """Offer a switch for each outlet."""
         super().__init__()
         self.model = model
-        self.triggers = {"status": lambda: Ticket.done(model.words())}
+        self.triggers = {"status": lambda: Ticket.done(model.outlet_words())}
         for number in range(1, len(OUTLETS) + 1):
             self.switches[f"outlet{number}"] = self._outlet_switch(number)
         # Requests have numbers as floats; an outlet is a whole one.
-        self.asks = {"reboot": Ask({"outlet": 1.0}, lambda outlet: model.reboot(int(outlet)))}
+        self.asks = {
+            "reboot": Ask({"outlet": 1.0}, lambda outlet: model.reboot_outlet(int(outlet)))
+        }
 
     def _outlet_switch(self, number: int) -> Callable[[bool], Ticket]:
-        return lambda on: self.model.switch(number, on=on)
+        return lambda on: self.model.switch_outlet(number, on=on)
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Give the outlets."""
         outlets: dict[str, Value] = {f"on{n}": on for n, on in enumerate(self.model.on, 1)}
         return {**outlets, "power": self.model.watt}

@@ -53,20 +53,20 @@ class GlobalServer(Server):
         self.triggers["park"] = lambda: self._begin_sequence("parking", *park)
 
     def _begin_sequence(self, name: str, *steps: tuple[str, str]) -> Ticket:
-        self._ticket.end("another command came", good=False)
+        self._ticket.end_with("another command came", good=False)
         self._ticket, self._steps, self._name = Ticket(), list(steps), name
         self._under_way, self._failed = None, []
         return self._ticket
 
     def _stop_all(self) -> Ticket:
-        self._ticket.end("the observatory was stopped", good=False)
+        self._ticket.end_with("the observatory was stopped", good=False)
         self._steps, self._name, self._under_way = [], "", None
         # Not waited for: a stop has to reach both.
         for device in ("dome", "telescope"):
             self._call(device, "stop")
         return Ticket.done("the observatory is stopped")
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Say what it does."""
         return {"status": self._name or "idle"}
 
@@ -89,5 +89,5 @@ class GlobalServer(Server):
             self._left = self.WITHIN_S
             return
         said = "; ".join(self._failed) or f"{self._name} is done"
-        self._ticket.end(said, good=not self._failed)
+        self._ticket.end_with(said, good=not self._failed)
         self._name = ""

@@ -35,7 +35,7 @@ class TelescopeServer(Server):
             "unpark": model.unpark,
             "stop": model.stop,
         }
-        self.switches = {"track": model.track}
+        self.switches = {"track": model.set_tracking}
         self.asks = {
             "goto": Ask({"ra": 0.0, "dec": 0.0}, model.goto),
             "goto_altaz": Ask({"alt": 0.0, "az": 0.0}, model.goto_altaz),
@@ -45,7 +45,7 @@ class TelescopeServer(Server):
         """Stand wherever it is."""
         self.model.stop()
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Give its encoders."""
         ra, dec = self.model.radec
         away = self.model.sun
@@ -64,8 +64,8 @@ class TelescopeServer(Server):
         """Let time pass."""
         self.model.step(seconds, unix_s)
 
-    def fault(self, word: str) -> str:
-        """See `Server.fault`: stuck."""
+    def inject_fault(self, word: str) -> str:
+        """See `Server.inject_fault`: stuck."""
         if word in ("stuck", "ok"):
             self.model.stuck = word == "stuck"
-        return "" if word == "stuck" else super().fault(word)
+        return "" if word == "stuck" else super().inject_fault(word)

@@ -42,9 +42,9 @@ class WeatherServer(Server):
         self._stamps_stand = False
         # When it measured last (s, UTC).
         self._stamp_s = 0.0
-        self.triggers = {"info": lambda: Ticket.done(model.info())}
+        self.triggers = {"info": lambda: Ticket.done(model.weather_info())}
 
-    def topics(self) -> Mapping[str, Value]:
+    def topic_values(self) -> Mapping[str, Value]:
         """Give its sensors."""
         values: dict[str, Value] = {
             quantity: float(getattr(self.model, quantity)) for quantity in self.VALUES
@@ -53,7 +53,7 @@ class WeatherServer(Server):
             **values,
             "stamped": Stamped(self.model.temperature, self._stamp_s),
             "raining": self.model.rain > 0.0,
-            "description": self.model.words()[1],
+            "description": self.model.weather_words()[1],
             # Last, so that they win.
             **self._said_instead,
         }
@@ -73,8 +73,8 @@ class WeatherServer(Server):
             return f"{number!r} is not a number"
         return ""
 
-    def fault(self, word: str) -> str:
-        """See `Server.fault`: lying, and the weathers that can be forced.
+    def inject_fault(self, word: str) -> str:
+        """See `Server.inject_fault`: lying, and the weathers that can be forced.
 
         ``set wind -999`` says that number instead of what is measured, ``freeze`` goes on with
         the same numbers bit for bit, ``old stamps`` with the same time of measuring.
@@ -93,9 +93,9 @@ class WeatherServer(Server):
             self.model.lying = True
             return ""
         if word in FORCES:
-            return self.model.force(word)
+            return self.model.force_weather(word)
         if word == "ok":
             self.model.lying = self._stamps_stand = False
             self._said_instead.clear()
-            self.model.force("")
-        return super().fault(word)
+            self.model.force_weather("")
+        return super().inject_fault(word)

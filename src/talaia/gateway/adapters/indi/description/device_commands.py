@@ -69,7 +69,7 @@ def _has_all_of(device: IndiDevice, row: CommandRow) -> bool:
     wanted = [name for name, _ in row.fixed] + ([row.element] if row.element else [])
     for field in wanted:
         before, _, element = field.rpartition("/")
-        if device.value(before or row.target, element) is None:
+        if device.element_value(before or row.target, element) is None:
             return False
     return True
 
@@ -128,7 +128,7 @@ def _pointing_commands(device: IndiDevice) -> dict[str, Command]:
         ("TRACK", "goto", "Go to", 600.0),
         ("SYNC", "sync", "Sync", 15.0),
     ):
-        if device.value("ON_COORD_SET", element) is None:
+        if device.element_value("ON_COORD_SET", element) is None:
             continue
         # One property does both: what it means was set just before (ON_COORD_SET).
         made[word] = Command(
@@ -167,7 +167,7 @@ def _expose_command(device: IndiDevice) -> Command:
             default="Light",
             max_length=20,
         )
-    if device.value("FITS_HEADER", "FITS_OBJECT") is not None:
+    if device.element_value("FITS_HEADER", "FITS_OBJECT") is not None:
         arguments["target"] = Argument(
             type=ArgumentType.TEXT,
             field="FITS_HEADER/FITS_OBJECT",

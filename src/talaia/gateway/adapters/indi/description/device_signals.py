@@ -93,7 +93,7 @@ def signals_of(device: IndiDevice) -> dict[str, Signal]:
 
 def _weather_age(device: IndiDevice) -> float:
     """Two and a half of the driver's own periods (s)."""
-    period = device.value("WEATHER_UPDATE", "PERIOD")
+    period = device.element_value("WEATHER_UPDATE", "PERIOD")
     return 2.5 * period if isinstance(period, float) and 0 < period <= 3600 else 150.0
 
 

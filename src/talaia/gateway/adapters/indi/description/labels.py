@@ -38,7 +38,7 @@ _UNITS = {
     "w": "W",
     "um": "",
     "arcsecs/s": "",
-    # Written so (`numbers.formatted`), but sent as hours and degrees with a fraction.
+    # Written so (`numbers.format_number`), but sent as hours and degrees with a fraction.
     "hh:mm:ss": "h",
     "dd:mm:ss": "°",
 }

@@ -141,17 +141,21 @@ class CommandRow(NamedTuple):
     description: str = ""
 
 
-def _on(element: str) -> tuple[tuple[str, bool], ...]:
+def _element_on(element: str) -> tuple[tuple[str, bool], ...]:
     return ((element, True),)
 
 
 STANDARD_COMMANDS = (
     # Opening and unparking ask first, for what stands inside may get wet or be hit; what makes
     # safe (close, park, stop) never does.
-    CommandRow("DOME_SHUTTER", "open", "Open", _on("SHUTTER_OPEN"), timeout=180, confirm=True),
-    CommandRow("DOME_SHUTTER", "close", "Close", _on("SHUTTER_CLOSE"), timeout=180),
-    CommandRow("DOME_FLAP", "open_flap", "Open flap", _on("FLAP_OPEN"), timeout=180, confirm=True),
-    CommandRow("DOME_FLAP", "close_flap", "Close flap", _on("FLAP_CLOSE"), timeout=180),
+    CommandRow(
+        "DOME_SHUTTER", "open", "Open", _element_on("SHUTTER_OPEN"), timeout=180, confirm=True
+    ),
+    CommandRow("DOME_SHUTTER", "close", "Close", _element_on("SHUTTER_CLOSE"), timeout=180),
+    CommandRow(
+        "DOME_FLAP", "open_flap", "Open flap", _element_on("FLAP_OPEN"), timeout=180, confirm=True
+    ),
+    CommandRow("DOME_FLAP", "close_flap", "Close flap", _element_on("FLAP_CLOSE"), timeout=180),
     CommandRow(
         "ABS_DOME_POSITION",
         "goto",
@@ -161,21 +165,33 @@ STANDARD_COMMANDS = (
         unit="°",
         timeout=300,
     ),
-    CommandRow("DOME_PARK", "park", "Park", _on("PARK"), timeout=600),
-    CommandRow("DOME_PARK", "unpark", "Unpark", _on("UNPARK"), timeout=600, confirm=True),
-    CommandRow("DOME_ABORT_MOTION", "stop", "Stop", _on("ABORT"), timeout=15),
+    CommandRow("DOME_PARK", "park", "Park", _element_on("PARK"), timeout=600),
+    CommandRow("DOME_PARK", "unpark", "Unpark", _element_on("UNPARK"), timeout=600, confirm=True),
+    CommandRow("DOME_ABORT_MOTION", "stop", "Stop", _element_on("ABORT"), timeout=15),
     CommandRow(
-        "DOME_AUTOSYNC", "follow", "Follow the telescope", _on("DOME_AUTOSYNC_ENABLE"), timeout=15
+        "DOME_AUTOSYNC",
+        "follow",
+        "Follow the telescope",
+        _element_on("DOME_AUTOSYNC_ENABLE"),
+        timeout=15,
     ),
     CommandRow(
-        "DOME_AUTOSYNC", "unfollow", "Follow no more", _on("DOME_AUTOSYNC_DISABLE"), timeout=15
+        "DOME_AUTOSYNC",
+        "unfollow",
+        "Follow no more",
+        _element_on("DOME_AUTOSYNC_DISABLE"),
+        timeout=15,
     ),
-    CommandRow("TELESCOPE_PARK", "park", "Park", _on("PARK"), timeout=600),
-    CommandRow("TELESCOPE_PARK", "unpark", "Unpark", _on("UNPARK"), timeout=60, confirm=True),
-    CommandRow("TELESCOPE_ABORT_MOTION", "stop", "Stop", _on("ABORT"), timeout=15),
-    CommandRow("TELESCOPE_TRACK_STATE", "track", "Track", _on("TRACK_ON"), timeout=15),
-    CommandRow("TELESCOPE_TRACK_STATE", "untrack", "Stop tracking", _on("TRACK_OFF"), timeout=15),
-    CommandRow("CCD_ABORT_EXPOSURE", "abort", "Abort exposure", _on("ABORT"), timeout=30),
+    CommandRow("TELESCOPE_PARK", "park", "Park", _element_on("PARK"), timeout=600),
+    CommandRow(
+        "TELESCOPE_PARK", "unpark", "Unpark", _element_on("UNPARK"), timeout=60, confirm=True
+    ),
+    CommandRow("TELESCOPE_ABORT_MOTION", "stop", "Stop", _element_on("ABORT"), timeout=15),
+    CommandRow("TELESCOPE_TRACK_STATE", "track", "Track", _element_on("TRACK_ON"), timeout=15),
+    CommandRow(
+        "TELESCOPE_TRACK_STATE", "untrack", "Stop tracking", _element_on("TRACK_OFF"), timeout=15
+    ),
+    CommandRow("CCD_ABORT_EXPOSURE", "abort", "Abort exposure", _element_on("ABORT"), timeout=30),
     # A cooler takes half an hour to its end, and drivers ramp on purpose.
     CommandRow(
         "CCD_TEMPERATURE",
@@ -186,8 +202,8 @@ STANDARD_COMMANDS = (
         unit="°C",
         timeout=1800,
     ),
-    CommandRow("CCD_COOLER", "cooler_on", "Cooler on", _on("COOLER_ON"), timeout=30),
-    CommandRow("CCD_COOLER", "cooler_off", "Cooler off", _on("COOLER_OFF"), timeout=30),
+    CommandRow("CCD_COOLER", "cooler_on", "Cooler on", _element_on("COOLER_ON"), timeout=30),
+    CommandRow("CCD_COOLER", "cooler_off", "Cooler off", _element_on("COOLER_OFF"), timeout=30),
     CommandRow("FILTER_SLOT", "filter", "Filter", element="FILTER_SLOT_VALUE", argument="slot"),
     CommandRow(
         "ABS_FOCUS_POSITION",
@@ -216,7 +232,9 @@ STANDARD_COMMANDS = (
         argument="steps",
         timeout=300,
     ),
-    CommandRow("FOCUS_ABORT_MOTION", "stop_focus", "Stop focuser", _on("ABORT"), timeout=15),
+    CommandRow(
+        "FOCUS_ABORT_MOTION", "stop_focus", "Stop focuser", _element_on("ABORT"), timeout=15
+    ),
     CommandRow(
         "ABS_ROTATOR_ANGLE",
         "rotate",
@@ -226,12 +244,19 @@ STANDARD_COMMANDS = (
         unit="°",
         timeout=300,
     ),
-    CommandRow("ROTATOR_ABORT_MOTION", "stop_rotator", "Stop rotator", _on("ABORT"), timeout=15),
-    CommandRow("CAP_PARK", "close_cover", "Close cover", _on("PARK")),
-    CommandRow("CAP_PARK", "open_cover", "Open cover", _on("UNPARK")),
-    CommandRow("WEATHER_REFRESH", "refresh", "Measure now", _on("REFRESH"), timeout=30),
-    CommandRow("CONNECTION", "connect", "Connect driver", _on("CONNECT"), timeout=30),
     CommandRow(
-        "CONNECTION", "disconnect", "Disconnect driver", _on("DISCONNECT"), timeout=30, confirm=True
+        "ROTATOR_ABORT_MOTION", "stop_rotator", "Stop rotator", _element_on("ABORT"), timeout=15
+    ),
+    CommandRow("CAP_PARK", "close_cover", "Close cover", _element_on("PARK")),
+    CommandRow("CAP_PARK", "open_cover", "Open cover", _element_on("UNPARK")),
+    CommandRow("WEATHER_REFRESH", "refresh", "Measure now", _element_on("REFRESH"), timeout=30),
+    CommandRow("CONNECTION", "connect", "Connect driver", _element_on("CONNECT"), timeout=30),
+    CommandRow(
+        "CONNECTION",
+        "disconnect",
+        "Disconnect driver",
+        _element_on("DISCONNECT"),
+        timeout=30,
+        confirm=True,
     ),
 )

@@ -46,7 +46,7 @@ class CommandRunner:
         self._problems: dict[str, str] = {}
         self._calls = threading.Semaphore(MAX_CALLS)
 
-    def prepare(self, asked: dict[str, Any], make: Callable[[], None]) -> None:
+    def prepare_command(self, asked: dict[str, Any], make: Callable[[], None]) -> None:
         """Get something ready for a command; its type may be missing here."""
         self._problems.pop(asked["id"], None)
         try:
@@ -66,7 +66,7 @@ class CommandRunner:
             proxy = rospy.ServiceProxy(asked["name"], kind)
             self._services[asked["id"]] = (proxy, kind, asked["name"])
 
-        self.prepare(asked, make)
+        self.prepare_command(asked, make)
 
     def prepare_action(self, asked: dict[str, Any]) -> None:
         """Get ready to send goals to an action."""
@@ -81,7 +81,7 @@ class CommandRunner:
             client = actionlib.SimpleActionClient(asked["name"], kind)
             self._actions[asked["id"]] = (client, goal, asked)
 
-        self.prepare(asked, make)
+        self.prepare_command(asked, make)
 
     def begin_command(self, asked: dict[str, Any]) -> None:
         """Begin a command; its end is told under its number."""

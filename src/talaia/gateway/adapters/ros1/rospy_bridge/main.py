@@ -87,7 +87,7 @@ class RospyBridge:
         def make() -> None:
             self._publishers[asked["id"]] = ZeroEndedPublisher(asked)
 
-        self._commands.prepare(asked, make)
+        self._commands.prepare_command(asked, make)
 
     def on_say(self, asked: dict[str, Any]) -> None:
         """Publish what was advertised, without an answer."""
