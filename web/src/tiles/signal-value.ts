@@ -51,10 +51,12 @@ export class SignalValue extends LitElement {
     const channel = signal.channels[0] ?? signal.address;
     const reading = this.live.readingOf(channel);
     const name = this.label === "" ? signal.name : this.label;
+    // Twice as long as other values: in their size it would reach into the next column.
+    const isLong = signal.type === "number" && this.readingText(signal) !== "";
     return html`
       ${this.bare ? null : html`<span class="name" title=${name}>${name}</span>`}
       <t-value
-        size=${this.size}
+        size=${isLong && this.size !== "s" ? "m" : this.size}
         state=${this.freshness(signal, channel)}
         .value=${reading?.value ?? Number.NaN}
         .text=${this.readingText(signal)}
