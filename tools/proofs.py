@@ -72,6 +72,13 @@ JOBS = (
         "docs/crash-loop-table.md",
         minutes=15,
     ),
+    Job(
+        "properties",
+        "what is true of any description, history or alarm is true of many more examples",
+        ("-m", "many_examples", "--table", "{table}"),
+        "docs/properties-table.md",
+        minutes=120,
+    ),
     # Two hours are run by `make soak`, which writes docs/soak-table.md; 24 before a release.
     Job(
         "soak",

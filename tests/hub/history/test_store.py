@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 from hypothesis import HealthCheck, given, settings, strategies as st
+from many_examples import examples
 
 from talaia.hub.history.errors import HistoryError
 from talaia.hub.history.limits import HistoryLimits
@@ -56,7 +57,9 @@ def copy_files(folder: Path, old: int, new: int) -> None:
             shutil.copy(file, folder / f"{new}.db{end}")
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=examples(12, many=400), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 @given(st.lists(row, min_size=1, max_size=30), stretches, st.sets(st.integers(0, 11)))
 def test_what_comes_out_went_in_for_any_order_overlap_and_crash(some, stretches, crashes) -> None:
     """A crash: the files as they are at that moment, opened by a new run."""
@@ -90,7 +93,9 @@ def test_what_comes_out_went_in_on_each_database(url) -> None:
     """The same on a server, with fewer examples: each is a site of its own."""
     numbers = itertools.count()
 
-    @settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(
+        max_examples=examples(3, many=60), deadline=None, suppress_health_check=list(HealthCheck)
+    )
     @given(st.lists(row, min_size=1, max_size=30), stretches)
     def one(some, stretches) -> None:
         again = (some * 300)[:300]

@@ -12,6 +12,7 @@ from pathlib import Path
 import msgspec
 import pytest
 from hypothesis import HealthCheck, assume, given, settings, strategies as st
+from many_examples import examples
 from msgspec import inspect
 
 from talaia.model.checks.site_checks import check_site
@@ -161,7 +162,7 @@ def order(value: object) -> object:
 
 
 @settings(
-    deadline=None, max_examples=60,
+    deadline=None, max_examples=examples(20, many=1000),
     suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
 )  # fmt: skip
 @given(changed(), st.sampled_from([write_description, dump_site]))

@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 import pytest
 from hypothesis import given, settings, strategies as st
+from many_examples import examples
 
 from talaia.model.connection import RosSource
 from talaia.model.errors import DescriptionError
@@ -96,7 +97,7 @@ sites = st.builds(
 )
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(10, many=250))
 @given(sites, sites, st.sampled_from([write_description, dump_site]))
 def test_any_change_of_any_description_reads_back_as_it_was_meant(
     before: Site, after: Site, write: Callable[[Site], str]

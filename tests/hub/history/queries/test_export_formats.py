@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
+from many_examples import examples
 
 from talaia.hub.history.errors import HistoryBusy
 from talaia.hub.history.queries.export_formats import ExportColumn, FileForm
@@ -94,7 +95,9 @@ async def test_no_cell_of_a_csv_is_a_formula(url) -> None:
 row = st.tuples(st.integers(0, 1), moment, number)
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=examples(10, many=300), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 @given(st.lists(row, min_size=1, max_size=40))
 def test_an_export_holds_what_went_in_for_any_order_of_times(some) -> None:
     rows = [(channel, time + i, value) for i in range(8) for channel, time, value in some]

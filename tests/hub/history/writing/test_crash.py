@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import sqlalchemy as sa
 from hypothesis import HealthCheck, given, settings, strategies as st
+from many_examples import examples
 
 from talaia.hub.history.errors import HistoryError
 
@@ -125,7 +126,9 @@ def test_no_crash_point_loses_or_doubles_a_sample_in_any_order(url) -> None:
     numbers = itertools.count()
     addresses = ["base/x", "base/y", "base/word"]
 
-    @settings(max_examples=8, deadline=None, suppress_health_check=list(HealthCheck))
+    @settings(
+        max_examples=examples(3, many=80), deadline=None, suppress_health_check=list(HealthCheck)
+    )
     @given(st.lists(row, min_size=1, max_size=30), st.lists(stretch, min_size=1, max_size=10))
     def one(some, stretches) -> None:
         again = (some * 300)[:300]

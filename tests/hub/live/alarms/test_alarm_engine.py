@@ -26,6 +26,7 @@ from hypothesis.stateful import (
     precondition,
     rule,
 )
+from many_examples import examples
 from sqlalchemy import select
 
 from talaia.clock import SECOND, HandClock
@@ -339,7 +340,7 @@ class HubOfAChangingRule(HubWithKeys):
 
 
 _settings = settings(
-    max_examples=30,
+    max_examples=examples(10, many=300),
     stateful_step_count=25,
     deadline=None,
     # Making a failing story shorter takes minutes; the one that was found is told.
@@ -352,4 +353,4 @@ TestWebhook = HubWithKeys.TestCase
 TestWebhook.settings = _settings
 TestChangingRule = HubOfAChangingRule.TestCase
 # What is rare here needs more stories: a message that may have arrived, and then the change.
-TestChangingRule.settings = settings(_settings, max_examples=100)
+TestChangingRule.settings = settings(_settings, max_examples=examples(30, many=1000))
