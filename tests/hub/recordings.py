@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import math
 from typing import NamedTuple
@@ -110,6 +111,7 @@ def expected(address, count=STEPS):
     return times, [of(value) for value in values]
 
 
+@functools.cache
 def store_of(*, ros1=False):
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_JAZZY)
     types = get_types_from_msg(WEATHER, "acme_msgs/msg/Weather")
