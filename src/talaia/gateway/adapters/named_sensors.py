@@ -47,6 +47,7 @@ def readings_in(message: object, type_name: str) -> Iterator[SensorReading]:
     statuses = getattr(message, "status", ())
     if not isinstance(statuses, Iterable):
         raise FieldError("status", "is no list")
+    # Names are the robot's own, and one may stand there twice: the last one counts.
     for status in statuses:
         level = number_of(getattr(status, "level", None), "status.level")
         name, text = getattr(status, "name", ""), getattr(status, "message", "")

@@ -44,6 +44,7 @@ class HeaderTimes:
             arrived_us: when it came, by the gateway's wall clock.
 
         """
+        # By far most messages without one have none of this name.
         header = getattr(message, "header", None)
         if header is None:
             return arrived_us

@@ -21,7 +21,15 @@ from talaia.model.connection import topic_of
 from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import FieldFound, Found
 from talaia.model.site import SignalType
-from talaia.wire.frames import Event, FileOffer, RecorderState, RecordingRequest
+from talaia.wire.frames import (
+    CommandPhase,
+    CommandRequest,
+    CommandState,
+    Event,
+    FileOffer,
+    RecorderState,
+    RecordingRequest,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -97,6 +105,28 @@ devices:
       other:
         name: Other
         source: {topic: /mode, type: nowhere_msgs/msg/Odd, field: data}
+    commands:
+      add:
+        name: Add
+        target: /add
+        type: diagnostic_msgs/srv/AddDiagnostics
+        arguments: {space: {type: text, field: load_namespace, max_length: 2000}}
+      silent:
+        name: Silent
+        target: /silent/add
+        type: diagnostic_msgs/srv/AddDiagnostics
+      absent:
+        name: Absent
+        target: /nobody
+        type: diagnostic_msgs/srv/AddDiagnostics
+      other_type:
+        name: Other type
+        target: /add
+        type: diagnostic_msgs/srv/SelfTest
+      missing:
+        name: Missing
+        target: /add
+        type: nowhere_msgs/srv/Odd
 """
 
 
@@ -242,6 +272,9 @@ async def test_a_probe_describes_what_only_the_robot_knows(bench: Bench) -> None
     assert topics["/own/nested"].latched
     assert not topics["/diagnostics"].latched
     assert topics["/own/undescribed"].problem == ""
+    services = {service.service: service for service in found.services}
+    assert services["/add"].fields == (FieldFound("load_namespace", "text"),)
+    assert services["/add"].problem == ""
     site = propose_description(found, "robot", "Robot", "UTC").site
     motor = site.devices["diagnostics"].signals["motor_left"]
     assert (motor.type, motor.states[2]) == (SignalType.STATE, "Error")
@@ -289,6 +322,46 @@ async def test_a_topic_in_two_versions_is_read_again_when_one_has_ended(bench: B
             await peer.do("nested", text="again")
             await asyncio.sleep(0.1)
     assert set(hub.values("arm/inner")) == {-4.0}
+
+
+async def ask(bench: Bench, name: str, number: int, **args: object) -> CommandState:
+    """Ask for a command, and wait for how it ends."""
+    command_id = f"{name}{number}"
+    request = CommandRequest(
+        id=command_id, device="arm", command=name, args=args, ttl_ms=5000, who="Ada"
+    )
+    await bench.hub.send(request)
+    under_way = {CommandPhase.ACCEPTED, CommandPhase.RUNNING}
+    return await bench.hub.next(
+        CommandState, lambda state: state.id == command_id and state.phase not in under_way
+    )
+
+
+async def test_a_service_of_a_type_that_is_not_installed_is_called(bench: Bench) -> None:
+    for number, space in enumerate(("/ns", "none", "/" + "é" * 1999)):
+        ended = await ask(bench, "add", number, space=space)
+        good = CommandPhase.SUCCEEDED if space.startswith("/") else CommandPhase.FAILED
+        assert (ended.phase, ended.message) == (good, f"asked for {space[:20]}")
+        assert bench.peer.heard("added")[-1] == space
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("silent", "does not say which version of diagnostic_msgs/srv/AddDiagnostics it has"),
+        ("absent", "the robot does not offer /nobody now"),
+        ("other_type", "/add is of type diagnostic_msgs/srv/AddDiagnostics, not"),
+        ("missing", "install the ROS package nowhere_msgs"),
+    ],
+)
+async def test_a_service_that_cannot_be_called_safely_is_refused(
+    bench: Bench, name: str, why: str
+) -> None:
+    before = len(bench.peer.heard("added"))
+    ended = await ask(bench, name, 0)
+    assert ended.phase is CommandPhase.REFUSED
+    assert why in ended.message
+    assert len(bench.peer.heard("added")) == before
 
 
 async def test_they_are_recorded_with_definitions_that_others_read_them_by(

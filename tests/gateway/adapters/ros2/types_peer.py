@@ -11,6 +11,7 @@ import threading
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.srv import AddDiagnostics
 from nav_msgs.msg import Path
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -53,6 +54,16 @@ class Peer:
                 BoundedSequences, "/own/undescribed", latched
             ),
         }
+        self.node.create_service(AddDiagnostics, "/add", self.add)
+        self.silent.create_service(AddDiagnostics, "/silent/add", self.add)
+
+    def add(
+        self, request: AddDiagnostics.Request, response: AddDiagnostics.Response
+    ) -> AddDiagnostics.Response:
+        say(added=request.load_namespace)
+        response.success = request.load_namespace.startswith("/")
+        response.message = f"asked for {request.load_namespace[:20]}"
+        return response
 
     def obey(self, order: dict[str, object]) -> None:
         match order["do"]:

@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type PropertyValues, type TemplateResul
 import { customElement, property, state } from "lit/decorators.js";
 import { formatDuration } from "../../format/duration.js";
 import { countText, confidenceText } from "../../format/object-names.js";
-import { base, quietText } from "../base/base-style.js";
+import { base } from "../base/base-style.js";
 import { onPicture } from "../camera/picture-overlay.js";
 import "../base/icon.js";
 import "../feedback/status.js";
@@ -44,7 +44,8 @@ export class SightingCard extends LitElement {
         overflow: hidden;
         border-radius: var(--t-radius-s);
         background: var(--t-raised);
-        ${quietText}
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
         position: relative;
       }
       .picture.there {
@@ -83,7 +84,8 @@ export class SightingCard extends LitElement {
         display: flex;
         flex-wrap: wrap;
         gap: 0 var(--t-space-4);
-        ${quietText}
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
       }
       .times {
         display: flex;

@@ -1,7 +1,6 @@
 /** The look of pages that hold lists and forms: sheets below each other, facts in rows. */
 
 import { css } from "lit";
-import { raisedBox, plainList, quietText } from "../base/base-style.js";
 
 export const sheets = css`
   :host {
@@ -26,7 +25,10 @@ export const sheets = css`
     display: grid;
     gap: var(--t-space-4);
     padding: var(--t-space-5);
-    ${raisedBox}
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+    box-shadow: var(--t-shadow);
     min-inline-size: 0;
   }
   .fields {
@@ -67,7 +69,9 @@ export const sheets = css`
   .rows {
     display: grid;
     gap: 0;
-    ${plainList}
+    margin: 0;
+    padding: 0;
+    list-style: none;
   }
   .rows > li {
     display: grid;
@@ -92,7 +96,8 @@ export const sheets = css`
     display: flex;
     flex-wrap: wrap;
     gap: 0 var(--t-space-4);
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
     overflow-wrap: anywhere;
   }
   /* Links that lead on. */

@@ -1,5 +1,4 @@
 import { css } from "lit";
-import { quietText } from "../../elements/base/base-style.js";
 
 export const auditStyle = css`
   .table {
@@ -25,7 +24,8 @@ export const auditStyle = css`
     .where {
       order: 1;
       grid-column: 1 / -1;
-      ${quietText}
+      color: var(--t-muted);
+      font-size: var(--t-size-s);
     }
   }
 `;

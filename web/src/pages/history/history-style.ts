@@ -1,5 +1,4 @@
 import { css } from "lit";
-import { panelBox, quietText } from "../../elements/base/base-style.js";
 
 export const historyStyle = css`
   :host {
@@ -14,7 +13,8 @@ export const historyStyle = css`
     gap: 0 var(--t-space-3);
   }
   .utc {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
     font-variant-numeric: tabular-nums;
   }
   .menus {
@@ -36,7 +36,8 @@ export const historyStyle = css`
     text-decoration: underline;
   }
   .then {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
     font-weight: var(--t-weight-strong);
   }
   .body {
@@ -47,7 +48,9 @@ export const historyStyle = css`
   }
   .pick {
     padding: var(--t-space-3);
-    ${panelBox}
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
   }
   summary {
     min-block-size: var(--t-touch);
@@ -84,7 +87,8 @@ export const historyStyle = css`
     }
   }
   .hint {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
   }
   /* Where there is room the films stand beside the charts, else above them; and they stay in sight. */
   t-film-panel {

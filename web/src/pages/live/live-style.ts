@@ -1,5 +1,4 @@
 import { css } from "lit";
-import { quietText } from "../../elements/base/base-style.js";
 
 export const liveStyle = css`
   :host {
@@ -30,7 +29,8 @@ export const liveStyle = css`
     flex: 1 1 9rem;
   }
   .said {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
   }
   .said:empty {
     display: none;

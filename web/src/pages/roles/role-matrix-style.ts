@@ -1,5 +1,4 @@
 import { css } from "lit";
-import { panelBox, quietText } from "../../elements/base/base-style.js";
 
 /* More right, more weight: an empty outline, a tinted one, a full one. The word says it besides. */
 export const matrixStyle = css`
@@ -13,7 +12,9 @@ export const matrixStyle = css`
   }
   .scroll {
     overflow-x: auto;
-    ${panelBox}
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
   }
   table {
     inline-size: 100%;
@@ -38,7 +39,8 @@ export const matrixStyle = css`
   }
   .people {
     display: block;
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
   }
   tbody th {
     position: sticky;

@@ -1,5 +1,4 @@
 import { css } from "lit";
-import { quietText } from "../../elements/base/base-style.js";
 
 export const storageStyle = css`
   dl {
@@ -14,7 +13,8 @@ export const storageStyle = css`
     min-inline-size: 0;
   }
   dt {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
     font-weight: var(--t-weight-strong);
   }
   dd {
@@ -44,7 +44,8 @@ export const storageStyle = css`
     display: flex;
     flex-wrap: wrap;
     gap: 0 var(--t-space-4);
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
   }
   .forecast {
     max-inline-size: 60rem;
@@ -74,7 +75,8 @@ export const storageTableStyle = css`
     display: none;
     align-items: center;
     gap: var(--t-space-2);
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
     font-weight: var(--t-weight-strong);
   }
   .table {

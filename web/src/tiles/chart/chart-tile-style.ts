@@ -1,7 +1,6 @@
 /** Style of a chart's tile, and how the parts of a position are written. */
 
 import { css } from "lit";
-import { raisedBox, quietText } from "../../elements/base/base-style.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import type { SignalShape } from "../../generated/api.js";
 
@@ -37,7 +36,10 @@ export const tileStyle = css`
     flex-direction: column;
     gap: var(--t-space-1);
     padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
-    ${raisedBox}
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+    box-shadow: var(--t-shadow);
     min-inline-size: 0;
     contain: content;
   }
@@ -79,7 +81,8 @@ export const tileStyle = css`
   .range {
     display: flex;
     gap: var(--t-space-3);
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
     font-variant-numeric: tabular-nums;
   }
   .range b {
@@ -114,7 +117,8 @@ export const tileStyle = css`
     margin: 0 0 var(--t-space-2);
   }
   dt {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
   }
   dd {
     margin: 0;
@@ -132,7 +136,8 @@ export const tileStyle = css`
     border-block-start: 1px solid var(--t-line);
   }
   .outliers {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
     font-variant-numeric: tabular-nums;
   }
   .still {

@@ -2,7 +2,6 @@
 
 import { css, html, LitElement, nothing } from "lit";
 import { property } from "lit/decorators.js";
-import { raisedBox, quietText } from "../../elements/base/base-style.js";
 import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
@@ -34,7 +33,10 @@ export const partStyle = css`
     gap: var(--t-space-4);
     align-content: start;
     padding: var(--t-space-4);
-    ${raisedBox}
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
+    box-shadow: var(--t-shadow);
     min-inline-size: 0;
   }
   .readings {
@@ -43,7 +45,8 @@ export const partStyle = css`
     gap: var(--t-space-3) var(--t-space-4);
   }
   .note {
-    ${quietText}
+    color: var(--t-muted);
+    font-size: var(--t-size-s);
   }
   @media (max-width: 60rem) {
     .two {

@@ -24,6 +24,7 @@ from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
 from talaia.gateway.adapters.ros2.graph_node import join_graph
 from talaia.gateway.adapters.ros2.listening import Ros2Listening
+from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
 from talaia.gateway.adapters.ros2.parameters import Ros2Parameters
 from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, domain_of
@@ -100,6 +101,7 @@ class Ros2Adapter:
         self._presence: Ros2Presence | None = None
         self._descriptions: RobotDescriptions | None = None
         self._types: TopicTypes | None = None
+        self._packageless: PackagelessServices | None = None
         self._thread: WaitThread | None = None
         self._worker: PictureWorker | None = None
         self._node: Any = None
@@ -202,7 +204,16 @@ class Ros2Adapter:
         )
         heard_ns: dict[str, int] = {}
         self._worker = PictureWorker(self._pictures, self._clock)
-        self._commands = Ros2Commands(self._scope, self._node, thread, self._tell_missing)
+        self._packageless = PackagelessServices(
+            node=self._node_name, domain=context.get_domain_id(), named=self._definitions
+        )
+        self._commands = Ros2Commands(
+            scope=self._scope,
+            node=self._node,
+            thread=thread,
+            missing=self._tell_missing,
+            packageless=self._packageless,
+        )
         self._parameters = Ros2Parameters(
             scope=self._scope,
             node=self._node,
@@ -263,7 +274,9 @@ class Ros2Adapter:
             self._worker.close()
         if self._types is not None:
             self._types.close()
-        self._listening = self._types = self._descriptions = None
+        if self._packageless is not None:
+            self._packageless.close()
+        self._listening = self._types = self._descriptions = self._packageless = None
         self._latest.clear()
         if self._node is not None:
             self._node.destroy_node()

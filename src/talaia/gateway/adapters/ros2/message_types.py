@@ -45,14 +45,19 @@ class DefinedParts:
 
     def kind_named(self, name: str) -> RosMessageType | None:
         """Give a type; none that the definition does not hold."""
-        part = self._part(name)
-        if part is None:
-            return None
+        package, _, short = name.partition("/")
+        full = f"{package}/msg/{short}"
+        return self.kind_of_part(full) if full in self._parts else None
+
+    def kind_of_part(self, name: str) -> RosMessageType:
+        """Give a type by its full name, ``package/srv/Name_Request``; it must be held."""
+        part = self._parts[name]
         fields = tuple((field.name, rosidl_word(field.type)) for field in part.fields)
         return RosMessageType(fields, part.constants)
 
     def comment_of(self, name: str, field: str) -> str:
         """Give what the author wrote beside a field; empty if that is nothing."""
+        # Texts are read once; a type has many fields.
         if name not in self._comments:
             part = self._part(name)
             self._comments[name] = comments_in(part.text) if part is not None else {}

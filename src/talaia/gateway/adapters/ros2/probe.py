@@ -23,12 +23,9 @@ from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
 from talaia.gateway.adapters.named_sensors import NAMED_TYPES, names_in
 from talaia.gateway.adapters.ros2.graph_node import join_graph
 from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, is_made
-from talaia.gateway.adapters.ros2.message_types import kind_named, kind_of
-from talaia.gateway.adapters.ros2.probed_types import ProbedTypes
+from talaia.gateway.adapters.ros2.probed_types import ProbedTypes, asked_of, request_of
 from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
-from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.adapters.ros2.type_definitions.definition_finder import DefinitionMismatch
-from talaia.gateway.adapters.ros2.type_definitions.field_comments import comment_of
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import BadDefinition
 from talaia.gateway.errors import AdapterLost, FieldError, TypeMissing
 from talaia.model.discovery.probe_report import FORMAT, ActionFound, Found, ServiceFound, TopicFound
@@ -239,12 +236,12 @@ class _Look:
         for service, types in sorted(self._node.get_service_names_and_types()):
             if types[0].startswith(PLUMBING_TYPES) or "/_action/" in service:
                 continue
-            shape, problem = _asked(types[0], service, "Request", ".srv")
+            shape, problem = request_of(types[0], service, self._types)
             yield ServiceFound(service, types[0], shape.fields, problem)
 
     def _actions(self) -> Iterable[ActionFound]:
         for action, types in sorted(get_action_names_and_types(self._node)):
-            shape, problem = _asked(types[0], action, "Goal", ".action")
+            shape, problem = asked_of(types[0], action, "Goal", ".action")
             yield ActionFound(action, types[0], shape.fields, problem)
 
 
@@ -272,22 +269,3 @@ def _profile(publishers: Iterable[Any]) -> QoSProfile:
         if quality.latched
         else DurabilityPolicy.VOLATILE,
     )
-
-
-def _asked(type_name: str, used_by: str, part: str, kind: str) -> tuple[ReadableFields, str]:
-    """Read what a request or a goal holds; lists in it cannot be filled from a form."""
-    try:
-        asked = getattr(class_of(type_name, used_by), part)
-    except TypeMissing as error:
-        return ReadableFields((), ()), str(error)
-    shape = shape_of(
-        kind=kind_of(asked),
-        type_name=f"{type_name}{kind}",
-        find=kind_named,
-        message=asked(),
-        comment_of=comment_of,
-    )
-    lists = [field.split(":", 1)[0] for field in shape.left_out]
-    fields = tuple(field for field in shape.fields if "[" not in field.path)
-    problem = f"its request holds lists ({', '.join(lists)})" if lists else ""
-    return ReadableFields(fields, shape.left_out), problem

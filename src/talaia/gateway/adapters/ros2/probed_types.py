@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rclpy.serialization import deserialize_message
 
+from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
 from talaia.gateway.adapters.ros2.made_types.made_message_class import (
     CannotMakeTypes,
     made_class,
     problem_here,
 )
 from talaia.gateway.adapters.ros2.made_types.self_test import self_test_problem
-from talaia.gateway.adapters.ros2.message_types import DefinedParts, kind_named
+from talaia.gateway.adapters.ros2.message_types import DefinedParts, kind_named, kind_of
 from talaia.gateway.adapters.ros2.requests import class_of
 from talaia.gateway.adapters.ros2.type_definitions.definition_finder import (
     DefinitionFinder,
@@ -24,6 +25,7 @@ from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     BadDefinition,
     type_hash,
 )
+from talaia.gateway.adapters.ros2.type_definitions.message_encoder import MessageEncoder
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import (
     GetTypeDescription,
     description_in,
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.message_fields import RosMessageType
     from talaia.gateway.adapters.ros2.type_definitions.message_definition import TypeDefinition
 
-__all__ = ["ProbedType", "ProbedTypes"]
+__all__ = ["ProbedType", "ProbedTypes", "asked_of", "request_of"]
 
 
 class ProbedType(NamedTuple):
@@ -99,6 +101,7 @@ class ProbedTypes:
         key = (type_name, spoken)
         if GetTypeDescription is None or not spoken or not owner or key in self._asked:
             return
+        # The installed class says all that the node would.
         if _installed_hash(type_name) == spoken:
             return
         client = self._clients.get(owner)
@@ -129,13 +132,36 @@ class ProbedTypes:
         if installed and spoken in ("", installed):
             kind = class_of(type_name, topic)
             return ProbedType(lambda raw: deserialize_message(raw, kind), kind_named, comment_of)
-        if self._finder is None:
-            self._finder = DefinitionFinder(None)
         described = self._described.get((type_name, spoken))
-        definition = self._finder.find(type_name, spoken, topic, described)
+        definition = self._known_finder().find(type_name, spoken, topic, described)
         parts = DefinedParts(definition)
         decode = decoder_of(definition, proven=bool(spoken))
         return ProbedType(decode, parts.kind_named, parts.comment_of)
+
+    def find_request(self, type_name: str, used_by: str) -> ReadableFields:
+        """Give what the request of a service holds whose type is not installed.
+
+        Raises:
+            TypeMissing: nothing is known of its type, or it cannot be called here.
+            BadDefinition: it cannot be written here.
+
+        """
+        service, _ = self._known_finder().find_service(type_name, used_by)
+        if problem := problem_here() or self_test_problem():
+            raise TypeMissing(type_name, used_by, problem)
+        parts = DefinedParts(service.request)
+        return shape_of(
+            kind=parts.kind_of_part(f"{type_name}_Request"),
+            type_name=f"{type_name}.srv",
+            find=parts.kind_named,
+            message=MessageEncoder(service.request).new_message(),
+            comment_of=parts.comment_of,
+        )
+
+    def _known_finder(self) -> DefinitionFinder:
+        if self._finder is None:
+            self._finder = DefinitionFinder(None)
+        return self._finder
 
 
 def _spoken(infos: Collection[Any]) -> str:
@@ -150,3 +176,38 @@ def _installed_hash(type_name: str) -> str:
     except BadDefinition:
         return ""
     return "" if definition is None else type_hash(definition)
+
+
+def request_of(type_name: str, used_by: str, types: ProbedTypes) -> tuple[ReadableFields, str]:
+    """Read what a service's request holds, whether or not its type is installed."""
+    try:
+        class_of(type_name, used_by)
+    except TypeMissing:
+        try:
+            return _without_lists(types.find_request(type_name, used_by))
+        except (TypeMissing, BadDefinition) as error:
+            return ReadableFields((), ()), str(error)
+    return asked_of(type_name, used_by, "Request", ".srv")
+
+
+def asked_of(type_name: str, used_by: str, part: str, kind: str) -> tuple[ReadableFields, str]:
+    """Read what a request or a goal holds; lists in it cannot be filled from a form."""
+    try:
+        asked = getattr(class_of(type_name, used_by), part)
+    except TypeMissing as error:
+        return ReadableFields((), ()), str(error)
+    shape = shape_of(
+        kind=kind_of(asked),
+        type_name=f"{type_name}{kind}",
+        find=kind_named,
+        message=asked(),
+        comment_of=comment_of,
+    )
+    return _without_lists(shape)
+
+
+def _without_lists(shape: ReadableFields) -> tuple[ReadableFields, str]:
+    lists = [field.split(":", 1)[0] for field in shape.left_out]
+    fields = tuple(field for field in shape.fields if "[" not in field.path)
+    problem = f"its request holds lists ({', '.join(lists)})" if lists else ""
+    return ReadableFields(fields, shape.left_out), problem

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
     from talaia.gateway.adapters.ros2.waitset import WaitThread
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
@@ -42,12 +43,17 @@ class Ros2Commands:
 
     def __init__(
         self,
+        *,
         scope: ConnectionScope,
         node: Any,  # noqa: ANN401 - rclpy ships no types
         thread: WaitThread,
         missing: Callable[[TypeMissing], None],
+        packageless: PackagelessServices,
     ) -> None:
         """Make a client or publisher for each command, so that they are known before they act."""
+        # Calls services whose type has no package here; and the commands that go through it.
+        self._packageless = packageless
+        self._without_package: set[str] = set()
         self._scope, self._node, self._thread, self._missing = scope, node, thread, missing
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
@@ -64,6 +70,9 @@ class Ros2Commands:
         try:
             kind = class_of(_SET if sets else command.type, command.target)
         except TypeMissing as error:
+            if command.kind is CommandKind.SERVICE and self._packageless.knows_type(command.type):
+                self._without_package.add(address)
+                return
             self._problems[address] = str(error)
             self._missing(error)
             return
@@ -106,6 +115,7 @@ class Ros2Commands:
 
     def _close(self, address: str) -> None:
         self._problems.pop(address, None)
+        self._without_package.discard(address)
         publisher, _ = self._publishers.pop(address, (None, None))
         if publisher is not None:
             self._node.destroy_publisher(publisher)
@@ -134,6 +144,11 @@ class Ros2Commands:
     def offered(self, device: str) -> bool:
         """Tell whether anybody offers one of a device's services or actions now."""
         names = [f"{device}/{command}" for command in self._scope.devices[device].commands]
+        own = self._without_package.intersection(names)
+        if own:
+            services = {name for name, _ in self._node.get_service_names_and_types()}
+            if any(self._commands[name].target in services for name in own):
+                return True
         return any(
             (name in self._clients and self._clients[name].entity.service_is_ready())
             or (name in self._actions and self._actions[name].ready)
@@ -188,7 +203,9 @@ class Ros2Commands:
             done(CommandOutcome(CommandPhase.REFUSED, problem))
             return
         try:
-            if address in self._publishers:
+            if address in self._without_package:
+                self._packageless.call_service(self._commands[address], fields, done)
+            elif address in self._publishers:
                 done(self._publish(address, fields))
             elif goal is not None:
                 self._actions[address].act(goal, fields)

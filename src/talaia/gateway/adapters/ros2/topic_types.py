@@ -180,12 +180,14 @@ class TopicTypes:
             definition = installed_definition(type_name)
         except (TypeMissing, BadDefinition):
             return None
+        # Its class would read another version's bytes as if they were its own.
         if definition is None or (spoken and type_hash(definition) != spoken):
             return None
         decode = decoder_for(type_name, lambda data: deserialize_message(data, kind))
         return TopicType(decode, "")
 
     def _try_making(self) -> None:
+        # Once for all topics that wait for it.
         if self._trying:
             return
         self._trying = True

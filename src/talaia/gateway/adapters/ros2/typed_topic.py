@@ -50,6 +50,7 @@ class TypedTopic:
     def set_publishers(self, hashes: frozenset[str]) -> None:
         """Take the hashes that the topic's publishers tell; empty ones of those that tell none."""
         told = sorted(hashes - {""})
+        # Of publishers that tell none nothing can be compared; they count as the others.
         if len(told) > 1:
             self._type, self._spoken, self._refused = None, None, True
             self._clear()
@@ -82,6 +83,7 @@ class TypedTopic:
     def _on_found(self, found: TopicType | None) -> None:
         self._type, self._refused = found, found is None
         if found is not None:
+            # With the times at which they came, so that nobody sees that they waited.
             for raw, time_us, mono_ns in self._held:
                 self._deliver(found, raw, time_us, mono_ns)
         self._clear()

@@ -1,12 +1,13 @@
 import { css } from "lit";
-import { panelBox } from "../../../elements/base/base-style.js";
 
 export const marksLaneStyle = css`
   :host {
     display: grid;
     gap: var(--t-space-1);
     padding: var(--t-space-2) var(--t-space-3);
-    ${panelBox}
+    border: 1px solid var(--t-line);
+    border-radius: var(--t-radius);
+    background: var(--t-surface);
     min-inline-size: 0;
   }
   .head {

@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base, panelBox, quietText } from "../../../elements/base/base-style.js";
+import { base } from "../../../elements/base/base-style.js";
 import { momentText } from "../../../elements/chart/cursor-values.js";
 import { formatClock, knownZone } from "../../../format/time.js";
 import type { FilmController } from "./film-controller.js";
@@ -34,7 +34,9 @@ export class FilmPanel extends LitElement {
         gap: var(--t-space-2);
         align-content: start;
         padding: var(--t-space-3);
-        ${panelBox}
+        border: 1px solid var(--t-line);
+        border-radius: var(--t-radius);
+        background: var(--t-surface);
         min-inline-size: 0;
         container-type: inline-size;
       }
@@ -129,10 +131,12 @@ export class FilmPanel extends LitElement {
         display: block;
       }
       .moment span {
-        ${quietText}
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
       }
       .hint {
-        ${quietText}
+        color: var(--t-muted);
+        font-size: var(--t-size-s);
       }
       @media (pointer: coarse) {
         .hint {

@@ -46,6 +46,7 @@ def _run_child() -> str:
         "ROS_DOMAIN_ID": str(_DOMAIN),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
+    # Robots elsewhere must not be met.
     environment.pop("ROS_STATIC_PEERS", None)
     with subprocess.Popen(  # noqa: S603 - this module, by this Python
         [sys.executable, "-m", __name__],

@@ -117,6 +117,7 @@ class FolderDefinitions:
             if name in parts:
                 continue
             read = self._read_parts(name)
+            # One part without a text: the whole is described beside it, if it is installed.
             if read is None:
                 described = self._read_json(type_name)
                 return [] if described is None else [described]
@@ -131,6 +132,7 @@ class FolderDefinitions:
 
     def _read_parts(self, name: str) -> Mapping[str, PartDefinition] | None:
         package, middle, short = name.split("/")
+        # A request stands in its service's file.
         whole = next(
             (short.removesuffix(end) for end in _ENDINGS.get(middle, ()) if short.endswith(end)),
             short,

@@ -20,6 +20,11 @@ from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     TypeDefinition,
     type_hash,
 )
+from talaia.gateway.adapters.ros2.type_definitions.service_definition import (
+    EVENT_INFO,
+    ServiceDefinition,
+    service_hash,
+)
 from talaia.gateway.errors import GatewayError, TypeMissing
 
 if TYPE_CHECKING:
@@ -90,6 +95,7 @@ class DefinitionFinder:
             TypeMissing: nothing is known of it.
 
         """
+        # Hashes of what was found and is another version, for the error.
         others: dict[str, str] = {}
         problems = [self.problem] if self.problem else []
         for definition in self._candidates(type_name, described, problems):
@@ -100,6 +106,31 @@ class DefinitionFinder:
         if others:
             raise DefinitionMismatch(type_name, used_by, wanted, others)
         raise TypeMissing(type_name, used_by, "; ".join([*problems, _HELP]))
+
+    def find_service(self, type_name: str, used_by: str) -> tuple[ServiceDefinition, str]:
+        """Give the first definition of ``package/srv/Name`` in files, and its hash.
+
+        The graph tells no hashes of services, and rosbags brings none: whoever calls one has to
+        let its robot confirm the hash.
+
+        Raises:
+            TypeMissing: nothing is known of it.
+
+        """
+        problems = [self.problem] if self.problem else []
+        # Without it (before Iron) there are no hashes, and no node that could confirm one.
+        info = next(iter(_one(installed_definition(EVENT_INFO))), None)
+        for source in (self._files, self._named):
+            if source is None or info is None:
+                continue
+            parts = [
+                next(_read(partial(source.find, f"{type_name}_{part}"), problems), None)
+                for part in ("Request", "Response")
+            ]
+            if parts[0] is not None and parts[1] is not None:
+                service = ServiceDefinition(type_name, parts[0], parts[1])
+                return service, service_hash(service, info)
+        raise TypeMissing(type_name, used_by, "; ".join(problems))
 
     def _candidates(
         self, type_name: str, described: TypeDefinition | None, problems: list[str]

@@ -39,6 +39,7 @@ def installed_definition(type_name: str) -> TypeDefinition | None:
         name = wanted.pop()
         if name in parts:
             continue
+        # Parts of other packages are installed with it; a broken installation says so.
         kind = _class_named(name)
         if kind is None:
             if name == type_name:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosbags.interfaces.typing import BaseDesc, FieldDesc, NameDesc, Typesdict
     from rosbags.typesys.store import Typestore
 
-__all__ = ["decoder_of"]
+__all__ = ["compiled_store", "decoder_of"]
 
 # rosbags has no texts of wide characters. On the wire they are a sequence of UTF-16 units of four
 # bytes each, so they are read as a message of one, whose class makes a text of them.
@@ -44,6 +44,16 @@ def decoder_of(definition: TypeDefinition, *, proven: bool) -> Callable[[bytes],
         definition: see `TypeDefinition.checked`.
         proven: its hash is the publisher's. If not, bytes that are left over are an error: then it
             is another version's.
+
+    Raises:
+        BadDefinition: it cannot be compiled.
+
+    """
+    return _decoder(compiled_store(definition), definition.name, proven=proven)
+
+
+def compiled_store(definition: TypeDefinition) -> Typestore:
+    """Compile a checked definition for rosbags.
 
     Raises:
         BadDefinition: it cannot be compiled.
@@ -67,10 +77,11 @@ def decoder_of(definition: TypeDefinition, *, proven: bool) -> Callable[[bytes],
         store.get_msgdef(definition.name)
     except (TypesysError, SyntaxError, KeyError, RecursionError) as error:
         raise BadDefinition(f"{definition.name} cannot be decoded: {error}") from error
-    return _decoder(store, definition.name, proven=proven)
+    return store
 
 
 def _decoder(store: Typestore, name: str, *, proven: bool) -> Callable[[bytes], object]:
+    # Looked up once: this runs for each message.
     decode = store.deserialize_cdr
     decoders = store.get_msgdef(name)
 

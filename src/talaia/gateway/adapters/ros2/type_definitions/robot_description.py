@@ -132,6 +132,7 @@ def definition_of_description(
         fields = tuple(_field_of(one.type_name, field) for field in one.fields)
         if [field.name for field in fields] == [_FILLER]:
             fields = ()
+        # The text has what the description lacks, but only the description is hashed.
         author = written.get(one.type_name)
         if author is not None and author.fields == fields:
             parts[one.type_name] = author

@@ -85,6 +85,7 @@ class RobotDescriptions:
         for question in waiting:
             if question.until_ns < now_ns:
                 question.done(None)
+            # Its node's name or service may be discovered a moment after its publisher.
             elif not self._send(question):
                 self._waiting.append(question)
         for name, asked in list(self._asked.items()):

@@ -1,1 +1,0 @@
-"""The hub as a Foxglove WebSocket server."""
