@@ -40,6 +40,10 @@ from talaia.wire.frames import (
     PictureFrame,
     SampleBatch,
     SampleGap,
+    TapError,
+    TapMessage,
+    TapSchema,
+    TopicList,
     Welcome,
 )
 
@@ -65,6 +69,9 @@ class FakeHub:
         self.away: dict[str, str] = {}
         self.pictures: list[PictureFrame] = []
         self.boxes: list[DetectedBoxes] = []
+        self.taps: list[TopicList | TapSchema | TapMessage | TapError] = []
+        self.media_bytes = 0
+        self.media: list[ServerConnection] = []
         self.takes: list[str] = []
         self.samples: dict[str, dict[int, tuple[str, int, float | str]]] = defaultdict(dict)
         self.doubles = 0
@@ -169,7 +176,9 @@ class FakeHub:
             pass
 
     async def _media(self, socket: ServerConnection) -> None:
+        self.media.append(socket)
         async for data in socket:
+            self.media_bytes += len(data)
             message = MEDIA_FROM_GATEWAY.decode(data)
             if isinstance(message, Beat):
                 reply = BeatReply(n=message.n, mono_us=message.mono_us, peer_us=0)
@@ -178,6 +187,8 @@ class FakeHub:
                 self.pictures.append(message)
             elif isinstance(message, DetectedBoxes):
                 self.boxes.append(message)
+            elif isinstance(message, TopicList | TapSchema | TapMessage | TapError):
+                self.taps.append(message)
             self._changed.set()
 
     async def _take_files(self, socket: ServerConnection) -> None:

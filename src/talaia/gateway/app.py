@@ -18,6 +18,7 @@ from talaia.gateway.assembly.recording import RecordingPart
 from talaia.gateway.assembly.reload import ReloadPart
 from talaia.gateway.assembly.samples import SamplesPart
 from talaia.gateway.assembly.supervision import SupervisionPart
+from talaia.gateway.assembly.taps import TapsPart
 from talaia.gateway.assembly.uplink import UplinkPart
 from talaia.gateway.assembly.video import VideoPart
 from talaia.service_manager import ServiceManager
@@ -58,8 +59,7 @@ class Gateway:
     ) -> None:
         """Build every part and take up what an earlier run left in the data folder.
 
-        ``site`` has the devices that were found, too; with no ``file`` the description stays as it
-        is. The service ``manager``, if any, is told that the gateway runs and supervises.
+        With no ``file`` the description stays as it is; ``manager``, if any, is told of the run.
 
         Raises:
             SpoolError: the data folder cannot be used.
@@ -74,13 +74,15 @@ class Gateway:
             description := DescriptionPart(base=base, site=site, file=file),
             samples := SamplesPart(base=base, description=description),
             recording := RecordingPart(base=base, description=description),
-            video := VideoPart(base=base, description=description, recording=recording),
+            taps := TapsPart(base=base),
+            video := VideoPart(base=base, description=description, recording=recording, taps=taps),
             adapters := AdaptersPart(
                 base=base,
                 description=description,
                 samples=samples,
                 recording=recording,
                 video=video,
+                taps=taps,
             ),
             detection := DetectionPart(
                 base=base, description=description, samples=samples, video=video, adapters=adapters
@@ -118,6 +120,7 @@ class Gateway:
                 samples=samples,
                 recording=recording,
                 video=video,
+                taps=taps,
                 adapters=adapters,
                 detection=detection,
                 actuation=actuation,
@@ -126,9 +129,8 @@ class Gateway:
             NoticesPart(base=base, description=description, adapters=adapters, uplink=uplink),
         )
         # Asked after `run` for the description to begin again with.
-        self._restart = description.restart
-        self._actuation, self._supervision = actuation, supervision
-        self.recording, self.legacy = recording, legacy
+        self._restart, self._actuation = description.restart, actuation
+        self._supervision, self.recording, self.legacy = supervision, recording, legacy
 
     @property
     def redescribed(self) -> Site | None:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from talaia.clock import Clock
+    from talaia.gateway.tap_ports import TapSink
     from talaia.model.site import Device
     from talaia.wire.columns import Columns
     from talaia.wire.frames import CommandPhase, FromGateway, PictureFrame
@@ -296,6 +297,7 @@ class AdapterContext(NamedTuple):
         frames: takes pictures for the archive; none where nobody keeps them.
         files: takes pictures for the archive that come whole; none as with ``frames``.
         raw: takes messages as they came, to record them; none where nothing is recorded.
+        taps: takes messages as they came for the hub; none where nobody hands them on.
 
     """
 
@@ -310,6 +312,7 @@ class AdapterContext(NamedTuple):
     files: FileSink | None = None
     site: str = ""
     raw: RawSink | None = None
+    taps: TapSink | None = None
 
 
 class FileSink(Protocol):

@@ -83,7 +83,7 @@ async def sent(pictures: PictureUplink) -> list[object]:
 
 
 def linked() -> PictureUplink:
-    pictures = PictureUplink(asyncio.get_running_loop(), HandClock(), FrameSource())
+    pictures = PictureUplink(asyncio.get_running_loop(), HandClock(), frames=FrameSource())
     pictures.link_up()
     return pictures
 
@@ -129,7 +129,7 @@ async def test_an_old_hub_gets_jpeg_and_no_messages_it_does_not_know() -> None:
 
 async def test_a_camera_is_read_for_those_at_the_hub_and_those_at_the_gateway() -> None:
     looks = FrameSource()
-    pictures = PictureUplink(asyncio.get_running_loop(), HandClock(), looks)
+    pictures = PictureUplink(asyncio.get_running_loop(), HandClock(), frames=looks)
     pictures.watch(["cam/front"], {})
     looks.hold("cam/back")
     assert pictures.watched() == {"cam/front", "cam/back"}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from talaia.gateway.adapters.null_adapter import NullAdapter
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
+from talaia.gateway.tap_ports import TopicSource
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.connectivity import DeviceReachability
     from talaia.gateway.ports import Adapter, ChannelReading, EventSink
+    from talaia.gateway.tap_ports import TopicDefinition
     from talaia.model.site import Device
     from talaia.wire.frames import Scalar
 
@@ -92,6 +94,7 @@ class MultiAdapter:
         self._lost: set[str] = set()  # Connections whose loss was told, until they are up again.
         self._running: set[str] = set()  # Connections whose `run` is under way.
         self._streams: tuple[str, ...] = ()  # What is watched now, for adapters that come later.
+        self._tapped: frozenset[str] = frozenset()  # Raw topics that are heard, likewise.
         # While `run` is under way; adapters are begun in it.
         self._group: asyncio.TaskGroup | None = None
         self._tasks: dict[str, asyncio.Task[None]] = {}  # By connection: what runs its adapter.
@@ -153,6 +156,7 @@ class MultiAdapter:
                 task.cancel()
         # Each adapter is told again: which streams are its own may have changed.
         self.watch(self._streams)
+        self.tap_topics(self._tapped)
 
     def _begin_adapter(self, name: str) -> None:
         if self._group is None:
@@ -222,6 +226,23 @@ class MultiAdapter:
             adapter.watch(
                 [stream for stream in streams if self._of.get(stream.split("/", 1)[0]) == name]
             )
+
+    def tap_topics(self, topics: frozenset[str]) -> None:
+        """Have each connection hear those of these raw topics that it has; see `TopicSource`."""
+        self._tapped = topics
+        for adapter, _ in self._adapters.values():
+            if isinstance(adapter, TopicSource):
+                adapter.tap_topics(topics)
+
+    def define_type(
+        self, connection: str, type_name: str, done: Callable[[TopicDefinition | str], None]
+    ) -> None:
+        """See `TopicSource.define_type`; the type is of a topic of this connection."""
+        adapter, _ = self._adapters.get(connection, (None, None))
+        if isinstance(adapter, TopicSource):
+            adapter.define_type(type_name, done)
+        else:
+            done(f"{connection} is not there any more")
 
     def latest(self, address: str) -> ChannelReading | None:
         """See `ReadingSource.latest`; what is not reached has none."""

@@ -11,6 +11,7 @@ from talaia.gateway.adapters.connectivity import DeviceReachability
 from talaia.gateway.adapters.multi_adapter import ConnectionStatus, MultiAdapter
 from talaia.gateway.assembly.gateway_part import GatewayPart
 from talaia.gateway.ports import AdapterContext
+from talaia.gateway.taps.service import ConnectionTaps
 from talaia.gateway.uplink.output_router import OutputRouter
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.assembly.recording import RecordingPart
     from talaia.gateway.assembly.samples import SamplesPart
+    from talaia.gateway.assembly.taps import TapsPart
     from talaia.gateway.assembly.video import VideoPart
     from talaia.gateway.ports import Adapter
 
@@ -47,6 +49,7 @@ class AdaptersPart(GatewayPart):
         samples: SamplesPart,
         recording: RecordingPart,
         video: VideoPart,
+        taps: TapsPart,
     ) -> None:
         """Make an adapter for each connection; none runs yet.
 
@@ -54,7 +57,7 @@ class AdaptersPart(GatewayPart):
             SettingsError: the description names a connection that cannot be used here.
 
         """
-        self._base, self._description = base, description
+        self._base, self._description, self._taps = base, description, taps
         # Filled by process adapters, read by the door for founding clients.
         self.answers: dict[str, str] = {}
         # Only for the start: `ConnectionExchange` gives both the names of another description.
@@ -83,6 +86,7 @@ class AdaptersPart(GatewayPart):
             reach=self.reachability,
             events=base.events,
         )
+        taps.service.attach_adapter(self.adapter)
         # Made of the joined adapter, so that what is decided goes to whichever serves the device
         # now.
         self.output = OutputRouter(
@@ -102,7 +106,8 @@ class AdaptersPart(GatewayPart):
         status = ConnectionStatus(scope.name, self._base.loop, self.reachability)
         # Bound to the connection's name: what is found is kept by it.
         status.on_found = partial(self._description.restart.found, scope.name)
-        return adapter_of(scope, self._context, status), status
+        context = self._context._replace(taps=ConnectionTaps(self._taps.service, scope.name))
+        return adapter_of(scope, context, status), status
 
     def tasks(self) -> Mapping[str, Callable[[], Awaitable[None]]]:
         """Read the robot."""

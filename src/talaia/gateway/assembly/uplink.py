@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.recording import RecordingPart
     from talaia.gateway.assembly.reload import ReloadPart
     from talaia.gateway.assembly.samples import SamplesPart
+    from talaia.gateway.assembly.taps import TapsPart
     from talaia.gateway.assembly.video import VideoPart
 
 __all__ = ["UplinkPart"]
@@ -36,6 +37,7 @@ class UplinkPart(GatewayPart):
         samples: SamplesPart,
         recording: RecordingPart,
         video: VideoPart,
+        taps: TapsPart,
         adapters: AdaptersPart,
         detection: DetectionPart,
         actuation: ActuationPart,
@@ -56,6 +58,7 @@ class UplinkPart(GatewayPart):
             recorders=recording.recorders,
             change_requests=reload.requests,
             pictures=video.pictures,
+            taps=taps.service,
             reporter=detection.reporter,
         )
         base.streams_changed.connect(self.dispatcher.update_watched_streams)

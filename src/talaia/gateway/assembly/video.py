@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from talaia.gateway.assembly.description import DescriptionPart
     from talaia.gateway.assembly.foundation import FoundationPart
     from talaia.gateway.assembly.recording import RecordingPart
+    from talaia.gateway.assembly.taps import TapsPart
 
 __all__ = ["VideoPart"]
 
@@ -32,13 +33,24 @@ class VideoPart(GatewayPart):
     """
 
     def __init__(
-        self, *, base: FoundationPart, description: DescriptionPart, recording: RecordingPart
+        self,
+        *,
+        base: FoundationPart,
+        description: DescriptionPart,
+        recording: RecordingPart,
+        taps: TapsPart,
     ) -> None:
         """Take up the files that an earlier run left."""
         settings, site = base.settings, description.site
         # Who looks at pixels here keeps a camera awake as a page does.
         self.frames = FrameSource(on_held=base.streams_changed.emit)
-        self.pictures = PictureUplink(base.loop, base.clock, self.frames, recording.films)
+        self.pictures = PictureUplink(
+            base.loop,
+            base.clock,
+            frames=self.frames,
+            films=recording.films,
+            taps=taps.outbox,
+        )
         # What an earlier run could not send is taken up again.
         self.outbox = ArchiveOutbox(
             settings.data / "outbox", settings.outbox_bytes, base.announce_file

@@ -26,6 +26,8 @@ from talaia.wire.frames import (
     SightingReport,
     StopRequest,
     StreamSubscription,
+    TapSubscription,
+    TopicList,
 )
 
 if TYPE_CHECKING:
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from talaia.gateway.recording.recorders import TriggeredRecorder
     from talaia.gateway.reload.requests import ChangeRequests
     from talaia.gateway.spool.spool_thread import SpoolThread
+    from talaia.gateway.taps.service import TapService
     from talaia.gateway.uplink.output_router import OutputRouter
     from talaia.gateway.uplink.pictures import PictureUplink
     from talaia.gateway.uplink.send_lanes import SendLanes
@@ -63,10 +66,12 @@ class MessageDispatcher:
         recorders: TriggeredRecorder | None,
         change_requests: ChangeRequests,
         pictures: PictureUplink,
+        taps: TapService,
         reporter: DetectionReporter,
     ) -> None:
         """Take all who act, the output that tells how it went, and the lanes to the hub."""
         self._pictures = pictures  # The media connection: what is watched, and key pictures.
+        self._taps = taps  # Raw topics, on the media connection, too.
         self._reporter = reporter  # Sightings on their way to the hub.
         self._reachability = reachability  # Which devices can be reached.
         self._recorders = recorders  # None where the description records nothing.
@@ -103,6 +108,7 @@ class MessageDispatcher:
         self._commanding.report_states()
         self._reachability.report_unreached()
         self._change_requests.link_up()
+        self._taps.link_up(takes=TopicList.__struct_config__.tag in welcome.takes)
         self._reporter.link_up(takes=SightingReport.__struct_config__.tag in welcome.takes)
         self._pacer.reset_timer()
 
@@ -116,6 +122,7 @@ class MessageDispatcher:
         self._control.link_lost()
         self._reporter.link_lost()
         self._pacer.reset_timer()
+        self._taps.link_lost()
         self._pictures.watch((), {})
         self.update_watched_streams()
 
@@ -160,6 +167,10 @@ class MessageDispatcher:
                 self.update_watched_streams()
             case KeyframeRequest():
                 self._pictures.ask_key(message.stream, message.form)
+            case TapSubscription():
+                self._taps.subscribe(message)
+                # Nothing of driving changes by it.
+                return
             case ReconnectRequest():
                 self._reconnect(message)
             case RecordingRequest():

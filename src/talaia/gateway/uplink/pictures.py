@@ -2,7 +2,7 @@
 
 Of pictures that need none before them only the newest waits. Those of a film may not be left out,
 so that none is made while the link is full; should some wait all the same, they all go and the
-next is one that needs none before it.
+next is one that needs none before it. Raw topics go on the same connection, behind all pictures.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from talaia.gateway.ports import Filming
+from talaia.gateway.taps.outbox import TAP_RECEIPTS
 from talaia.gateway.uplink.link_capacity import LinkCapacity
 from talaia.wire.frames import MEDIA_FROM_GATEWAY, Beat, PictureForm, StreamError
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.recording.film_recorder import FilmRecorder
+    from talaia.gateway.taps.outbox import TapOutbox
     from talaia.gateway.video.frame_source import FrameSource
     from talaia.wire.frames import BeatReply, DetectedBoxes, PictureFrame
 
@@ -44,10 +46,12 @@ class PictureUplink:
         self,
         loop: asyncio.AbstractEventLoop,
         clock: Clock,
+        *,
         frames: FrameSource,
         films: FilmRecorder | None = None,
+        taps: TapOutbox | None = None,
     ) -> None:
-        """Take the loop that sends, where those at the gateway look, and who films."""
+        """Take the loop that sends, where those at the gateway look, who films, and raw topics."""
         self._films = films  # None where nothing can be filmed.
         self._loop = loop  # Only this loop touches what waits.
         self._clock = clock  # Monotonic, for the receipts.
@@ -57,6 +61,10 @@ class PictureUplink:
         # Beats, boxes and troubles; the oldest give way, for the next beat says more.
         self._small: deque[bytes] = deque(maxlen=100)
         self._wake = asyncio.Event()  # Set when something waits; cleared by the sender alone.
+        # None where no topics are handed on.
+        self._taps = taps
+        if taps is not None:
+            taps.on_waiting = self._wake_sender
         # Read by encoding threads as well; being a picture late does no harm, `_enqueue_picture`
         # asks again.
         self._linked = False
@@ -72,6 +80,9 @@ class PictureUplink:
         self._tells_trouble = False
         self._boxed: frozenset[str] = frozenset()  # Streams for which boxes are wanted, too.
         self.dropped = 0  # Pictures left out because too many waited.
+
+    def _wake_sender(self) -> None:
+        self._loop.call_soon_threadsafe(self._wake.set)
 
     # ── what is wanted ──
 
@@ -188,7 +199,10 @@ class PictureUplink:
                 return self._small.popleft()
             if self._waiting:
                 return self._next_picture()
+            # Before the taps are asked: one that comes from now on sets it again.
             self._wake.clear()
+            if self._taps is not None and (piece := self._taps.next_frame()) is not None:
+                return piece
             await self._wake.wait()
 
     def _next_picture(self) -> bytes:
@@ -207,7 +221,10 @@ class PictureUplink:
 
     def answered(self, reply: BeatReply) -> None:
         """Take the answer to a beat; those behind pictures are their receipts."""
-        if reply.n > _RECEIPTS:
+        if reply.n > TAP_RECEIPTS:
+            if self._taps is not None:
+                self._taps.take_receipt(reply.n)
+        elif reply.n > _RECEIPTS:
             with self._lock:
                 self._room.arrived(reply.n - _RECEIPTS, self._clock.monotonic_ns() // 1000)
 
@@ -223,8 +240,12 @@ class PictureUplink:
             }
         # Last, so that no thread adds to what was just cleared.
         self._linked = True
+        if self._taps is not None:
+            self._taps.link_up()
 
     def link_lost(self) -> None:
         """Take no more until the next connection."""
         self._linked = False
         self._waiting.clear()
+        if self._taps is not None:
+            self._taps.link_lost()

@@ -31,6 +31,7 @@ from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, d
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
 from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
+from talaia.gateway.adapters.ros2.taps import Ros2TopicSource
 from talaia.gateway.adapters.ros2.topic_types import TopicTypes
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import RobotDescriptions
 from talaia.gateway.adapters.ros2.waitset import WaitThread
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
         AdapterStatus,
         ChannelReading,
     )
+    from talaia.gateway.tap_ports import TopicDefinition
     from talaia.wire.frames import Scalar
 
 __all__ = ["Ros2Adapter"]
@@ -110,6 +112,7 @@ class Ros2Adapter:
         self._turn = 0
         self._rejoining = ReconnectionAttempts(self._clock)
         self._arrivals = Arrivals(self._clock.monotonic_ns())
+        self._source = Ros2TopicSource(context.taps, self._clock, self._arrivals)
         # Outlives a `run`: joining anew is tried ever more seldom.
         self._deafness = Deafness()
 
@@ -141,6 +144,14 @@ class Ros2Adapter:
         self._watched = frozenset(streams)
         if self._thread is not None:
             self._thread.run_soon(self._update_subscriptions)
+
+    def tap_topics(self, topics: frozenset[str]) -> None:
+        """See `TopicSource.tap_topics`."""
+        self._source.tap_topics(topics)
+
+    def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
+        """See `TopicSource.define_type`."""
+        self._source.define_type(type_name, done)
 
     def redescribe(self, scope: ConnectionScope) -> None:
         """See `DescriptionFollower`."""
@@ -258,6 +269,7 @@ class Ros2Adapter:
             files=self._files,
             raw=self._raw,
         )
+        self._source.join(self._node, thread, self._types)
         self._motion = Ros2Motion(self._scope, self._node, self._tell_missing)
         self._worker.start()
         self._thread = thread
@@ -272,6 +284,7 @@ class Ros2Adapter:
         self._rejoining.end_attempts()
         if self._worker is not None:
             self._worker.close()
+        self._source.leave()
         if self._types is not None:
             self._types.close()
         if self._packageless is not None:
@@ -332,6 +345,7 @@ class Ros2Adapter:
             self._descriptions.ask_again()
         if self._turn % 2 == 0:
             self._update_subscriptions(everything=self._turn % 8 == 0)
+            self._source.look_again()
             self._rejoining.report_finished()
         if self._presence is not None:
             self._presence.judge_devices()
