@@ -34,6 +34,12 @@ PURE_FOLDERS = ("tests/model", "tests/wire", "tests/test_clock.py")
 PURE = re.compile(r"^pytestmark = .*pytest\.mark\.pure\b", re.MULTILINE)
 # Each starts a whole site with browsers: as many of them at a time as there are cores.
 WHOLE_SITES = ("tests/system",)
+# Whose files look at one running demo, which lives as long as their process.
+SHARING = (
+    "tests/system/test_accounts_in_browser.py",
+    "tests/system/test_browser.py",
+    "tests/system/test_takeover.py",
+)
 # They run two sites side by side themselves: with what runs beside them some of a core stays free.
 CALM = ("tests/system/faults/test_rows.py", "tests/system/enclosure/test_rows.py")
 PAGES = "web (pages)"
@@ -131,14 +137,16 @@ def make_groups(files: list[str], costs: dict[str, Cost]) -> list[Group]:
     The folders in ``tests/hub`` are no groups of their own: each would begin a process.
     """
     groups: list[Group] = []
-    last: dict[tuple[str, bool, bool, bool], Group] = {}
+    last: dict[tuple[str, bool, bool, bool, bool], Group] = {}
     for file in files:
         cost = costs.get(file, UNKNOWN)
         calm, whole, pure = lies_in(file, CALM), lies_in(file, WHOLE_SITES), is_pure(file)
         # The quick ring's need nothing of each other: of all folders together.
-        kind = ("" if pure else "/".join(file.split("/")[:-1][:2]), calm, whole, pure)
+        folder = "" if pure else "/".join(file.split("/")[:-1][:2])
+        sharing = file in SHARING
+        kind = (folder, calm, whole, pure, sharing)
         group = last.get(kind)
-        if group is None or group.wall + cost.wall > GROUP_S:
+        if group is None or (group.wall + cost.wall > GROUP_S and not sharing):
             group = last[kind] = Group([], whole=whole, calm=calm, pure=pure)
             groups.append(group)
         group.files.append(file)

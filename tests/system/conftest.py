@@ -138,19 +138,17 @@ def stop_demo(demo: Demo) -> int:
     return code
 
 
-@pytest.fixture(scope="module")
-def demo_words() -> tuple[str, ...]:
-    """What the demo is started with."""
-    # The observatory has tests of its own; these look at the vehicle.
-    return ("--no-observatory",)
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
+    """One for all files of a process, see ``SHARING`` in `tools/plan_tests.py`.
 
-
-@pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory, demo_words: tuple[str, ...]) -> Iterator[Demo]:
+    These look at the vehicle; the observatory has tests of its own. Nor does anybody look at
+    pictures: to draw and detect keeps a core busy.
+    """
     folder = tmp_path_factory.mktemp("demo")
     # `test_demo` is about a demo that begins with nothing.
     shutil.copy(empty_database(), folder)
-    running = start_demo(folder, *demo_words)
+    running = start_demo(folder, "--no-observatory", "--no-camera")
     try:
         yield running
     finally:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
 import json
-import os
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -18,7 +16,7 @@ from talaia.model.yaml_text.load import dump_site, load_site
 from talaia.sim import ros_domain
 from talaia.sim.observatory.night import at_night, longitude_of_night
 
-from .stack import SOURCE, Process, until
+from .stack import Process, until
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "observatory" / "site.yaml"
 SPEED = 4
@@ -38,6 +36,7 @@ class Observatory:
         self._roof = roof
         self.folder = folder
         self._ros1 = ["--ros1"] if ros1 else []
+        self._clients = itertools.count()
         self._world = ros_domain.reserve_domain()
         self.environment = ros_domain.domain_environment(self._world.domain)
         if ros1:
@@ -73,16 +72,17 @@ class Observatory:
     @property
     def words(self) -> list[str]:
         """The prefix of a client's words, in place of ``ros2 run``."""
-        return [sys.executable, "-m", "talaia", "sim", "run", *self._ros1]
+        return ["-m", "talaia", "sim", "run", *self._ros1]
 
     def client(self, *words: str, within: float = PATIENCE_S) -> str:
         """What a client of a person on site says."""
-        done = subprocess.run(
-            [*self.words, *words],
-            capture_output=True, text=True, timeout=within, check=False,
-            env={**os.environ, "PYTHONPATH": str(SOURCE), **self.environment},
-        )  # fmt: skip
-        return done.stdout
+        log = self.folder / f"client-{next(self._clients)}.log"
+        client = Process([*self.words, *words], log, self.environment)
+        try:
+            client.popen.wait(within)
+        finally:
+            client.end()
+        return client.said()
 
     def fault(self, words: str) -> None:
         assert words in self.client("observatory_servcli", "client", "fault", *words.split())

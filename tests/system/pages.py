@@ -30,16 +30,27 @@ def sign_in(page: Page, hub: Served, name: str, password: str = PASSWORD) -> Non
     page.wait_for_url(re.compile("/(home|public)$"))
 
 
-def open_signed_in(page: Page, hub: Served, name: str, password: str = PASSWORD) -> None:
-    """Sign in as the form does, without the form: its page costs a browser as much as the next."""
+def sign_in_unseen(page: Page, hub: Served, name: str, password: str = PASSWORD) -> None:
+    """Sign in as the form does, without the form; no page is opened."""
     answer = page.context.request.post(
         f"{hub.address}/api/login",
         data={"name": name, "password": password},
         headers={"Origin": hub.address},
     )
     assert answer.ok, answer.text()
-    page.goto(f"{hub.address}/home")
-    page.wait_for_url(re.compile("/(home|public)$"))
+
+
+def open_signed_in(
+    page: Page, hub: Served, name: str, password: str = PASSWORD, path: str = ""
+) -> None:
+    """Sign in without the form: its page costs a browser as much as the next.
+
+    Then opens ``path``, or what the form leads to: to load that first costs as much again.
+    """
+    sign_in_unseen(page, hub, name, password)
+    page.goto(f"{hub.address}{path or '/home'}")
+    if not path:
+        page.wait_for_url(re.compile("/(home|public)$"))
 
 
 def visit(
@@ -50,12 +61,13 @@ def visit(
     width: int = 1440,
     height: int = 900,
     scripts: Iterable[str] = (),
+    path: str = "",
 ) -> Page:
-    """A person's page, in a browser of their own."""
+    """A person's page, in a browser of their own; see `open_signed_in`."""
     page = browser.new_context(viewport={"width": width, "height": height}).new_page()
     for each in scripts:
         page.add_init_script(each)
-    open_signed_in(page, hub, name)
+    open_signed_in(page, hub, name, path=path)
     return page
 
 

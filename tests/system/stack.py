@@ -19,6 +19,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
+import fork_server
+from fork_server import ForkedProcess, fork_program
 from patience import PATIENCE_S
 from ports import free_port
 
@@ -35,6 +37,8 @@ PEOPLE = {"driver": "operator", "second": "operator", "guest": "guest"}
 # The processes are those of the package under test, wherever it is installed.
 SOURCE = Path(talaia.__file__).resolve().parent.parent
 STEP_S = 0.005
+# What the tests' own programs import is imported once, too.
+SCRIPTS = {str(Path(__file__).parent / name) for name in ("robot.py", "actor.py")}
 
 DESCRIPTION = """\
 talaia: 1
@@ -122,18 +126,24 @@ class Process:
         """Start ``python WORDS``; more output follows what ``log`` holds already."""
         self.log = log
         self._begin = log.stat().st_size if log.exists() else 0
+        everything = {
+            **os.environ,
+            "PYTHONPATH": str(SOURCE),
+            "PYTHONUNBUFFERED": "1",
+            **environment,
+        }
+        self.popen: subprocess.Popen[bytes] | ForkedProcess
         with log.open("ab") as output:
+            # What a starter puts in place of a part must not have been imported before it.
+            if fork_server.is_used() and (words[:2] == ["-m", "talaia"] or words[0] in SCRIPTS):
+                self.popen = fork_program(words, everything, output)
+                return
             self.popen = subprocess.Popen(
                 [sys.executable, *words],
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=subprocess.STDOUT,
-                env={
-                    **os.environ,
-                    "PYTHONPATH": str(SOURCE),
-                    "PYTHONUNBUFFERED": "1",
-                    **environment,
-                },
+                env=everything,
                 start_new_session=True,
                 # A test run that is killed leaves nobody behind.
                 preexec_fn=_follow_parent if sys.platform == "linux" else None,

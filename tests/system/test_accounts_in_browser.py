@@ -24,12 +24,6 @@ DEMOTED_S = 1.0
 NAV = "navigation"
 
 
-@pytest.fixture(scope="module")
-def demo_words() -> tuple[str, ...]:
-    """Without a camera: nobody looks here, and to draw and detect keeps a core busy."""
-    return ("--no-observatory", "--no-camera")
-
-
 @pytest.fixture
 def contexts(browser: Browser) -> Iterator[list[BrowserContext]]:
     """Two people's browsers."""
@@ -46,6 +40,13 @@ def sign_in(context: BrowserContext, demo: Demo, name: str, password: str = "") 
         pages.sign_in(page, demo, name, password)
     else:
         pages.open_signed_in(page, demo, name, demo.passwords[name])
+    return page
+
+
+def open_as_admin(context: BrowserContext, demo: Demo) -> Page:
+    """Give an admin's page that shows nothing yet."""
+    page = context.new_page()
+    pages.sign_in_unseen(page, demo, "admin", demo.passwords["admin"])
     return page
 
 
@@ -86,7 +87,7 @@ def devices_of(page: Page, demo: Demo) -> list[str]:
 def test_a_new_person_signs_in_at_once_and_sees_only_what_the_new_role_allows(
     contexts: list[BrowserContext], demo: Demo
 ) -> None:
-    admin = sign_in(contexts[0], demo, "admin")
+    admin = open_as_admin(contexts[0], demo)
     make_role(admin, demo, "camera crew", {"Camera": "view"})
     add_person(admin, demo, "ada", "camera crew")
 
@@ -114,7 +115,7 @@ def test_a_new_person_signs_in_at_once_and_sees_only_what_the_new_role_allows(
 def test_a_right_that_is_taken_leaves_the_open_page_within_a_second(
     contexts: list[BrowserContext], demo: Demo
 ) -> None:
-    admin = sign_in(contexts[0], demo, "admin")
+    admin = open_as_admin(contexts[0], demo)
     make_role(admin, demo, "driver", {"Vehicle base": "use"})
     add_person(admin, demo, "bea", "driver")
     page = sign_in(contexts[1], demo, "bea", PASSWORD)

@@ -48,8 +48,9 @@ def faults(context: BrowserContext) -> list[str]:
 
 
 def sign_in(context: BrowserContext, demo: Demo, role: str) -> Page:
+    """Give a person's page that shows nothing yet."""
     page = context.new_page()
-    pages.open_signed_in(page, demo, role, demo.passwords[role])
+    pages.sign_in_unseen(page, demo, role, demo.passwords[role])
     return page
 
 

@@ -138,8 +138,7 @@ def page(plugged: Plugged, chrome: Browser) -> Page:
         plugged.gateway.end()
         plugged.start_gateway()
     finish(plugged.ready())
-    shown = visit(chrome, plugged, "driver", width=1280)
-    shown.goto(f"{plugged.address}/sites/{SITE}/drive")
+    shown = visit(chrome, plugged, "driver", width=1280, path=f"/sites/{SITE}/drive")
     expect(shown.get_by_role("button", name="Take control")).to_be_enabled(timeout=PATIENCE_MS)
     level(plugged, shown)
     return shown
@@ -356,8 +355,7 @@ def test_what_an_interlock_locks_is_greyed_out_with_the_reason_and_who_can_help(
     expect(beep.get_by_text(locked)).to_be_visible()
     picture(page, "by-hand-locked-phone")
     page.set_viewport_size({"width": 1280, "height": 900})
-    boss = visit(chrome, plugged, "boss", width=1280)
-    boss.goto(f"{plugged.address}/sites/{SITE}/drive")
+    boss = visit(chrome, plugged, "boss", width=1280, path=f"/sites/{SITE}/drive")
     expect(
         boss.locator("t-command").filter(has_text="You can override it in the bar at the top.")
     ).to_have_count(1)

@@ -85,9 +85,8 @@ def stack(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stack]:
 
 def opened(chrome: Browser, stack: Stack, *scripts: str, device: str = "eyes") -> BrowserPage:
     # So tall that each camera is in sight: the others would rest.
-    page = visit(chrome, stack, "boss", height=3000, scripts=scripts)
-    page.goto(f"{stack.address}/sites/{SITE}/devices/{device}")
-    return page
+    path = f"/sites/{SITE}/devices/{device}"
+    return visit(chrome, stack, "boss", height=3000, scripts=scripts, path=path)
 
 
 def camera(page: BrowserPage, name: str):

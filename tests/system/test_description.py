@@ -52,13 +52,12 @@ def stack(tmp_path: Path) -> Iterator[Stack]:
 def test_sensor_added_in_the_form_has_a_live_chart_without_reload_and_is_gone_after_going_back(
     stack: Stack, chrome: Browser
 ) -> None:
-    editor = visit(chrome, stack, "boss")
+    editor = visit(chrome, stack, "boss", path="/admin/description")
     live = editor.context.new_page()
     live.goto(f"{stack.address}/sites/{SITE}/live")
     expect(live.get_by_role("heading", name="Count")).to_be_visible()
     live.evaluate("window.notReloaded = true")
 
-    editor.goto(f"{stack.address}/admin/description")
     expect(editor.get_by_text("version 1, since")).to_be_visible()
     editor.get_by_text("Edit", exact=True).click()
     editor.locator("summary", has_text="Devices").click()
@@ -106,9 +105,7 @@ def test_sensor_added_in_the_form_has_a_live_chart_without_reload_and_is_gone_af
 
 
 def test_mistake_in_the_text_is_listed_and_leads_to_its_line(stack: Stack, chrome: Browser) -> None:
-    page = visit(chrome, stack, "boss")
-    page.set_viewport_size({"width": 390, "height": 844})
-    page.goto(f"{stack.address}/admin/description")
+    page = visit(chrome, stack, "boss", width=390, height=844, path="/admin/description")
     page.get_by_text("Edit", exact=True).click()
     page.get_by_text("Text", exact=True).click()
     area = page.get_by_label("The description as YAML")

@@ -108,9 +108,7 @@ def yard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Yard]:
 
 
 def opened(chrome: Browser, yard: Yard, path: str) -> BrowserPage:
-    page = visit(chrome, yard, "boss", height=1200)
-    page.goto(f"{yard.address}/sites/{SITE}/{path}")
-    return page
+    return visit(chrome, yard, "boss", height=1200, path=f"/sites/{SITE}/{path}")
 
 
 def view(page: BrowserPage, stream: str) -> Locator:

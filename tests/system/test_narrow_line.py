@@ -93,8 +93,8 @@ def test_on_a_congested_line_no_picture_that_is_called_live_is_a_grey_area(
     line: tuple[NarrowStack, Proxy], chrome: Browser
 ) -> None:
     stack, proxy = line
-    page = visit(chrome, stack, "boss", scripts=(SPREADS,))
-    page.goto(f"{stack.address}/sites/{SITE}/devices/eyes")
+    path = f"/sites/{SITE}/devices/eyes"
+    page = visit(chrome, stack, "boss", scripts=(SPREADS,), path=path)
     page.evaluate("window.__drawn(20)")
     usual = sorted(spread for _, spread in page.evaluate("window.__spreads"))[10]
     proxy.change(Weather(rate=NARROW))

@@ -185,8 +185,7 @@ def press(page: Page, deed: str, *, asks_again: bool) -> None:
 def test_the_same_page_opens_and_closes_a_dome(
     dome: Dome, chrome: Browser, request: pytest.FixtureRequest
 ) -> None:
-    page = visit(chrome, dome, "driver", width=1280)
-    page.goto(f"{dome.address}/sites/{SITE}/devices/dome")
+    page = visit(chrome, dome, "driver", width=1280, path=f"/sites/{SITE}/devices/dome")
     expect(page.get_by_role("heading", name="Dome", level=1)).to_be_visible()
     expect(words(page, "closed")).to_be_visible(timeout=PATIENCE_MS)
     press(page, "Open", asks_again=dome.asks_again)

@@ -17,12 +17,6 @@ pytestmark = [pytest.mark.browser, pytest.mark.robot]
 ASKED = re.compile(r"admin asks for control")
 
 
-@pytest.fixture(scope="module")
-def demo_words() -> tuple[str, ...]:
-    """Without a camera: nobody looks here, and to draw and detect keeps a core busy."""
-    return ("--no-observatory", "--no-camera")
-
-
 @pytest.fixture
 def pages(browser: Browser, demo: Demo) -> Iterator[tuple[Page, Page]]:
     """The operator's page, who has control, and the admin's beside it."""

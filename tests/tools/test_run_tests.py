@@ -156,6 +156,16 @@ def test_a_pure_test_that_opens_a_socket_or_starts_a_process_fails(tmp_path: Pat
     assert "1 passed, 0 skipped, 2 failed" in said
 
 
+def test_files_that_share_a_demo_run_in_one_process_however_long_they_take() -> None:
+    plan = load_plan()
+    files = sorted([*plan.SHARING, "tests/system/test_driving.py", "tests/system/test_up.py"])
+    costs = {file: plan.Cost(plan.GROUP_S - 1.0, 20.0) for file in files}
+    groups = [each.files for each in plan.make_groups(files, costs)]
+    assert sorted(plan.SHARING) in groups
+    assert len(groups) == 3
+    assert all((ROOT / file).exists() for file in files)
+
+
 def test_groups_that_wait_run_side_by_side_beyond_the_number_of_cores() -> None:
     plan = load_plan()
     light = [plan.Group([f"{at}"], wall=60.0, cpu=12.0) for at in range(5)]

@@ -1,0 +1,334 @@
+"""Start Python programs as forks of a process that has imported their modules already.
+
+To import a hub takes more than a second of a core, a gateway about one, and tests start hundreds of
+them. What a program does from its ``main`` on is the same; that it also starts as a process of its
+own from nothing is seen by the tests of ``talaia demo``, ``talaia up`` and many others.
+
+Only on Linux, and not while line coverage is measured: there each program is started anew, and
+with ``TALAIA_TEST_FORKS=0`` in the environment.
+"""
+
+from __future__ import annotations
+
+import ast
+import atexit
+import contextlib
+import ctypes
+import gc
+import importlib
+import json
+import os
+import re
+import runpy
+import select
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import IO, Any, NamedTuple
+
+from talaia.cli.child_processes import _follow_parent
+from talaia.errors import TalaiaError
+from talaia.ros_installation import ros_environment, use_ros
+
+CODE = struct.Struct("i")
+# What a program of ROS 2 imports at the latest when it joins the others, and a gateway with it.
+ROS2 = ("ros_wheels_bootstrapper", "rclpy", "rclpy.executors", "rclpy.node", "rclpy.action",
+        "std_msgs.msg", "geometry_msgs.msg", "sensor_msgs.msg", "nav_msgs.msg",
+        "std_srvs.srv", "rcl_interfaces.srv", "rosidl_generator_py")  # fmt: skip
+# What a command imports only when it is needed, which it always is.
+LATER = {
+    "gateway": (*ROS2, "talaia.gateway.adapters.ros2.adapter"),
+    "hub": ("pydantic.v1", "aiosqlite", "alembic.command", "alembic.context", "email_validator"),
+    "sim": (*ROS2, "talaia.sim.vehicle.node", "talaia.sim.vehicle.world",
+            "talaia.sim.observatory.ros2_shell"),
+}  # fmt: skip
+MAX_REQUEST = 1 << 17
+# Of linux/prctl.h; see prctl(2). Longer names are cut off.
+PR_SET_NAME = 15
+
+
+def is_used() -> bool:
+    """Tell whether programs are forked in this run."""
+    measured = any(name.startswith("COVERAGE_") for name in os.environ)
+    wanted = os.environ.get("TALAIA_TEST_FORKS") != "0"
+    return sys.platform == "linux" and wanted and not measured
+
+
+class ForkedProcess:
+    """A program that runs: what tests use of `subprocess.Popen`.
+
+    Attributes:
+        args: the words that would have started it, as of `subprocess.Popen`.
+        pid: of the process.
+        returncode: None while it runs; negative for a signal.
+        stdin: a pipe to the program, without a buffer.
+
+    """
+
+    def __init__(self, args: list[str], pid: int, ended: int, stdin: IO[bytes]) -> None:
+        """Take what the server has started; ``ended`` is where its exit code comes."""
+        self.args = args
+        self.pid = pid
+        self.returncode: int | None = None
+        self.stdin: IO[bytes] | None = stdin
+        self._ended = ended
+        # A test may ask in one thread while another waits.
+        self._lock = threading.Lock()
+
+    def poll(self) -> int | None:
+        """Give the exit code if it has ended."""
+        return self._look(0.0)
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Wait for its end and give the exit code.
+
+        Raises:
+            subprocess.TimeoutExpired: not within ``timeout`` seconds.
+
+        """
+        ends = None if timeout is None else time.monotonic() + timeout
+        while self._look(None if ends is None else max(0.0, ends - time.monotonic())) is None:
+            if ends is not None and time.monotonic() >= ends:
+                raise subprocess.TimeoutExpired(self.args, timeout or 0.0)
+        assert self.returncode is not None
+        return self.returncode
+
+    def _look(self, within: float | None) -> int | None:
+        with self._lock:
+            if self.returncode is None and select.select([self._ended], [], [], within)[0]:
+                code = os.read(self._ended, CODE.size)
+                # Without a word the server has ended, and this one with it.
+                self.returncode = CODE.unpack(code)[0] if code else -signal.SIGTERM
+                os.close(self._ended)
+            return self.returncode
+
+    def send_signal(self, number: int) -> None:
+        """Send a signal, if it still runs."""
+        if self.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self.pid, number)
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        self.send_signal(signal.SIGTERM)
+
+    def kill(self) -> None:
+        """End it."""
+        self.send_signal(signal.SIGKILL)
+
+
+class ForkServer:
+    """The process that has imported everything; see `fork_program`."""
+
+    def __init__(self) -> None:
+        """Start it, with nothing imported yet."""
+        # Of this process: one that was forked from it has a server of its own.
+        self.owner = os.getpid()
+        self._lock = threading.Lock()
+        self._channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, __file__, str(theirs.fileno())],
+                stdin=subprocess.DEVNULL,
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
+            )
+
+    def fork(
+        self, words: list[str], environment: dict[str, str], output: IO[bytes]
+    ) -> ForkedProcess:
+        """Run ``python WORDS``; what it prints goes to ``output``."""
+        request = {"words": words, "environment": environment, "folder": str(Path.cwd())}
+        theirs, stdin = os.pipe()
+        ended, told = os.pipe()
+        try:
+            with self._lock:
+                data = json.dumps(request).encode()
+                socket.send_fds(self._channel, [data], [theirs, output.fileno(), told])
+                answer = self._channel.recv(CODE.size)
+        finally:
+            os.close(theirs)
+            os.close(told)
+        assert answer, "the fork server has ended; its own words stand in the output of the tests"
+        (pid,) = CODE.unpack(answer)
+        pipe = os.fdopen(stdin, "wb", buffering=0)
+        return ForkedProcess([sys.executable, *words], pid, ended, pipe)
+
+    def close(self) -> None:
+        """End it, and all that it started; only where it was begun."""
+        if os.getpid() == self.owner:
+            self._channel.close()
+            self._process.wait()
+
+
+_servers: list[ForkServer] = []
+
+
+def fork_program(words: list[str], environment: dict[str, str], output: IO[bytes]) -> ForkedProcess:
+    """Run ``python WORDS`` with the modules that it needs imported already.
+
+    It ends with this process, however that ends.
+
+    Args:
+        words: as behind ``python``: ``-m``, a module and its arguments, or a script and its own.
+        environment: all of it.
+        output: an open file for its standard output and error.
+
+    """
+    if not _servers or _servers[-1].owner != os.getpid():
+        server = ForkServer()
+        atexit.register(server.close)
+        _servers.append(server)
+    return _servers[-1].fork(words, environment, output)
+
+
+# ── in the server's process ──
+
+
+class Order(NamedTuple):
+    """What a fork is to run."""
+
+    words: list[str]
+    environment: dict[str, str]
+    folder: str
+
+
+def serve(channel: socket.socket) -> Order:
+    """Fork whenever that is asked for; returns in each fork, with what it is to run."""
+    children: dict[int, int] = {}
+    wakes, wake = socket.socketpair()
+    wake.setblocking(False)  # noqa: FBT003 - the signature is the library's
+    signal.set_wakeup_fd(wake.fileno(), warn_on_full_buffer=False)
+    signal.signal(signal.SIGCHLD, lambda *_: None)
+    while True:
+        ready, _, _ = select.select([channel, wakes], [], [])
+        if wakes in ready:
+            wakes.recv(4096)
+        report_ended(children)
+        if channel not in ready:
+            continue
+        data, fds, _, _ = socket.recv_fds(channel, MAX_REQUEST, 3)
+        if not data:
+            # Its end is the end of all that it forked; see `_follow_parent`.
+            os._exit(0)
+        order = Order(**json.loads(data))
+        stdin, output, told = fds
+        import_for(order.words)
+        if (pid := fork_with_tracing()) == 0:
+            signal.set_wakeup_fd(-1)
+            signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+            become_program(stdin, output)
+            for fd in (*children.values(), *fds):
+                os.close(fd)
+            for each in (channel, wakes, wake):
+                each.close()
+            return order
+        children[pid] = told
+        channel.send(CODE.pack(pid))
+        os.close(stdin)
+        os.close(output)
+
+
+def fork_with_tracing() -> int:
+    """Fork as `os.fork` does.
+
+    ROS 2 brings LTTng, which has two threads from its import on: a fork has none of them, and at
+    its end they would be waited for. LTTng's own functions for forks start them anew
+    (lttng-ust(3), "Using LTTng-UST with daemons"; up to 2.12 by these names).
+    """
+    loaded = re.search(r"/\S+/liblttng-ust-[0-9a-f]+\.so\S*", Path("/proc/self/maps").read_text())
+    if loaded is None:
+        return os.fork()
+    library = ctypes.CDLL(loaded[0])
+    # A sigset_t of this C library, in which the signals of before are kept.
+    signals = ctypes.create_string_buffer(128)
+    library.ust_before_fork(signals)
+    pid = os.fork()
+    if pid:
+        library.ust_after_fork_parent(signals)
+    else:
+        library.ust_after_fork_child(signals)
+    return pid
+
+
+def report_ended(children: dict[int, int]) -> None:
+    """Say of each fork that has ended how it did."""
+    while children:
+        pid, status = os.waitpid(-1, os.WNOHANG)
+        if not pid:
+            return
+        told = children.pop(pid)
+        # Who asked may be gone.
+        with contextlib.suppress(BrokenPipeError):
+            os.write(told, CODE.pack(os.waitstatus_to_exitcode(status)))
+        os.close(told)
+
+
+def import_for(words: list[str]) -> None:
+    """Import what a program imports at its start."""
+    names: list[str] = []
+    if words[:2] == ["-m", "talaia"]:
+        from talaia.cli.main import COMMANDS
+
+        names = [COMMANDS[words[2]].module, *LATER.get(words[2], ())]
+    elif words[0].endswith(".py"):
+        for node in ast.parse(Path(words[0]).read_text()).body:
+            if isinstance(node, ast.Import):
+                names += [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                names.append(node.module)
+    gc.disable()
+    for name in names:
+        # What cannot be imported is for the program itself to find out.
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+    gc.freeze()
+    gc.enable()
+
+
+def become_program(stdin: int, output: int) -> None:
+    """Leave the server's terminal, session and files."""
+    os.setsid()
+    _follow_parent()
+    for mine, number in ((stdin, 0), (output, 1), (output, 2)):
+        os.dup2(mine, number)
+
+
+def run_program(order: Order) -> None:
+    """Do what Python does with the words behind its name."""
+    # What `ps` and the like call it: the last words of a path or a command.
+    name = " ".join(order.words[1:4] if order.words[0] == "-m" else order.words[:1])
+    ctypes.CDLL(None).prctl(PR_SET_NAME, name.rpartition("/")[2].encode())
+    os.environ.clear()
+    os.environ.update(order.environment)
+    # As this process has it: else the program would start itself anew.
+    os.environ.update(ros_environment())
+    os.chdir(order.folder)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(write_through=True)  # type: ignore[union-attr]
+    # With these it starts itself anew, where ROS 2 is found to need another environment.
+    sys.orig_argv = [sys.executable, *order.words]
+    first, *more = order.words
+    here: Any = os.getcwd()
+    if first == "-m":
+        sys.argv = more
+        sys.path[0] = here
+        runpy.run_module(more[0], run_name="__main__", alter_sys=True)
+    elif first == "-c":
+        raise SystemExit("a text that is a program is started anew")
+    else:
+        sys.argv = order.words
+        sys.path[0] = str(Path(first).resolve().parent)
+        runpy.run_path(first, run_name="__main__")
+
+
+if __name__ == "__main__":
+    # Now, while nothing is asked for yet: it may start this process anew.
+    with contextlib.suppress(ImportError, TalaiaError):
+        use_ros(ordered=True)
+    run_program(serve(socket.socket(fileno=int(sys.argv[1]))))
