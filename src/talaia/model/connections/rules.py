@@ -116,10 +116,6 @@ class ConnectionRules:
         for key in source.foreign if isinstance(source, self.source) else keys_given(source):
             problem, remedy = self.why_not(key)
             yield Finding(f"{where}.{key}", problem, remedy)
-        if not isinstance(source, self.source) and not keys_given(source):
-            # Written it would be nothing, and read as this kind's own.
-            problem = f"a connection of kind {self.kind} knows no such source"
-            yield Finding(where, problem, f"write as: {self.example}")
 
     @classmethod
     def why_not(cls, key: str) -> tuple[str, str]:
