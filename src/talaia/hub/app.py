@@ -12,6 +12,7 @@ from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
+from talaia.hub.features.connections.foxglove import FoxgloveFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
@@ -123,17 +124,7 @@ class Hub:
         )
         self.extensions = ExtensionsFeature(core)
         self.storage = StorageFeature(core, history=store)
-        self.connections = ConnectionsFeature(
-            core, seats=seats, reporting=reporting, sightings=self.sightings, audit=log
-        )
-        service = self.connections.service
-        self.client_protocols = ClientProtocolsFeature(
-            core, people=self.people, service=service, audit=log
-        )
-        # Last: its route takes every path, so any route added after it would never be asked.
-        self.pages = PagesFeature(
-            core, admission=admission, service=service, sightings=self.sightings, audit=log
-        )
+        self._add_connections()
         # In the order in which they are built above: no feature can be forgotten.
         self.features = tuple(
             feature for feature in vars(self).values() if isinstance(feature, Feature)
@@ -142,6 +133,31 @@ class Hub:
         guards = (self.people.access.guard_request, self.people.limits.check_request)
         self.app = web_application(self.features, guards, self.running)
         self.asgi: ASGIApp = RequestGuard(self.app, settings)
+
+    def _add_connections(self) -> None:
+        """Build what serves pages and clients of other tools, from all that was built before."""
+        core, log = self.core, self.audit.log
+        self.connections = ConnectionsFeature(
+            core,
+            seats=self.people.seats,
+            reporting=self.robot_events.reporting,
+            sightings=self.sightings,
+            audit=log,
+        )
+        service = self.connections.service
+        # Before each of the protocols, which it lets clients in for.
+        self.client_protocols = ClientProtocolsFeature(
+            core, people=self.people, service=service, audit=log
+        )
+        self.foxglove = FoxgloveFeature(clients=self.client_protocols)
+        # Last: its route takes every path, so any route added after it would never be asked.
+        self.pages = PagesFeature(
+            core,
+            admission=self.people.admission,
+            service=service,
+            sightings=self.sightings,
+            audit=log,
+        )
 
     @asynccontextmanager
     async def running(self, _app: FastAPI | None = None) -> AsyncIterator[None]:

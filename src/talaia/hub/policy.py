@@ -234,7 +234,9 @@ SOCKETS: Mapping[str, AccessNeed] = {
 
 # Of other tools, while an admin has opened their protocol, by token alone; each message over them
 # is looked up in the tables below, like a page's.
-CLIENT_SOCKETS: Mapping[str, AccessNeed] = {}
+CLIENT_SOCKETS: Mapping[str, AccessNeed] = {
+    "/clients/foxglove/{site}": AccessNeed.SEE,
+}
 
 FROM_BROWSER: Mapping[type[Message], AccessNeed] = {
     # Each channel is looked at besides; what may not be seen is refused by name.

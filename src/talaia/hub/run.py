@@ -152,6 +152,7 @@ def main(argv: Sequence[str]) -> int:
     options = _read_options(argv)
     # Says where each thread stood when a service manager ends a process that stands still.
     faulthandler.enable()
+    # To stderr, as without one.
     handler = logging.StreamHandler()
     handler.setFormatter(_MaskingFormatter("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])

@@ -4,7 +4,7 @@ import { css, html, LitElement, type PropertyValues, type TemplateResult } from 
 import { customElement, property, query, state } from "lit/decorators.js";
 import { LiveValuesController } from "../controllers/live-values.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
-import { base } from "../elements/base/base-style.js";
+import { base, panelBox } from "../elements/base/base-style.js";
 import type { DeviceShape, SignalShape, TileShape } from "../generated/api.js";
 import { signalsFor } from "./catalog.js";
 import { TILE_API_VERSION, type TileFreshness, type TileReading, type TileView } from "./extension-view.js";
@@ -25,9 +25,7 @@ export class ExtensionTile extends LitElement {
         align-content: start;
         gap: var(--t-space-2);
         padding: var(--t-space-4);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
+        ${panelBox}
         min-inline-size: 0;
         overflow: hidden;
       }

@@ -4,7 +4,7 @@ import { LiveValuesController } from "../controllers/live-values.js";
 import { messageLevel, stateLevel, type SeverityLevel } from "../format/severity.js";
 import { decimalsFor, formatNumber } from "../format/number.js";
 import { outOfRange, stateWord } from "../format/state-label.js";
-import { base } from "../elements/base/base-style.js";
+import { base, quietText } from "../elements/base/base-style.js";
 import { angleText } from "./observatory/roles.js";
 import "../elements/values/value.js";
 import type { ValueState } from "../elements/values/value.js";
@@ -23,8 +23,7 @@ export class SignalValue extends LitElement {
         min-inline-size: 0;
       }
       .name {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         overflow: hidden;
         text-overflow: ellipsis;
         white-space: nowrap;
@@ -52,10 +51,12 @@ export class SignalValue extends LitElement {
     const channel = signal.channels[0] ?? signal.address;
     const reading = this.live.readingOf(channel);
     const name = this.label === "" ? signal.name : this.label;
+    // Twice as long as other values: in their size it would reach into the next column.
+    const isLong = signal.type === "number" && this.readingText(signal) !== "";
     return html`
       ${this.bare ? null : html`<span class="name" title=${name}>${name}</span>`}
       <t-value
-        size=${this.size}
+        size=${isLong && this.size !== "s" ? "m" : this.size}
         state=${this.freshness(signal, channel)}
         .value=${reading?.value ?? Number.NaN}
         .text=${this.readingText(signal)}

@@ -4,7 +4,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../controllers/load.js";
 import { ContextStoreController } from "../controllers/context-store.js";
 import { TickerController } from "../controllers/ticker.js";
-import { base } from "../elements/base/base-style.js";
+import { base, quietText } from "../elements/base/base-style.js";
 import { formatDuration } from "../format/duration.js";
 import { sitesContext } from "../state/contexts.js";
 import { sitePath } from "../state/router.js";
@@ -57,8 +57,7 @@ export class SiteCard extends LitElement {
         text-decoration: underline;
       }
       .facts {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .values {
         display: grid;

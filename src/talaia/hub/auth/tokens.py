@@ -10,6 +10,7 @@ __all__ = ["TOKEN_MARK", "hash_token", "mask_tokens", "new_token"]
 
 # By this a leaked API token is recognised, in a log or by a scanner.
 TOKEN_MARK = "tal_"  # noqa: S105
+# Shorter ones are words of a text about tokens.
 _TOKEN = re.compile(rf"{TOKEN_MARK}[A-Za-z0-9_\-]{{8,}}")
 
 

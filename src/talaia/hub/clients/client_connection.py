@@ -80,10 +80,12 @@ class ClientConnection:
         clock: Clock,
     ) -> None:
         """Connect through ``service``; ``may_drive`` says it of each device, at each message."""
+        # A change of rights ends the connection, as a page's.
         self.who = who
         self.live = live
         self._service = service
         self._clock = clock
+        # Set as it is served; before that nothing is written.
         self._session: ClientSession | None = None
         self._browser: Browser = service.connect(self, who)
         self._driving = ClientDriving(live.name, ask=self.request, permits=may_drive)

@@ -99,7 +99,9 @@ class ClientDriving:
 
     def __init__(self, site: str, *, ask: AsksHub, permits: PermitsDriving) -> None:
         """Drive devices of ``site`` for an account, by what ``permits`` says at each message."""
+        # Messages of other sites come too, and are passed over.
         self._site = site
+        # Each request passes the account's rights once more.
         self._ask = ask
         self._permits = permits
         # By device.
@@ -135,6 +137,7 @@ class ClientDriving:
             )
         hold = self._holds.setdefault(device, _Hold(arrived_ns=now_ns))
         reverse = rule.max_speed if rule.max_reverse is None else rule.max_reverse
+        # Cut, not scaled: a client that asks for little gets what it asks.
         hold.linear = min(max(linear, -reverse * SPEED_SHARE), rule.max_speed * SPEED_SHARE)
         turn = rule.max_turn * SPEED_SHARE
         hold.angular = min(max(angular, -turn), turn)
@@ -151,6 +154,7 @@ class ClientDriving:
 
     def press_stop(self, device: str, press: str, now_ns: int) -> str:
         """Press STOP (software) under an id of the caller's; say why not, if so."""
+        # By the gate alone: an admin's word is for motion.
         problem = self._ask(PageStop(site=self._site, device=device, id=press))
         if problem is not None:
             return problem.message
@@ -174,6 +178,7 @@ class ClientDriving:
 
     def due_ns(self) -> int | None:
         """Give when `step` wants to be called next (monotonic), or none."""
+        # Whatever is soonest; `step` looks at each by itself.
         times = [pressed.again_ns for pressed in self._stops.values()]
         for hold in self._holds.values():
             times.append(hold.arrived_ns + _IDLE_NS)
@@ -205,6 +210,7 @@ class ClientDriving:
     def _observe_lease(self, message: LeaseUpdate, now_ns: int) -> str:
         device = message.device
         hold = self._holds[device]
+        # The answer to this client alone: others are not told of it.
         if message.refused:
             hold.refused = message.refused
             return f"{device}: {message.refused}"
@@ -214,6 +220,7 @@ class ClientDriving:
             # Whoever has it now, the next message asks for it anew.
             del self._holds[device]
             return f"{device}: control went to {message.holder or 'nobody'}"
+        # Renewals repeat the epoch; another one counts its frames from the start.
         if message.epoch != hold.epoch:
             hold.epoch, hold.seq = message.epoch, 0
             hold.renewed_ns, hold.refused = now_ns, ""
@@ -261,6 +268,7 @@ class ClientDriving:
         hold = self._holds.pop(device, None)
         if hold is None or not hold.epoch:
             return
+        # The gateway stops it in any case when the lease is free.
         if hold.moving or hold.zeros:
             self._drive(device, hold, 0.0, 0.0, now_ns=now_ns)
         self._ask(PageLease(site=self._site, device=device, op=LeaseOp.FREE))

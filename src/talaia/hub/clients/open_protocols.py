@@ -38,6 +38,7 @@ class OpenProtocols:
 
     def __init__(self, store: ClientProtocols) -> None:
         """Read from ``store``; all is shut until that has been done."""
+        # What is read here may have been written by another process.
         self._store = store
         # By short name.
         self._states: dict[str, ProtocolState] = {}
@@ -73,6 +74,7 @@ class OpenProtocols:
         self, protocol: str, client: EndsConnection, origin: str | None
     ) -> Iterator[None]:
         """Count a client while it is connected; it is ended when its protocol is shut."""
+        # Also of a protocol that the catalog of this version does not know.
         clients = self._connected.setdefault(protocol, {})
         clients[client] = origin or ""
         try:
@@ -87,6 +89,7 @@ class OpenProtocols:
             StoreDown: it cannot be read; all stays as it is.
 
         """
+        # Both before either is used: a failure leaves all as it was.
         states, drivers = await self._store.read_states(), await self._store.read_drivers()
         self._states = {state.protocol: state for state in states}
         self._drivers = frozenset(map(_driver_key, drivers))

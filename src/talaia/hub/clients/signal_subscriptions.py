@@ -37,6 +37,7 @@ class SignalSubscriptions:
 
     def __init__(self, site: str, *, every_ms: int = 0) -> None:
         """Ask for samples at most every ``every_ms``; 0: as they come."""
+        # One client is at one site.
         self._site = site
         self._every_ms = every_ms
         # By the number at the hub: what was asked for, in the order that samples refer to.
@@ -57,6 +58,7 @@ class SignalSubscriptions:
         added = [address for address in dict.fromkeys(addresses) if address not in self._wanted]
         if not added:
             return []
+        # What ends comes before what begins, so that the hub's limits hold.
         asked: list[Subscribe | Unsubscribe] = []
         if len(self._groups) >= _MOST_GROUPS:
             asked += [Unsubscribe(sub=sub) for sub in self._groups]
@@ -79,6 +81,7 @@ class SignalSubscriptions:
             self._last_us.pop(address, None)
             if sub is not None:
                 emptied.add(sub)
+        # A group that something is still wanted of stays whole.
         emptied.difference_update(self._wanted.values())
         for sub in emptied:
             del self._groups[sub]

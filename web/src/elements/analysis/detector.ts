@@ -5,7 +5,7 @@ import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import type { Detector } from "../../state/anomaly-detectors.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 import type { ChartMark } from "../chart/draw-marks.js";
 import { indentOf, type ChartAxis, type ChartSeries, type FollowWindow, type ChartIndent } from "../chart/chart-model.js";
 import type { PaintScheduler } from "../chart/paint-scheduler.js";
@@ -41,8 +41,7 @@ export class DetectorElement extends LitElement {
         font-variant-numeric: tabular-nums;
       }
       .why {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         overflow-wrap: anywhere;
       }
       :host([on]) .why {

@@ -1,7 +1,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { LEAST_K, MOST_K, USUAL_K } from "../../series/outliers.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 import { control } from "../forms/input-style.js";
 import "../forms/button.js";
 
@@ -26,8 +26,7 @@ export class OutlierTool extends LitElement {
         display: inline-flex;
         align-items: center;
         gap: var(--t-space-2);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight-strong);
       }
       input {

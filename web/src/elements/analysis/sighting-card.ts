@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type PropertyValues, type TemplateResul
 import { customElement, property, state } from "lit/decorators.js";
 import { formatDuration } from "../../format/duration.js";
 import { countText, confidenceText } from "../../format/object-names.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 import { onPicture } from "../camera/picture-overlay.js";
 import "../base/icon.js";
 import "../feedback/status.js";
@@ -44,8 +44,7 @@ export class SightingCard extends LitElement {
         overflow: hidden;
         border-radius: var(--t-radius-s);
         background: var(--t-raised);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         position: relative;
       }
       .picture.there {
@@ -84,8 +83,7 @@ export class SightingCard extends LitElement {
         display: flex;
         flex-wrap: wrap;
         gap: 0 var(--t-space-4);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .times {
         display: flex;

@@ -2,6 +2,34 @@
 
 import { css } from "lit";
 
+/* Declarations that stand in many rules. */
+
+/** The edge and ground of what stands on a page as a thing of its own. */
+export const panelBox = css`
+  border: 1px solid var(--t-line);
+  border-radius: var(--t-radius);
+  background: var(--t-surface);
+`;
+
+/** The same, lifted off the page. */
+export const raisedBox = css`
+  ${panelBox}
+  box-shadow: var(--t-shadow);
+`;
+
+/** A list without its marks. */
+export const plainList = css`
+  margin: 0;
+  padding: 0;
+  list-style: none;
+`;
+
+/** What is said beside the matter. */
+export const quietText = css`
+  color: var(--t-muted);
+  font-size: var(--t-size-s);
+`;
+
 export const base = css`
   /* Said to each, not inherited: what a details element holds inherits from the browser's own tree. */
   :host,

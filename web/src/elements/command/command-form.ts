@@ -5,8 +5,9 @@ import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import type { ArgumentShape, CommandShape } from "../../generated/api.js";
 import { base } from "../base/base-style.js";
+import { forms } from "../forms/form-style.js";
 import "../forms/button.js";
-import "../feedback/dialog.js";
+import "../feedback/confirm.js";
 import "../forms/field.js";
 import "../base/icon.js";
 import "../feedback/status.js";
@@ -31,13 +32,10 @@ export interface RequestState {
 export class CommandForm extends LitElement {
   static override styles = [
     base,
+    forms,
     css`
       :host {
         display: block;
-      }
-      form {
-        display: grid;
-        gap: var(--t-space-3);
       }
       .fields {
         display: grid;
@@ -155,12 +153,18 @@ export class CommandForm extends LitElement {
           <div class="state" role="status">${this.renderOutcome()}</div>
         </div>
       </form>
-      <t-dialog heading="${command.name}?" ?open=${this.confirming !== null} @t-close=${this.onCancelQuestion}>
+      <t-confirm
+        heading="${command.name}?"
+        action="Send"
+        kind="primary"
+        keep="Do not send"
+        ?open=${this.confirming !== null}
+        @t-close=${this.onCancelQuestion}
+        @t-confirm=${this.onConfirm}
+      >
         <p>${command.description || "This is sent to the robot once."}</p>
         ${this.renderSummary()}
-        <t-button slot="actions" @click=${this.onCancelQuestion}>Do not send</t-button>
-        <t-button slot="actions" kind="primary" @click=${this.onConfirm}>Send</t-button>
-      </t-dialog>
+      </t-confirm>
     `;
   }
 

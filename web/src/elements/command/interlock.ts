@@ -2,7 +2,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
 import { formatDuration } from "../../format/duration.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 import "../forms/button.js";
 import "../base/icon.js";
 import "../values/time.js";
@@ -43,8 +43,7 @@ export class InterlockLine extends LitElement {
         min-inline-size: 0;
       }
       .more {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
     `,
   ];

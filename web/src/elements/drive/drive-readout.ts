@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { formatNumber } from "../../format/number.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 import "../base/icon.js";
 
 /** m/s and rad/s; NaN where it is not known. */
@@ -30,8 +30,7 @@ export class DriveReadout extends LitElement {
       }
       th {
         padding: 0.15rem 0;
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight);
         text-align: end;
       }

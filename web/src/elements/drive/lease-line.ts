@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 import type { ButtonKind } from "../forms/button.js";
 import "../forms/button.js";
 import "../feedback/status.js";
@@ -37,8 +37,7 @@ export class LeaseLine extends LitElement {
         min-inline-size: 9.5rem;
       }
       .remains {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-variant-numeric: tabular-nums;
       }
       /* A phone on its side. */

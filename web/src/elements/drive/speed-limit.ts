@@ -3,7 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
 import { formatWithUnit } from "../../format/unit.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 
 /**
  * @fires t-level detail is the level that was chosen, 0.1 to 1
@@ -28,8 +28,7 @@ export class SpeedLimit extends LitElement {
         font-variant-numeric: tabular-nums;
       }
       .means {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-variant-numeric: tabular-nums;
       }
       .row {

@@ -1,6 +1,6 @@
 import { css, html, LitElement, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, panelBox } from "../base/base-style.js";
 
 /**
  * A question that must be answered before anything else. Escape closes it.
@@ -17,9 +17,7 @@ export class Dialog extends LitElement {
       dialog {
         inline-size: min(30rem, calc(100vw - 2 * var(--t-space-4)));
         padding: var(--t-space-5);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
+        ${panelBox}
         color: var(--t-text);
         box-shadow: var(--t-shadow);
       }

@@ -1,7 +1,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 
 export interface ChoiceOption {
   readonly id: string;
@@ -40,8 +40,7 @@ export class Choice extends LitElement {
         min-block-size: calc(var(--t-touch) - 6px);
         padding-inline: var(--t-space-2);
         border-radius: calc(var(--t-radius-s) - 2px);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight-strong);
         cursor: pointer;
       }

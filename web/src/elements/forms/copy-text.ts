@@ -1,6 +1,6 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 import "./button.js";
 import "../base/icon.js";
 
@@ -41,8 +41,7 @@ export class CopyText extends LitElement {
         align-content: center;
       }
       .said {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
     `,
   ];

@@ -1,6 +1,6 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 
 /**
  * Label, control and error. The control is a native one in the slot, so that forms, password
@@ -47,8 +47,7 @@ export class Field extends LitElement {
         color: var(--t-muted);
       }
       .hint {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       /* Without an error it takes no room, not even a gap. */
       [role="alert"]:empty {

@@ -2,7 +2,7 @@ import { css, html, LitElement, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import type { PasswordRule } from "../../format/password-rules.js";
-import { base } from "../base/base-style.js";
+import { base, plainList } from "../base/base-style.js";
 
 /** Rules, and which of them are kept so far: by shape and word, not by colour alone. */
 @customElement("t-rules")
@@ -13,9 +13,7 @@ export class RuleChecklist extends LitElement {
       ul {
         display: grid;
         gap: var(--t-space-1);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
         font-size: var(--t-size-s);
       }
       li {

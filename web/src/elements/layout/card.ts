@@ -1,6 +1,6 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, raisedBox } from "../base/base-style.js";
 
 /**
  * A sheet that holds what belongs together.
@@ -15,10 +15,7 @@ export class Card extends LitElement {
       :host {
         display: block;
         padding: var(--t-space-4);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
-        box-shadow: var(--t-shadow);
+        ${raisedBox}
       }
     `,
   ];

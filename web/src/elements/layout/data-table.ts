@@ -6,6 +6,7 @@
 import { css, html, nothing, type TemplateResult } from "lit";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
+import { panelBox, quietText } from "../base/base-style.js";
 
 export interface Sorting<K extends string = string> {
   readonly by: K;
@@ -17,6 +18,8 @@ export interface TableColumn<R, K extends string = string> {
   /** The class of its cells. `number`: they end where the column ends. */
   readonly name?: string;
   readonly cell: (row: R) => unknown;
+  /** Its cells say what their rows are about. */
+  readonly heads?: boolean;
   /** Its title stands before its value where the titles are gone. */
   readonly titled?: boolean;
   /** By what a press on its title sorts; none: it does not. */
@@ -37,9 +40,7 @@ interface DataTable<R, K extends string> {
 /** A page says how wide the columns are by `--t-columns`. */
 export const tables = css`
   .table {
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
+    ${panelBox}
     overflow: hidden;
   }
   .row {
@@ -59,8 +60,7 @@ export const tables = css`
   }
   .titles {
     background: var(--t-raised);
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-weight: var(--t-weight-strong);
   }
   .titles:has(button) {
@@ -103,8 +103,7 @@ export const tables = css`
     }
     .row > span[data-title]::before {
       content: attr(data-title) " ";
-      color: var(--t-muted);
-      font-size: var(--t-size-s);
+      ${quietText}
     }
   }
 `;
@@ -118,8 +117,8 @@ export function renderTable<R, K extends string>({ label, columns, rows, key, bu
       (row) => html`<div class="row" role="row">
         ${map(
           columns,
-          ({ title, name = "", cell, titled = false }) =>
-            html`<span role="cell" class=${name} data-title=${titled ? title : nothing}>${cell(row)}</span>`,
+          ({ title, name = "", cell, heads = false, titled = false }) =>
+            html`<span role=${heads ? "rowheader" : "cell"} class=${name} data-title=${titled ? title : nothing}>${cell(row)}</span>`,
         )}
       </div>`,
     )}

@@ -1,6 +1,6 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, raisedBox } from "../base/base-style.js";
 import "../base/icon.js";
 
 /**
@@ -45,10 +45,7 @@ export class Menu extends LitElement {
         min-inline-size: 19rem;
         max-inline-size: calc(100vw - 2 * var(--t-space-3));
         padding: var(--t-space-4);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
-        box-shadow: var(--t-shadow);
+        ${raisedBox}
       }
     `,
   ];

@@ -1,6 +1,7 @@
 /** The look of pages that hold lists and forms: sheets below each other, facts in rows. */
 
 import { css } from "lit";
+import { raisedBox, plainList, quietText } from "../base/base-style.js";
 
 export const sheets = css`
   :host {
@@ -25,10 +26,7 @@ export const sheets = css`
     display: grid;
     gap: var(--t-space-4);
     padding: var(--t-space-5);
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
-    box-shadow: var(--t-shadow);
+    ${raisedBox}
     min-inline-size: 0;
   }
   .fields {
@@ -69,9 +67,7 @@ export const sheets = css`
   .rows {
     display: grid;
     gap: 0;
-    margin: 0;
-    padding: 0;
-    list-style: none;
+    ${plainList}
   }
   .rows > li {
     display: grid;
@@ -96,8 +92,7 @@ export const sheets = css`
     display: flex;
     flex-wrap: wrap;
     gap: 0 var(--t-space-4);
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     overflow-wrap: anywhere;
   }
   /* Links that lead on. */

@@ -1,6 +1,7 @@
 /** The look of the pages before the dashboard: one quiet form in the middle. */
 
 import { css } from "lit";
+import { raisedBox } from "../base/base-style.js";
 
 export const doorway = css`
   :host {
@@ -14,10 +15,7 @@ export const doorway = css`
     gap: var(--t-space-4);
     inline-size: min(23rem, 100%);
     padding: var(--t-space-5);
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
-    box-shadow: var(--t-shadow);
+    ${raisedBox}
   }
   @media (max-height: 30rem) {
     :host {

@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, nothing, type PropertyValues, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, panelBox } from "../base/base-style.js";
 import "../forms/button.js";
 import "../feedback/loading.js";
 import type { LocalMap } from "./leaflet.js";
@@ -23,9 +23,7 @@ export class TrackMap extends LitElement {
         position: relative;
         isolation: isolate;
         overflow: hidden;
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
+        ${panelBox}
       }
       .frame:focus-within {
         border-color: var(--t-accent);

@@ -5,7 +5,7 @@ import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { formatClock } from "../../format/time.js";
 import { DARKNESS, type NightTrack, type Visibility } from "../../sky/night-visibility.js";
-import { base } from "../base/base-style.js";
+import { base, plainList, quietText } from "../base/base-style.js";
 
 const [WIDE, TALL, LEFT, TOP, LOW] = [600, 200, 34, 8, 24];
 const HOUR_MS = 3_600_000;
@@ -90,11 +90,8 @@ export class NightCurve extends LitElement {
         display: flex;
         flex-wrap: wrap;
         gap: var(--t-space-1) var(--t-space-4);
-        margin: 0;
-        padding: 0;
-        list-style: none;
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${plainList}
+        ${quietText}
       }
       .key li {
         display: inline-flex;

@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, nothing, svg, type PropertyValues, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement, property, query } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, plainList, quietText } from "../base/base-style.js";
 import type { Button } from "../forms/button.js";
 import "../forms/button.js";
 import "../base/icon.js";
@@ -36,9 +36,7 @@ export class StopState extends LitElement {
         display: grid;
         grid-template-columns: repeat(3, 1fr);
         gap: var(--t-space-1);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       li {
         display: grid;
@@ -47,8 +45,7 @@ export class StopState extends LitElement {
         padding: var(--t-space-2) var(--t-space-1);
         border-radius: var(--t-radius-s);
         background: var(--t-raised);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         line-height: 1.25;
         text-align: center;
       }
@@ -68,8 +65,7 @@ export class StopState extends LitElement {
         display: grid;
         grid-template-columns: auto 1fr;
         gap: var(--t-space-2);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .note t-icon {
         margin-block-start: 0.1em;

@@ -2,7 +2,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { TickerController } from "../../controllers/ticker.js";
 import { formatClock, zoneName } from "../../format/time.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 
 /** What time it is now at a site, with UTC beside it. */
 @customElement("t-clock")
@@ -11,8 +11,7 @@ export class Clock extends LitElement {
     base,
     css`
       :host {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-variant-numeric: tabular-nums;
         white-space: nowrap;
       }

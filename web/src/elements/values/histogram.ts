@@ -1,6 +1,6 @@
 import { css, html, LitElement, nothing, svg, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
-import { base } from "../base/base-style.js";
+import { base, quietText } from "../base/base-style.js";
 
 /** How many pixels have which value: bars of equal width, their heights as a logarithm. */
 @customElement("t-histogram")
@@ -22,8 +22,7 @@ export class Histogram extends LitElement {
       .ends {
         display: flex;
         justify-content: space-between;
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-variant-numeric: tabular-nums;
       }
     `,

@@ -7,7 +7,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { FilterForm } from "../../controllers/filter-form.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, panelBox, plainList } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { forms } from "../../elements/forms/form-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
@@ -53,9 +53,7 @@ export class PageArchive extends LitElement {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(14rem, 100%), 1fr));
         gap: var(--t-space-3);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       .frames a {
         display: grid;
@@ -63,9 +61,7 @@ export class PageArchive extends LitElement {
         block-size: 100%;
         align-content: start;
         padding: var(--t-space-3);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
+        ${panelBox}
         color: inherit;
         text-decoration: none;
       }

@@ -1,4 +1,5 @@
 import { css } from "lit";
+import { quietText } from "../../elements/base/base-style.js";
 
 export const auditStyle = css`
   .table {
@@ -24,8 +25,7 @@ export const auditStyle = css`
     .where {
       order: 1;
       grid-column: 1 / -1;
-      color: var(--t-muted);
-      font-size: var(--t-size-s);
+      ${quietText}
     }
   }
 `;

@@ -1,7 +1,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, plainList } from "../../elements/base/base-style.js";
 import { differenceLines, differenceText, type DifferenceLine } from "../../format/unified-diff.js";
 import type { DifferenceShape } from "../../generated/api.js";
 
@@ -26,9 +26,7 @@ export class DescriptionDiff extends LitElement {
       ul {
         display: grid;
         gap: var(--t-space-2);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       li {
         display: flex;

@@ -1,7 +1,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, plainList } from "../../elements/base/base-style.js";
 import type { FindingShape } from "../../generated/api.js";
 
 /**
@@ -21,9 +21,7 @@ export class DescriptionProblems extends LitElement {
       ul {
         display: grid;
         gap: var(--t-space-1);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       li {
         padding-inline-start: var(--t-space-3);

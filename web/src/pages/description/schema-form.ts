@@ -2,7 +2,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { renderOptions } from "../../elements/forms/form-parts.js";
 import { UNITS } from "../../generated/units.js";
 import type { Schema } from "../../wire/descriptions-api.js";
@@ -85,8 +85,7 @@ export class SchemaForm extends LitElement {
         padding: var(--t-space-3);
       }
       .muted {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight);
       }
       .wrong {

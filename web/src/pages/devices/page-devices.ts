@@ -7,7 +7,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, plainList, raisedBox } from "../../elements/base/base-style.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
@@ -59,9 +59,7 @@ export class PageDevices extends LitElement {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(24rem, 100%), 1fr));
         gap: var(--t-space-3);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       .device {
         display: grid;
@@ -69,10 +67,7 @@ export class PageDevices extends LitElement {
         block-size: 100%;
         align-content: start;
         padding: var(--t-space-4);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
-        box-shadow: var(--t-shadow);
+        ${raisedBox}
         color: var(--t-text);
         text-decoration: none;
       }

@@ -3,7 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, panelBox, quietText } from "../../elements/base/base-style.js";
 import type { GalleryEntry } from "./entry.js";
 
 const files = import.meta.glob<{ entries: readonly GalleryEntry[] }>("./entries*.ts", { eager: true });
@@ -36,14 +36,11 @@ export class PageGallery extends LitElement {
         gap: var(--t-space-3);
         margin: 0;
         padding: var(--t-space-4);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
+        ${panelBox}
         min-inline-size: 0;
       }
       figcaption {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       h2 {
         font-family: var(--t-mono);

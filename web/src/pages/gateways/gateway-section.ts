@@ -6,7 +6,7 @@ import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../controllers/action.js";
 import { QuestionController } from "../../controllers/question.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
@@ -33,8 +33,7 @@ export class GatewaySection extends LitElement {
         margin: 0;
       }
       dt {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       dd {
         margin: 0;

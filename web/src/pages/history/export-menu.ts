@@ -3,7 +3,7 @@
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import type { ChoiceOption } from "../../elements/forms/choice.js";
 import type { TimeSpan } from "../../series/time-window.js";
 import { exportPath, type ExportQuery } from "../../wire/hub-api.js";
@@ -61,8 +61,7 @@ export class ExportMenu extends LitElement {
         background: var(--t-raised);
       }
       a span {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight);
       }
     `,

@@ -1,4 +1,5 @@
 import { css } from "lit";
+import { panelBox, quietText } from "../../elements/base/base-style.js";
 
 export const historyStyle = css`
   :host {
@@ -13,8 +14,7 @@ export const historyStyle = css`
     gap: 0 var(--t-space-3);
   }
   .utc {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-variant-numeric: tabular-nums;
   }
   .menus {
@@ -36,8 +36,7 @@ export const historyStyle = css`
     text-decoration: underline;
   }
   .then {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-weight: var(--t-weight-strong);
   }
   .body {
@@ -48,9 +47,7 @@ export const historyStyle = css`
   }
   .pick {
     padding: var(--t-space-3);
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
+    ${panelBox}
   }
   summary {
     min-block-size: var(--t-touch);
@@ -87,8 +84,7 @@ export const historyStyle = css`
     }
   }
   .hint {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
   }
   /* Where there is room the films stand beside the charts, else above them; and they stay in sight. */
   t-film-panel {

@@ -2,7 +2,7 @@
 
 import { css, html, LitElement, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { knownZone, timeText, zoneName } from "../../format/time.js";
 import { lengthOf, panned, zoomed, type TimeSpan } from "../../series/time-window.js";
 import { clockOf, type ZoneClock } from "../../series/zone-clock.js";
@@ -44,8 +44,7 @@ export class HistoryTools extends LitElement {
         display: flex;
         align-items: center;
         gap: var(--t-space-2);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight-strong);
       }
       input {
@@ -69,8 +68,7 @@ export class HistoryTools extends LitElement {
         border: 2px solid var(--t-bad);
       }
       .zone {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .wrong {
         inline-size: 100%;

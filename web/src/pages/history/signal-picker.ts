@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
 import type { ChannelRow } from "./data/channel-rows.js";
 import "../../elements/forms/button.js";
@@ -39,8 +39,7 @@ export class SignalPicker extends LitElement {
       }
       legend {
         padding: 0;
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight-strong);
       }
       label {
@@ -69,8 +68,7 @@ export class SignalPicker extends LitElement {
         font-size: var(--t-size-s);
       }
       .unit {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       input[type="checkbox"] {
         inline-size: 1.15rem;

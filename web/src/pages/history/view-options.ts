@@ -3,7 +3,7 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { control } from "../../elements/forms/input-style.js";
 import { knownZone } from "../../format/time.js";
 import type { TimeSpan } from "../../series/time-window.js";
@@ -36,8 +36,7 @@ export class ViewOptionsMenu extends LitElement {
         display: inline-flex;
         align-items: center;
         gap: var(--t-space-2);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-weight: var(--t-weight-strong);
       }
     `,

@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, plainList } from "../../elements/base/base-style.js";
 import { adviceFor } from "../../format/error-advice.js";
 import { sitesContext } from "../../state/contexts.js";
 import type { Sites } from "../../state/sites.js";
@@ -32,9 +32,7 @@ export class PageHome extends LitElement {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(26rem, 100%), 1fr));
         gap: var(--t-space-4);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       .alone {
         grid-template-columns: minmax(0, 1fr);

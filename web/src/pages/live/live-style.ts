@@ -1,4 +1,5 @@
 import { css } from "lit";
+import { quietText } from "../../elements/base/base-style.js";
 
 export const liveStyle = css`
   :host {
@@ -29,8 +30,7 @@ export const liveStyle = css`
     flex: 1 1 9rem;
   }
   .said {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
   }
   .said:empty {
     display: none;

@@ -8,7 +8,7 @@ import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { OpenSubject } from "../../controllers/open-subject.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, plainList } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext, sessionContext, sitesContext } from "../../state/contexts.js";
@@ -37,9 +37,7 @@ export class PagePeople extends LitElement {
         padding-block: var(--t-space-2);
       }
       ul {
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       li + li {
         border-block-start: 1px solid var(--t-line);

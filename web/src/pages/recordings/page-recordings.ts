@@ -11,7 +11,7 @@ import { LoadController } from "../../controllers/load.js";
 import { QuestionController } from "../../controllers/question.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { renderQuestion } from "../../elements/feedback/question.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { renderRows } from "../../elements/layout/rows.js";
@@ -62,8 +62,7 @@ export class PageRecordings extends LitElement {
         overflow-wrap: anywhere;
       }
       .note {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         overflow-wrap: anywhere;
       }
       form {

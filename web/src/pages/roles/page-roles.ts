@@ -7,7 +7,7 @@ import { map } from "lit/directives/map.js";
 import { ActionController } from "../../controllers/action.js";
 import { LoadController } from "../../controllers/load.js";
 import { OpenSubject } from "../../controllers/open-subject.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { apiContext } from "../../state/contexts.js";
@@ -52,8 +52,7 @@ export class PageRoles extends LitElement {
         padding-inline-start: 1.2em;
       }
       .legend {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         max-inline-size: 60rem;
       }
       @media (max-width: 45rem) {

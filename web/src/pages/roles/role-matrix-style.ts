@@ -1,4 +1,5 @@
 import { css } from "lit";
+import { panelBox, quietText } from "../../elements/base/base-style.js";
 
 /* More right, more weight: an empty outline, a tinted one, a full one. The word says it besides. */
 export const matrixStyle = css`
@@ -12,9 +13,7 @@ export const matrixStyle = css`
   }
   .scroll {
     overflow-x: auto;
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
+    ${panelBox}
   }
   table {
     inline-size: 100%;
@@ -39,8 +38,7 @@ export const matrixStyle = css`
   }
   .people {
     display: block;
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
   }
   tbody th {
     position: sticky;

@@ -8,7 +8,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { formatWholeMs } from "../../format/duration.js";
 import { routerContext, sessionContext, sitesContext, themeContext } from "../../state/contexts.js";
 import { sitePath, type PageName, type Router } from "../../state/router.js";
@@ -139,8 +139,7 @@ export class Header extends LitElement {
         white-space: nowrap;
       }
       .role {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       @media (max-width: 85rem) {
         .name {

@@ -11,9 +11,10 @@ import { repeat } from "lit/directives/repeat.js";
 import { ConnectionStateController } from "../../controllers/connection-state.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { TickerController } from "../../controllers/ticker.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/dialog.js";
+import "../../elements/feedback/confirm.js";
+import { forms } from "../../elements/forms/form-style.js";
 import "../../elements/forms/field.js";
 import "../../elements/base/icon.js";
 import "../../elements/command/interlock.js";
@@ -28,6 +29,7 @@ const MINUTE_S = 60;
 export class InterlockBar extends LitElement {
   static override styles = [
     base,
+    forms,
     css`
       :host {
         display: block;
@@ -67,17 +69,12 @@ export class InterlockBar extends LitElement {
       }
       .count {
         flex: none;
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       /* In its place, not over the page: it would lie on STOP. */
       .all {
         max-block-size: 40dvh;
         overflow: auto;
-      }
-      form {
-        display: grid;
-        gap: var(--t-space-3);
       }
     `,
   ];
@@ -179,10 +176,13 @@ export class InterlockBar extends LitElement {
 
   private renderDialog(): TemplateResult {
     const longest = this.chosen?.longest_s ?? 0;
-    return html`<t-dialog
+    return html`<t-confirm
       heading="Override ${this.chosen?.name ?? "interlock"}?"
+      action="Override"
+      keep="Keep it locked"
       ?open=${this.chosen !== null}
       @t-close=${this.close}
+      @t-confirm=${this.onSubmit}
     >
       <form novalidate @submit=${this.onSubmit}>
         <p>
@@ -196,9 +196,7 @@ export class InterlockBar extends LitElement {
           <input name="minutes" type="text" inputmode="decimal" autocomplete="off" value="10" />
         </t-field>
       </form>
-      <t-button slot="actions" @click=${this.close}>Keep it locked</t-button>
-      <t-button slot="actions" kind="danger" @click=${this.onSubmit}>Override</t-button>
-    </t-dialog>`;
+    </t-confirm>`;
   }
 
   private readonly close = (): void => {

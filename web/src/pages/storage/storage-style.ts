@@ -1,4 +1,5 @@
 import { css } from "lit";
+import { quietText } from "../../elements/base/base-style.js";
 
 export const storageStyle = css`
   dl {
@@ -13,8 +14,7 @@ export const storageStyle = css`
     min-inline-size: 0;
   }
   dt {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-weight: var(--t-weight-strong);
   }
   dd {
@@ -44,8 +44,7 @@ export const storageStyle = css`
     display: flex;
     flex-wrap: wrap;
     gap: 0 var(--t-space-4);
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
   }
   .forecast {
     max-inline-size: 60rem;
@@ -75,8 +74,7 @@ export const storageTableStyle = css`
     display: none;
     align-items: center;
     gap: var(--t-space-2);
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-weight: var(--t-weight-strong);
   }
   .table {

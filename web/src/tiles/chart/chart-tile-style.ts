@@ -1,6 +1,7 @@
 /** Style of a chart's tile, and how the parts of a position are written. */
 
 import { css } from "lit";
+import { raisedBox, quietText } from "../../elements/base/base-style.js";
 import { decimalsFor, formatNumber } from "../../format/number.js";
 import type { SignalShape } from "../../generated/api.js";
 
@@ -36,10 +37,7 @@ export const tileStyle = css`
     flex-direction: column;
     gap: var(--t-space-1);
     padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
-    box-shadow: var(--t-shadow);
+    ${raisedBox}
     min-inline-size: 0;
     contain: content;
   }
@@ -81,8 +79,7 @@ export const tileStyle = css`
   .range {
     display: flex;
     gap: var(--t-space-3);
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-variant-numeric: tabular-nums;
   }
   .range b {
@@ -117,8 +114,7 @@ export const tileStyle = css`
     margin: 0 0 var(--t-space-2);
   }
   dt {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
   }
   dd {
     margin: 0;
@@ -136,8 +132,7 @@ export const tileStyle = css`
     border-block-start: 1px solid var(--t-line);
   }
   .outliers {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-variant-numeric: tabular-nums;
   }
   .still {

@@ -8,7 +8,7 @@ import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { isFinal, type CommandRequest } from "../../controllers/drive/command-machine.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { StoreController } from "../../controllers/store-controller.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, plainList } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
 import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
@@ -16,7 +16,7 @@ import type { DeviceShape } from "../../generated/api.js";
 import { renderInterruptDialog } from "./interrupt-dialog.js";
 import type { CommandButton } from "../observatory/roles.js";
 import "../../elements/forms/button.js";
-import "../../elements/feedback/dialog.js";
+import "../../elements/feedback/confirm.js";
 import "../../elements/base/icon.js";
 import "../../elements/feedback/status.js";
 
@@ -42,9 +42,7 @@ export class CommandButtons extends LitElement {
       ul {
         display: grid;
         gap: var(--t-space-1);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       li {
         display: flex;
@@ -148,11 +146,17 @@ export class CommandButtons extends LitElement {
 
   private renderDialog(): TemplateResult {
     const name = this.asking?.label ?? "";
-    return html`<t-dialog heading="${name}?" ?open=${this.asking !== null} @t-close=${this.onCancel}>
+    return html`<t-confirm
+      heading="${name}?"
+      action=${name}
+      kind="primary"
+      keep="Do not send"
+      ?open=${this.asking !== null}
+      @t-close=${this.onCancel}
+      @t-confirm=${this.onConfirm}
+    >
       <p>${this.asking?.command.description || "This is sent to the robot once."}</p>
-      <t-button slot="actions" @click=${this.onCancel}>Do not send</t-button>
-      <t-button slot="actions" kind="primary" @click=${this.onConfirm}>${name}</t-button>
-    </t-dialog>`;
+    </t-confirm>`;
   }
 
   private readonly onCancel = (): void => {

@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import type { CommandClient } from "../../controllers/drive/command-client.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import "../../elements/layout/card.js";
 import "./command-card.js";
 import type { CommandShape, DeviceShape } from "../../generated/api.js";
@@ -24,16 +24,14 @@ export class CommandList extends LitElement {
         gap: var(--t-space-3);
       }
       .without {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .without ul {
         margin: var(--t-space-1) 0 0;
         padding-inline-start: var(--t-space-5);
       }
       .device {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
     `,
   ];

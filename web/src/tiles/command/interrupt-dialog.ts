@@ -3,8 +3,7 @@
 import { html, nothing, type TemplateResult } from "lit";
 import type { CommandClient } from "../../controllers/drive/command-client.js";
 import type { CommandRequest } from "../../controllers/drive/command-machine.js";
-import "../../elements/forms/button.js";
-import "../../elements/feedback/dialog.js";
+import "../../elements/feedback/confirm.js";
 
 /** @param asked - the newest of each command that is shown; the first that is blocked is asked about */
 export function renderInterruptDialog(asked: readonly (CommandRequest | null)[], line: CommandClient | null): TemplateResult {
@@ -15,9 +14,7 @@ export function renderInterruptDialog(asked: readonly (CommandRequest | null)[],
   const onInterrupt = (): void => {
     if (blocked !== null) line?.interruptOther(blocked);
   };
-  return html`<t-dialog heading="Interrupt?" ?open=${blocked !== null} @t-close=${onLeave}>
+  return html`<t-confirm heading="Interrupt?" action="Interrupt" keep="Leave it" ?open=${blocked !== null} @t-close=${onLeave} @t-confirm=${onInterrupt}>
     <p>${blocked === null ? nothing : blocked.message}. What you ask for would act against it.</p>
-    <t-button slot="actions" @click=${onLeave}>Leave it</t-button>
-    <t-button slot="actions" kind="danger" @click=${onInterrupt}>Interrupt</t-button>
-  </t-dialog>`;
+  </t-confirm>`;
 }

@@ -13,7 +13,7 @@ import "../../elements/drive/lease-line.js";
 import "../../elements/drive/touch-pad.js";
 import "../../elements/drive/speed-limit.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { formatMs } from "../../format/duration.js";
 import { lockText } from "../../format/interlock-reason.js";
 import type { HoldDetail } from "../../elements/drive/hold-event.js";
@@ -51,13 +51,11 @@ export class DrivePad extends LitElement {
         flex-wrap: wrap;
         justify-content: space-between;
         gap: 0 var(--t-space-4);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
         font-variant-numeric: tabular-nums;
       }
       .hint {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       summary {
         cursor: pointer;

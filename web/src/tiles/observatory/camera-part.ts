@@ -7,7 +7,7 @@ import { map } from "lit/directives/map.js";
 import { isFinal } from "../../controllers/drive/command-machine.js";
 import { LoadController } from "../../controllers/load.js";
 import { StoreController } from "../../controllers/store-controller.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { formatBytes } from "../../format/bytes.js";
 import { formatDuration } from "../../format/duration.js";
 import { formatDec, formatRa } from "../../format/sexagesimal.js";
@@ -73,8 +73,7 @@ export class CameraPart extends DevicePart {
         display: flex;
         flex-wrap: wrap;
         gap: var(--t-space-1) var(--t-space-4);
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .ways {
         display: flex;

@@ -2,6 +2,7 @@
 
 import { css, html, LitElement, nothing } from "lit";
 import { property } from "lit/decorators.js";
+import { raisedBox, quietText } from "../../elements/base/base-style.js";
 import type { CommandClient } from "../../controllers/drive/command-client.js";
 import { LiveValuesController } from "../../controllers/live-values.js";
 import { outOfRange, stateWord } from "../../format/state-label.js";
@@ -33,10 +34,7 @@ export const partStyle = css`
     gap: var(--t-space-4);
     align-content: start;
     padding: var(--t-space-4);
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
-    box-shadow: var(--t-shadow);
+    ${raisedBox}
     min-inline-size: 0;
   }
   .readings {
@@ -45,8 +43,7 @@ export const partStyle = css`
     gap: var(--t-space-3) var(--t-space-4);
   }
   .note {
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
   }
   @media (max-width: 60rem) {
     .two {

@@ -4,7 +4,7 @@ import { css, html, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
 import type { RuleShape, SignalRole, SignalShape } from "../../generated/api.js";
@@ -41,8 +41,7 @@ export class DeviceSummaryValues extends DevicePart {
         gap: 2px;
       }
       .name {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
     `,
   ];

@@ -5,7 +5,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import type { CommandClient } from "../../controllers/drive/command-client.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, quietText } from "../../elements/base/base-style.js";
 import { checkArgument, initialText, type ArgumentValue } from "../../elements/command/argument-check.js";
 import { formatNumber } from "../../format/number.js";
 import { adviceFor } from "../../format/error-advice.js";
@@ -76,8 +76,7 @@ export class GotoForm extends LitElement {
       }
       legend {
         padding: 0;
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       label {
         display: grid;

@@ -7,7 +7,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { isFinal } from "../../controllers/drive/command-machine.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { StoreController } from "../../controllers/store-controller.js";
-import { base } from "../../elements/base/base-style.js";
+import { base, plainList } from "../../elements/base/base-style.js";
 import { PHASES } from "../../elements/command/command-phases.js";
 import { lockText } from "../../format/interlock-reason.js";
 import { interlocksContext } from "../../state/contexts.js";
@@ -30,9 +30,7 @@ export class PowerPart extends DevicePart {
         display: grid;
         grid-template-columns: repeat(auto-fill, minmax(min(19rem, 100%), 1fr));
         gap: var(--t-space-3);
-        margin: 0;
-        padding: 0;
-        list-style: none;
+        ${plainList}
       }
       li {
         display: grid;

@@ -2,10 +2,10 @@
 
 import { css, html, nothing, svg, type SVGTemplateResult, type TemplateResult } from "lit";
 import { customElement } from "lit/decorators.js";
-import { repeat } from "lit/directives/repeat.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import type { InterlockUpdate } from "../../generated/wire.js";
 import { base } from "../../elements/base/base-style.js";
+import { renderTable, tables, type TableColumn } from "../../elements/layout/data-table.js";
 import { formatDuration } from "../../format/duration.js";
 import type { RuleShape, StateMeaning } from "../../generated/api.js";
 import { interlocksContext } from "../../state/contexts.js";
@@ -36,11 +36,20 @@ const SHAPES: Readonly<Record<VerdictWord, SVGTemplateResult>> = {
   none: svg`<circle class="open" cx="24" cy="24" r="20"></circle><path class="open" d="M15 24h18"></path>`,
 };
 
+const COLUMNS: readonly TableColumn<LimitLine>[] = [
+  { title: "Value", heads: true, cell: ({ name }) => html`<strong>${name}</strong>` },
+  { title: "Now", cell: ({ now }) => now },
+  { title: "Unsafe", cell: ({ limit }) => limit },
+  { title: "It is", cell: ({ stands }) => html`<t-status kind=${STANDS[stands].kind} .word=${STANDS[stands].word}></t-status>` },
+  { title: "Rule", name: "muted", cell: ({ rule }) => rule },
+];
+
 @customElement("t-part-weather")
 export class WeatherPart extends DevicePart {
   static override styles = [
     base,
     partStyle,
+    tables,
     css`
       .verdict {
         display: grid;
@@ -86,50 +95,20 @@ export class WeatherPart extends DevicePart {
         line-height: 1.05;
         letter-spacing: -0.02em;
       }
+      /* Its card has an edge already. */
       .table {
-        overflow-x: auto;
+        --t-columns: minmax(8rem, 2fr) minmax(5rem, 1fr) minmax(9rem, 3fr) 7rem minmax(6rem, 1fr);
+        border-inline: 0;
+        border-radius: 0;
       }
-      table {
-        inline-size: 100%;
-        border-collapse: collapse;
-        font-variant-numeric: tabular-nums;
+      .row {
+        padding-inline: 0;
       }
-      th,
-      td {
-        padding: var(--t-space-2) var(--t-space-3) var(--t-space-2) 0;
-        border-block-start: 1px solid var(--t-line);
-        text-align: start;
-        vertical-align: baseline;
+      .titles {
+        background: none;
       }
-      thead th {
-        border: 0;
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
-        font-weight: var(--t-weight);
-      }
-      tbody th {
-        font-weight: var(--t-weight-strong);
-      }
-      @media (max-width: 45rem) {
-        thead {
-          position: absolute;
-          clip-path: inset(50%);
-        }
-        tbody tr {
-          display: grid;
-          grid-template-columns: minmax(0, 1fr) auto;
-          padding-block: var(--t-space-2);
-          border-block-start: 1px solid var(--t-line);
-        }
-        tbody :is(th, td) {
-          padding: 0;
-          border: 0;
-        }
-        tbody td:nth-child(2) {
-          text-align: end;
-          font-weight: var(--t-weight-strong);
-        }
-        tbody td:nth-child(4) {
+      @media (max-width: 60rem) {
+        .row > :nth-child(even) {
           text-align: end;
         }
       }
@@ -186,32 +165,7 @@ export class WeatherPart extends DevicePart {
   private renderTable(lines: readonly LimitLine[]): TemplateResult {
     return html`<section class="card" aria-labelledby="limits">
       <h2 id="limits">What closes the roof</h2>
-      <div class="table">
-        <table>
-          <thead>
-            <tr>
-              <th scope="col">Value</th>
-              <th scope="col">Now</th>
-              <th scope="col">Unsafe</th>
-              <th scope="col">It is</th>
-              <th scope="col">Rule</th>
-            </tr>
-          </thead>
-          <tbody>
-            ${repeat(
-              lines,
-              (line) => `${line.rule} ${line.signal} ${line.limit}`,
-              (line) => html`<tr>
-                <th scope="row">${line.name}</th>
-                <td>${line.now}</td>
-                <td>${line.limit}</td>
-                <td><t-status kind=${STANDS[line.stands].kind} .word=${STANDS[line.stands].word}></t-status></td>
-                <td class="muted">${line.rule}</td>
-              </tr>`,
-            )}
-          </tbody>
-        </table>
-      </div>
+      ${renderTable({ label: "What closes the roof", columns: COLUMNS, rows: lines, key: ({ rule, signal, limit }) => `${rule} ${signal} ${limit}` })}
       <p class="note">A value that is unknown or too old counts as unsafe. The gateway beside the roof decides, also without this hub.</p>
     </section>`;
   }

@@ -44,7 +44,9 @@ class ClientAdmission:
         self, *, access: Access, limits: RateLimits, protocols: OpenProtocols, sites: Sites
     ) -> None:
         """Know tokens by ``access``; what is open stands in ``protocols``."""
+        # Tokens only: what a browser sends by itself does not count here.
         self._access = access
+        # The same counts as for pages, by person.
         self._limits = limits
         self._protocols = protocols
         self._sites = sites
@@ -67,6 +69,7 @@ class ClientAdmission:
             raise ApiProblem(
                 403, "origin", "pages of this origin are not let in; an admin may (Admin, Clients)"
             )
+        # Its rights are what is left of the person's by now.
         alive = await self._access.who_of_token(token_of(connection))
         if alive is None:
             raise ApiProblem(401, "unauthorized", "no token, or one that is not good; see Account")
@@ -100,6 +103,7 @@ class ClientAdmission:
             await deny_socket(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
             yield None
             return
+        # Counted for as long as the caller serves it.
         with self._limits.count_socket(who) as allowed:
             if not allowed:
                 message = f"at most {MOST_SOCKETS} connections at once"
@@ -127,5 +131,6 @@ def token_of(connection: HTTPConnection) -> str:
             return decoded.partition(":")[2]
         case _:
             pass
+    # `RequestGuard` has taken it out of the address.
     hidden = connection.scope.get(HIDDEN_TOKEN, "")
     return hidden if isinstance(hidden, str) else ""

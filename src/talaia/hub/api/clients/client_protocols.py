@@ -53,6 +53,7 @@ class ClientProtocolPages:
 
     async def list_protocols(self) -> ClientProtocolList:
         """List the protocols that other tools may connect by, and who may drive by them."""
+        # From the database and not from memory: another process may have changed it.
         states = {state.protocol: state for state in await self._store.read_states()}
         return ClientProtocolList(
             protocols=[self._shape(name, states.get(name)) for name in CLIENT_PROTOCOLS],
@@ -75,6 +76,7 @@ class ClientProtocolPages:
         Connections that are not allowed any more are closed at once.
         """
         info = CLIENT_PROTOCOLS.get(protocol)
+        # Only what the catalog knows can be opened.
         if info is None:
             raise ApiProblem(404, "unknown", "there is no such protocol")
         for origin in asked.origins:
@@ -84,9 +86,11 @@ class ClientProtocolPages:
                     "invalid",
                     f"{origin[:100]!r} is no origin; write it like https://tools.example:8080",
                 )
+        # In the order in which the admin named them.
         origins = list(dict.fromkeys(asked.origins))
         who = who_of(request).name
         await self._store.set_state(protocol, is_open=asked.open, origins=origins, who=who)
+        # At once, instead of at the next check of the table.
         await self._protocols.reload_table()
         said = f"{info.title}; origins: {', '.join(origins) or 'none'}"
         kind = "client protocol opened" if asked.open else "client protocol shut"
@@ -113,6 +117,7 @@ class ClientProtocolPages:
         self._append_record(request, kind, name, site=asked.site, device=asked.device)
 
     def _shape(self, name: str, state: ProtocolState | None) -> ClientProtocolShape:
+        # One without a row was never opened.
         info = CLIENT_PROTOCOLS[name]
         return ClientProtocolShape(
             protocol=name,

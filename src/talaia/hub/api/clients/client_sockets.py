@@ -80,6 +80,7 @@ class ClientSockets:
                 await self._serve(socket, admitted)
 
     async def _serve(self, socket: WebSocket, admitted: AdmittedClient) -> None:
+        # In the order in which the client would have them.
         offered: list[str] = socket.scope.get("subprotocols") or []
         chosen = next((name for name in offered if name in self._subprotocols), None)
         if self._subprotocols and chosen is None:
@@ -89,6 +90,7 @@ class ClientSockets:
             )
             return
         await socket.accept(subprotocol=chosen)
+        # Nothing is awaited from here until it is served: no change of the table is missed.
         connection = self._connections.connect(admitted.live, admitted.who)
         with self._protocols.count_client(self._protocol, connection, admitted.origin):
             self._append_record("client connected", socket, admitted)

@@ -31,25 +31,32 @@ class ClientProtocolShape(Schema):
     shut it last; ``connected`` counts the clients of now.
     """
 
+    # Its short name, as in addresses and in the audit log.
     protocol: str
     title: str
     path: str
+    # A WebSocket, else HTTP.
     socket: bool
+    # Programs that speak it, for people.
     tools: str
     open: bool
+    # Of pages that are let in; tools that are no pages send none.
     origins: list[str]
     changed_by: str
     changed_us: int
+    # By this process, now.
     connected: int
 
 
 class ClientDriverShape(Schema):
     """An account that may drive a device by such clients."""
 
+    # Number and name of the account.
     person: str
     name: str
     site: str
     device: str
+    # Which admin, and when.
     given_by: str
     given_us: int
 
@@ -65,6 +72,7 @@ class ClientProtocolAsk(Schema):
     """Open or shut a protocol; pages of ``origins`` are let in besides tools that are no pages."""
 
     open: bool
+    # As a browser writes them: scheme, host and port.
     origins: list[_Origin] = Field(default=[], max_length=_MOST_ORIGINS)
 
 
@@ -74,4 +82,5 @@ class ClientDriverAsk(Schema):
     person: str = Field(min_length=1, max_length=20)
     site: str = _NAME
     device: str = _NAME
+    # False takes it back, at once.
     allowed: bool

@@ -6,12 +6,16 @@ from typing import TYPE_CHECKING
 
 from talaia.hub.api.clients.client_admission import ClientAdmission
 from talaia.hub.api.clients.client_protocols import ClientProtocolPages
+from talaia.hub.api.clients.client_sockets import ClientSockets
 from talaia.hub.clients.client_connection import ClientConnections
 from talaia.hub.clients.open_protocols import OpenProtocols
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.store.clients.protocols import ClientProtocols
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.api.clients.client_sockets import BeginsSession
     from talaia.hub.features.feature import Core
     from talaia.hub.features.people import PeopleFeature
     from talaia.hub.live.pages.page_service import PageService
@@ -38,7 +42,10 @@ class ClientProtocolsFeature(Feature):
         """Serve clients by ``service``, as pages are."""
         # How often the table is read again: another process may have changed it.
         self._check_s = core.settings.check_s
+        self._audit = audit
+        # Two tables: what is open, and who drives.
         store = ClientProtocols(core.database, core.clock)
+        # In memory, so that no connection waits for the database to be told yes or no.
         self.protocols = OpenProtocols(store)
         self.admission = ClientAdmission(
             access=people.access, limits=people.limits, protocols=self.protocols, sites=core.sites
@@ -51,6 +58,20 @@ class ClientProtocolsFeature(Feature):
         )
         self.routers = [pages.router()]
         self.tasks = [BackgroundTask(name="check client protocols", run=self._check)]
+
+    def serve_sockets(
+        self, protocol: str, *, begin: BeginsSession, subprotocols: Sequence[str] = ()
+    ) -> ClientSockets:
+        """Make the sockets of a protocol; for its arguments see `ClientSockets`."""
+        return ClientSockets(
+            protocol,
+            begin=begin,
+            subprotocols=subprotocols,
+            admission=self.admission,
+            connections=self.connections,
+            protocols=self.protocols,
+            audit=self._audit,
+        )
 
     async def open(self) -> None:
         """Read which protocols are open."""

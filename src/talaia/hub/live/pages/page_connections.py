@@ -92,6 +92,7 @@ class Browser:
         self._transport = transport
         # Holds every message in both directions against rights.
         self._gate = gate
+        # Leads what may be done to its part of the hub.
         self._handle = handle
         # What waits to be sent, bounded.
         self._outbox = Outbox(transport.encode, known=lambda sub, at: self.known(self, sub, at))

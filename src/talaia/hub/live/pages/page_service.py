@@ -112,8 +112,10 @@ class PageService:
         messages: PageMessages,
     ) -> None:
         """Messages pass ``gate``; ``greeters`` tell each how things are when it comes."""
+        # One for all connections: pages and clients have the same rights.
         self._gate = gate
         self._seats = seats
+        # Who is told of news; a connection is in it while it is served.
         self._browsers = browsers
         self._greeters = greeters
         self._messages = messages

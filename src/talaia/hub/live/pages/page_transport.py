@@ -65,6 +65,7 @@ class SocketTransport:
 
     def __init__(self, socket: WebSocket, *, text: bool) -> None:
         """Speak JSON with ``text``, else MessagePack."""
+        # Accepted already.
         self._socket = socket
         self._text = text
 
@@ -93,6 +94,7 @@ class SocketTransport:
             except UnknownKind as error:
                 refuse(RequestError(code="unknown", message=str(error), about=error.kind[:200]))
                 continue
+            # Does not wait: what it asks is queued or answered at once.
             receive(message)
 
     async def send_frame(self, frame: Frame) -> None:

@@ -66,6 +66,7 @@ class ClientProtocols:
         chosen = select(client_protocols).order_by(client_protocols.c.protocol)
         async with self._database.read() as connection:
             rows = (await connection.execute(chosen)).all()
+        # Booleans are numbers in MariaDB and SQLite.
         return [
             ProtocolState(
                 row.protocol,
@@ -86,6 +87,7 @@ class ClientProtocols:
             StoreDown: the database does not answer; nothing has changed.
 
         """
+        # Deleted and written: one way for the first time and for later ones.
         mine = client_protocols.c.protocol == protocol
         async with self._database.write() as connection:
             await connection.execute(delete(client_protocols).where(mine))
@@ -140,6 +142,7 @@ class ClientProtocols:
             name = (
                 await connection.execute(select(users.c.name).where(users.c.id == user))
             ).scalar()
+            # Not an error of the database: the person may have been removed a moment ago.
             if name is None:
                 return None
             await connection.execute(delete(client_drivers).where(*mine))

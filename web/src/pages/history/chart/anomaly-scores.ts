@@ -7,7 +7,7 @@ import { repeat } from "lit/directives/repeat.js";
 import { ActionController } from "../../../controllers/action.js";
 import { AnomalyDetectorsController, type AnomalySource } from "../../../controllers/anomaly-detectors.js";
 import { LoadController } from "../../../controllers/load.js";
-import { base } from "../../../elements/base/base-style.js";
+import { base, panelBox, quietText } from "../../../elements/base/base-style.js";
 import { indentOf, type ChartSeries, type ChartIndent } from "../../../elements/chart/chart-model.js";
 import type { PaintScheduler } from "../../../elements/chart/paint-scheduler.js";
 import { anomalyMarks } from "../../../elements/chart/anomaly-marks.js";
@@ -44,13 +44,10 @@ export class AnomalyScores extends LitElement {
       /* The same room at the sides as the charts above, so that moments stand below each other. */
       t-detector {
         padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
+        ${panelBox}
       }
       .said {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .said:empty {
         display: none;

@@ -1,14 +1,12 @@
 import { css } from "lit";
+import { raisedBox, quietText } from "../../../elements/base/base-style.js";
 
 export const historyChartStyle = css`
   :host {
     display: grid;
     gap: var(--t-space-2);
     padding: var(--t-space-3) var(--t-space-3) var(--t-space-2);
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
-    box-shadow: var(--t-shadow);
+    ${raisedBox}
     min-inline-size: 0;
     container-type: inline-size;
   }
@@ -93,8 +91,7 @@ export const historyChartStyle = css`
   summary {
     min-block-size: var(--t-touch);
     align-content: center;
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     cursor: pointer;
   }
   ol {
@@ -174,8 +171,7 @@ export const historyChartStyle = css`
     gap: var(--t-space-1);
     margin: 0;
     padding: 0;
-    color: var(--t-muted);
-    font-size: var(--t-size-s);
+    ${quietText}
     font-variant-numeric: tabular-nums;
     list-style: none;
   }

@@ -1,13 +1,12 @@
 import { css } from "lit";
+import { panelBox } from "../../../elements/base/base-style.js";
 
 export const marksLaneStyle = css`
   :host {
     display: grid;
     gap: var(--t-space-1);
     padding: var(--t-space-2) var(--t-space-3);
-    border: 1px solid var(--t-line);
-    border-radius: var(--t-radius);
-    background: var(--t-surface);
+    ${panelBox}
     min-inline-size: 0;
   }
   .head {

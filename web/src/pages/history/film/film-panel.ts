@@ -4,7 +4,7 @@ import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, queryAll, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
-import { base } from "../../../elements/base/base-style.js";
+import { base, panelBox, quietText } from "../../../elements/base/base-style.js";
 import { momentText } from "../../../elements/chart/cursor-values.js";
 import { formatClock, knownZone } from "../../../format/time.js";
 import type { FilmController } from "./film-controller.js";
@@ -34,9 +34,7 @@ export class FilmPanel extends LitElement {
         gap: var(--t-space-2);
         align-content: start;
         padding: var(--t-space-3);
-        border: 1px solid var(--t-line);
-        border-radius: var(--t-radius);
-        background: var(--t-surface);
+        ${panelBox}
         min-inline-size: 0;
         container-type: inline-size;
       }
@@ -131,12 +129,10 @@ export class FilmPanel extends LitElement {
         display: block;
       }
       .moment span {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       .hint {
-        color: var(--t-muted);
-        font-size: var(--t-size-s);
+        ${quietText}
       }
       @media (pointer: coarse) {
         .hint {

@@ -1,0 +1,379 @@
+"""One Foxglove client: what it asks becomes messages of a page, what it is told becomes its own.
+
+Long, because each message of the protocol, both ways, has its few lines here in one place.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from talaia import __version__
+from talaia.hub.auth.tokens import new_token
+from talaia.hub.clients.foxglove.advertised import AdvertisedThings
+from talaia.hub.clients.foxglove.offer import FoxgloveOffer, OfferedSignal, make_offer
+from talaia.hub.clients.foxglove.schemas import encode_answer, encode_sample
+from talaia.hub.clients.published_velocity import read_velocity
+from talaia.hub.clients.signal_subscriptions import SignalSubscriptions
+from talaia.wire.browser import (
+    CommandUpdate,
+    PageCommand,
+    RequestError,
+    SessionEnded,
+    SiteUpdate,
+    StopUpdate,
+    Values,
+)
+from talaia.wire.errors import UnknownKind
+from talaia.wire.foxglove import client_messages as said
+from talaia.wire.foxglove.codec import (
+    decode_client,
+    encode_asset,
+    encode_message_data,
+    encode_server,
+    encode_service_response,
+)
+from talaia.wire.foxglove.server_messages import (
+    FoxgloveParameter,
+    ParameterValues,
+    ServerInfo,
+    ServerStatus,
+    ServiceCallFailure,
+)
+from talaia.wire.frames import CommandPhase
+from talaia.wire.gateway_messages.field_types import Arguments
+
+if TYPE_CHECKING:
+    from starlette.websockets import WebSocket
+
+    from talaia.hub.clients.client_connection import ClientConnection
+    from talaia.hub.clients.foxglove.offer import OfferedService
+    from talaia.hub.clients.signal_subscriptions import ClientSample
+    from talaia.wire.browser import ToBrowser
+    from talaia.wire.foxglove.server_messages import ServerMessage
+
+__all__ = ["FoxgloveSession"]
+
+# Without ``time``: clients go by their own clock, and samples carry the robot's.
+_CAPABILITIES = [
+    "clientPublish",
+    "parameters",
+    "parametersSubscribe",
+    "services",
+    "connectionGraph",
+]
+# In which velocities may be published; commands are called with JSON.
+_ENCODINGS = ["json", "cdr"]
+# Of a status.
+_INFO, _WARNING, _ERROR = 0, 1, 2
+# Calls that wait for their end, and channels that a client publishes on.
+_MOST_CALLS = 100
+_MOST_PUBLISHED = 1000
+# Phases of a command after which more comes.
+_GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
+
+
+class FoxgloveSession:
+    """See `ClientSession`."""
+
+    def __init__(self, socket: WebSocket, connection: ClientConnection) -> None:
+        """Speak over ``socket``, which is accepted, for ``connection``."""
+        self._socket = socket
+        # Asks the hub by the rights of the token.
+        self._connection = connection
+        self._site = connection.live.name
+        # Numbers of what this client was told of.
+        self._things = AdvertisedThings()
+        self._subscriptions = SignalSubscriptions(self._site)
+        # Of the offer of now, for samples come by address: the topic.
+        self._topic_of: dict[str, str] = {}
+        # By topic: what is known of a position's parts, or of the single one.
+        self._parts: dict[str, dict[str, float | str]] = {}
+        # The client's own channels, by its number.
+        self._published: dict[int, said.FoxgloveClientChannel] = {}
+        # Calls that wait: by the command's or STOP's id, the service and the call.
+        self._calls: dict[str, tuple[int, int]] = {}
+        self._wants_graph = False
+        # Of the description that is advertised.
+        self._edition = ""
+        # What the person was told last of why it does not drive: each message would repeat it.
+        self._told = ""
+
+    # ── from the client ──
+
+    async def read_client(self) -> None:
+        """Say who we are and what there is, then read until the client has gone."""
+        await self._send(
+            ServerInfo(
+                name=f"Talaia {__version__}: {self._connection.description.name}",
+                capabilities=_CAPABILITIES,
+                supported_encodings=_ENCODINGS,
+                metadata={"site": self._site},
+                session_id=new_token(),
+            )
+        )
+        await self._advertise()
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            data = event.get("bytes")
+            try:
+                message = decode_client(event.get("text", "") if data is None else data)
+            except UnknownKind as error:
+                await self._send_status(_WARNING, str(error))
+                continue
+            await self._handle(message)
+
+    async def _handle(self, message: said.FoxgloveMessage) -> None:
+        match message:
+            case said.FoxgloveSubscribe():
+                await self._subscribe(message)
+            case said.FoxgloveUnsubscribe():
+                self._unsubscribe(message)
+            case said.FoxgloveAdvertise():
+                await self._note_published(message)
+            case said.FoxgloveUnadvertise():
+                for number in message.channel_ids:
+                    self._published.pop(number, None)
+            case said.FoxglovePublish():
+                await self._publish(message)
+            case said.FoxgloveCall():
+                await self._call(message)
+            case said.FoxgloveGetParameters():
+                await self._send(self._parameters(message.parameter_names, message.id))
+            case said.FoxgloveSetParameters():
+                await self._send_status(_WARNING, "parameters cannot be set here")
+                await self._send(self._parameters([], message.id))
+            case said.FoxgloveSubscribeParameters():
+                # They are of the description: whoever subscribes has the newest with this.
+                await self._send(self._parameters(message.parameter_names, None))
+            case said.FoxgloveUnsubscribeParameters():
+                pass
+            case said.FoxgloveSubscribeGraph():
+                self._wants_graph = True
+                await self._send(self._things.connection_graph(FoxgloveOffer()))
+            case said.FoxgloveUnsubscribeGraph():
+                self._wants_graph = False
+            case said.FoxgloveFetchAsset():
+                frame = encode_asset(message.request_id, None, "there is no such file")
+                await self._socket.send_bytes(frame)
+
+    async def _subscribe(self, message: said.FoxgloveSubscribe) -> None:
+        topics = []
+        # What is wrong with one is no reason to refuse the others.
+        for one in message.subscriptions:
+            try:
+                topics.append(self._things.subscribe_topic(one.id, one.channel_id))
+            except ValueError as error:
+                await self._send_status(_WARNING, str(error))
+        for asked in self._subscriptions.add_addresses(self._things.addresses_of(topics)):
+            problem = self._connection.request(asked)
+            if problem is not None:
+                await self._send_status(_WARNING, problem.message)
+
+    def _unsubscribe(self, message: said.FoxgloveUnsubscribe) -> None:
+        ended = (self._things.unsubscribe_topic(number) for number in message.subscription_ids)
+        self._forget([topic for topic in ended if topic is not None])
+
+    def _forget(self, topics: list[str]) -> None:
+        for topic in topics:
+            self._parts.pop(topic, None)
+        addresses = [address for address, topic in self._topic_of.items() if topic in set(topics)]
+        for asked in self._subscriptions.remove_addresses(addresses):
+            self._connection.request(asked)
+
+    async def _note_published(self, message: said.FoxgloveAdvertise) -> None:
+        for channel in message.channels:
+            if len(self._published) >= _MOST_PUBLISHED:
+                await self._send_status(_WARNING, f"at most {_MOST_PUBLISHED} channels of your own")
+                return
+            self._published[channel.id] = channel
+            if channel.topic not in self._things.offer.driven:
+                await self._send_status(_WARNING, f"nothing here listens to {channel.topic}")
+
+    async def _publish(self, message: said.FoxglovePublish) -> None:
+        channel = self._published.get(message.channel_id)
+        if channel is None:
+            await self._refuse(f"channel {message.channel_id} is not advertised")
+            return
+        device = self._things.offer.driven.get(channel.topic)
+        if device is None:
+            await self._refuse(f"nothing here listens to {channel.topic}")
+            return
+        # By the type that the client named when it advertised the channel.
+        velocity = read_velocity(channel.encoding, channel.schema_name, message.data)
+        if isinstance(velocity, str):
+            await self._refuse(f"{channel.topic}: {velocity}")
+            return
+        why = self._connection.publish_drive(
+            device, linear=velocity.linear, angular=velocity.angular
+        )
+        if why:
+            await self._refuse(f"{channel.topic}: {why}")
+        else:
+            self._told = ""
+
+    async def _refuse(self, why: str) -> None:
+        """Say why a published message is refused, once for as long as it stays so."""
+        if why != self._told:
+            self._told = why
+            await self._send_status(_ERROR, why)
+
+    async def _call(self, message: said.FoxgloveCall) -> None:
+        service = self._things.service(message.service_id)
+        if service is None:
+            why = f"there is no service {message.service_id}"
+        elif len(self._calls) >= _MOST_CALLS:
+            why = f"at most {_MOST_CALLS} calls at once"
+        elif not service.command:
+            press, why = self._connection.press_stop(service.device)
+            if not why:
+                self._calls[press] = message.service_id, message.call_id
+        else:
+            why = self._command(service, message)
+        if why:
+            await self._fail(message.service_id, message.call_id, why)
+
+    def _command(self, service: OfferedService, message: said.FoxgloveCall) -> str:
+        if message.encoding != "json":
+            return f"arguments are read as json, not as {message.encoding[:100]!r}"
+        try:
+            args = msgspec.json.decode(message.data or b"{}", type=Arguments)
+        except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+            return f"not the arguments of a command: {str(error)[:200]}"
+        number = new_token()
+        # Before it is asked: its end may come at once.
+        self._calls[number] = message.service_id, message.call_id
+        # Rights, arguments and units are looked at there and at the gateway.
+        problem = self._connection.request(
+            PageCommand(
+                site=self._site,
+                device=service.device,
+                command=service.command,
+                id=number,
+                args=args,
+            )
+        )
+        if problem is None:
+            return ""
+        del self._calls[number]
+        return problem.message
+
+    def _parameters(self, names: list[str], number: str | None) -> ParameterValues:
+        return ParameterValues(
+            parameters=[
+                FoxgloveParameter(
+                    name=name, type="float64" if isinstance(value, float) else None, value=value
+                )
+                for name, value in self._things.offer.parameters.items()
+                if not names or name in names
+            ],
+            id=number,
+        )
+
+    # ── to the client ──
+
+    async def deliver_message(self, message: ToBrowser) -> None:
+        """Write a message of the hub in the client's protocol, if it has one for it."""
+        match message:
+            case Values():
+                await self._deliver_values(message)
+            case SiteUpdate() if message.site == self._site:
+                if message.catalogue != self._edition:
+                    await self._advertise()
+            case CommandUpdate() if message.id in self._calls:
+                if message.phase not in _GOING_ON:
+                    await self._end_call(message)
+            case StopUpdate() if message.id in self._calls and message.latched:
+                service, call = self._calls.pop(message.id)
+                answer = encode_answer("succeeded", "STOP is on")
+                await self._socket.send_bytes(
+                    encode_service_response(service, call, "json", answer)
+                )
+            case RequestError():
+                await self._send_status(_WARNING, message.message)
+            case SessionEnded():
+                await self._send_status(_ERROR, message.reason)
+            case _:
+                pass
+
+    async def warn_person(self, text: str) -> None:
+        """Show a warning in the client."""
+        await self._send_status(_WARNING, text)
+
+    async def close_client(self, code: int) -> None:
+        """Close the socket."""
+        await self._socket.close(code)
+
+    async def _advertise(self) -> None:
+        """Tell what there is now, and what is not there any more."""
+        live, before = self._connection.live, self._things.offer
+        self._edition = live.edition
+        offer = make_offer(live.description, self._connection.who.grants)
+        change = self._things.update_offer(offer)
+        # By the addresses of before.
+        self._forget(change.gone)
+        self._topic_of = {
+            address: topic
+            for topic, offered in offer.signals.items()
+            for address in offered.addresses
+        }
+        for message in change.messages:
+            await self._send(message)
+        if self._wants_graph:
+            await self._send(self._things.connection_graph(before))
+
+    async def _deliver_values(self, message: Values) -> None:
+        # Parts of a position come one after the other with one time; they are one message.
+        waiting: dict[str, int] = {}
+        for sample in self._subscriptions.read_samples(message):
+            topic = self._topic_of.get(sample.address)
+            offered = self._things.offer.signals.get(topic or "")
+            if topic is None or offered is None:
+                continue
+            if waiting.get(topic, sample.time_us) != sample.time_us:
+                await self._send_sample(topic, offered, waiting[topic])
+            waiting[topic] = sample.time_us
+            _note_part(self._parts.setdefault(topic, {}), sample)
+            if len(offered.addresses) == 1:
+                del waiting[topic]
+                await self._send_sample(topic, offered, sample.time_us)
+        for topic, time_us in waiting.items():
+            await self._send_sample(topic, self._things.offer.signals[topic], time_us)
+
+    async def _send_sample(self, topic: str, offered: OfferedSignal, time_us: int) -> None:
+        # It may have ended while another sample was sent.
+        subscription = self._things.subscription_of(topic)
+        parts = self._parts.get(topic)
+        if subscription is None or parts is None:
+            return
+        data = encode_sample(offered.signal, parts, time_us)
+        if data is not None:
+            await self._socket.send_bytes(encode_message_data(subscription, time_us * 1000, data))
+
+    async def _end_call(self, message: CommandUpdate) -> None:
+        # Once: what comes of it later is told to pages.
+        service, call = self._calls.pop(message.id)
+        if message.phase is CommandPhase.SUCCEEDED:
+            answer = encode_answer(message.phase.value, message.message)
+            await self._socket.send_bytes(encode_service_response(service, call, "json", answer))
+        else:
+            await self._fail(service, call, f"{message.phase.value}: {message.message}")
+
+    async def _fail(self, service: int, call: int, why: str) -> None:
+        await self._send(ServiceCallFailure(service_id=service, call_id=call, message=why))
+
+    async def _send_status(self, level: int, text: str) -> None:
+        await self._send(ServerStatus(level=level, message=text))
+
+    async def _send(self, message: ServerMessage) -> None:
+        await self._socket.send_text(encode_server(message))
+
+
+def _note_part(parts: dict[str, float | str], sample: ClientSample) -> None:
+    part = sample.address.partition(".")[2]
+    known = sample.text if sample.text is not None else sample.value
+    parts[part] = known if isinstance(known, str) or math.isfinite(known) else math.nan

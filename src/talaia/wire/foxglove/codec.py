@@ -1,0 +1,133 @@
+"""Bytes and JSON of the Foxglove WebSocket protocol to values and back."""
+
+from __future__ import annotations
+
+import struct
+
+import msgspec
+
+from talaia.wire.errors import PeerError, UnknownKind
+from talaia.wire.foxglove.client_messages import (
+    FoxgloveCall,
+    FoxgloveMessage,
+    FoxglovePublish,
+    FoxgloveText,
+)
+from talaia.wire.foxglove.server_messages import ServerMessage
+
+__all__ = [
+    "MAX_CLIENT_FRAME",
+    "SUBPROTOCOLS",
+    "decode_client",
+    "encode_asset",
+    "encode_message_data",
+    "encode_server",
+    "encode_service_response",
+    "encode_time",
+]
+
+# As clients offer them; both mean the messages of this package.
+SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+# Of a client (bytes): the largest is a subscription to thousands of channels.
+MAX_CLIENT_FRAME = 1024 * 1024
+
+# First byte of a binary message, each way.
+_MESSAGE_DATA, _TIME, _SERVICE_RESPONSE, _ASSET = 1, 2, 3, 4
+_PUBLISH, _CALL = 1, 2
+
+_DATA_HEAD = struct.Struct("<BIQ")
+_TIME_HEAD = struct.Struct("<BQ")
+_CALL_HEAD = struct.Struct("<BIII")
+_ASSET_HEAD = struct.Struct("<BIBI")
+_PUBLISH_HEAD = struct.Struct("<BI")
+_MOST_NS = 2**64 - 1
+
+_TEXT: msgspec.json.Decoder[FoxgloveText] = msgspec.json.Decoder(FoxgloveText)
+_KINDS = frozenset(member.__struct_config__.tag for member in FoxgloveText.__args__)
+_ENCODER = msgspec.json.Encoder()
+
+
+class _Op(msgspec.Struct, frozen=True):
+    # All that is read of a message of an unknown kind.
+    op: str
+
+
+def decode_client(frame: bytes | str) -> FoxgloveMessage:
+    """Read what a client said.
+
+    Raises:
+        PeerError: too large (code 1009), or not of the protocol.
+        UnknownKind: a message of an ``op`` or of a binary kind that is not known here.
+
+    """
+    if len(frame) > MAX_CLIENT_FRAME:
+        raise PeerError(
+            f"a message of {len(frame)} bytes is over the limit of {MAX_CLIENT_FRAME}", 1009
+        )
+    if isinstance(frame, bytes):
+        return _decode_binary(frame)
+    try:
+        return _TEXT.decode(frame)
+    except msgspec.ValidationError as error:
+        op = _op_of(frame)
+        if op is not None and op not in _KINDS:
+            raise UnknownKind(op) from error
+        raise PeerError(f"a message that is not in the protocol: {error}") from error
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        raise PeerError(f"a message that is no JSON: {error}") from error
+
+
+def encode_server(message: ServerMessage) -> str:
+    """Write what a server says as JSON."""
+    return _ENCODER.encode(message).decode()
+
+
+def encode_message_data(subscription: int, time_ns: int, data: bytes) -> bytes:
+    """Write a message of a channel; ``time_ns`` is when it was received (UTC)."""
+    return _DATA_HEAD.pack(_MESSAGE_DATA, subscription, min(max(time_ns, 0), _MOST_NS)) + data
+
+
+def encode_time(time_ns: int) -> bytes:
+    """Write the server's time (ns, UTC)."""
+    return _TIME_HEAD.pack(_TIME, min(max(time_ns, 0), _MOST_NS))
+
+
+def encode_service_response(service: int, call: int, encoding: str, data: bytes) -> bytes:
+    """Write the answer to a call."""
+    said = encoding.encode()
+    return _CALL_HEAD.pack(_SERVICE_RESPONSE, service, call, len(said)) + said + data
+
+
+def encode_asset(request: int, data: bytes | None, problem: str = "") -> bytes:
+    """Write a file that was asked for, or why there is none when ``data`` is."""
+    said = problem.encode() if data is None else b""
+    return _ASSET_HEAD.pack(_ASSET, request, int(data is None), len(said)) + said + (data or b"")
+
+
+def _decode_binary(frame: bytes) -> FoxglovePublish | FoxgloveCall:
+    kind = frame[0] if frame else -1
+    if kind == _PUBLISH:
+        if len(frame) < _PUBLISH_HEAD.size:
+            raise PeerError(f"a published message of {len(frame)} bytes has no head")
+        _, channel = _PUBLISH_HEAD.unpack_from(frame)
+        return FoxglovePublish(channel_id=channel, data=frame[_PUBLISH_HEAD.size :])
+    if kind != _CALL:
+        raise UnknownKind(f"binary {kind}")
+    if len(frame) < _CALL_HEAD.size:
+        raise PeerError(f"a service call of {len(frame)} bytes has no head")
+    _, service, call, length = _CALL_HEAD.unpack_from(frame)
+    begin = _CALL_HEAD.size + length
+    if begin > len(frame):
+        raise PeerError("the encoding of a service call is longer than the message")
+    try:
+        encoding = frame[_CALL_HEAD.size : begin].decode()
+    except UnicodeDecodeError as error:
+        raise PeerError("the encoding of a service call is no text") from error
+    return FoxgloveCall(service_id=service, call_id=call, encoding=encoding, data=frame[begin:])
+
+
+def _op_of(frame: str) -> str | None:
+    try:
+        return msgspec.json.decode(frame, type=_Op).op
+    except (msgspec.DecodeError, RecursionError, UnicodeError):
+        return None

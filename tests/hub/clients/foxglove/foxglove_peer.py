@@ -1,0 +1,121 @@
+"""Two Foxglove clients for tests: npm's own, and one that may say anything."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import shutil
+import struct
+from pathlib import Path
+
+import websockets
+from patience import PATIENCE_S
+
+SCRIPT = Path(__file__).with_name("ws_protocol_client.mjs")
+MODULES = Path(__file__).parents[4] / "web" / "package.json"
+V1, SDK = "foxglove.websocket.v1", "foxglove.sdk.v1"
+
+
+def address_of(hub, site: str, token: str) -> str:
+    return f"ws://127.0.0.1:{hub.port}/clients/foxglove/{site}?token={token}"
+
+
+class _Heard:
+    """Events in their order, and a wait for one of them."""
+
+    def __init__(self) -> None:
+        self.events = []
+        self._news = asyncio.Condition()
+
+    async def note(self, event, data) -> None:
+        async with self._news:
+            self.events.append((event, data))
+            self._news.notify_all()
+
+    async def hear(self, event, where=lambda _data: True):
+        """Wait for an event, of those heard already or still to come; it is taken out."""
+        async with asyncio.timeout(PATIENCE_S), self._news:
+            while True:
+                for found in self.events:
+                    if found[0] == event and where(found[1]):
+                        self.events.remove(found)
+                        return found[1]
+                await self._news.wait()
+
+
+class NodeClient(_Heard):
+    """`FoxgloveClient` of npm's @foxglove/ws-protocol, in a process of its own."""
+
+    async def __aenter__(self):
+        return self
+
+    async def connect(self, address: str, subprotocol: str = V1):
+        self._process = await asyncio.create_subprocess_exec(
+            shutil.which("node"),
+            "--experimental-websocket",
+            str(SCRIPT),
+            str(MODULES),
+            address,
+            subprotocol,
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            limit=2**24,
+        )
+        self._reading = asyncio.create_task(self._read())
+        await self.hear("serverInfo")
+        return self
+
+    async def call(self, name: str, *arguments):
+        self._process.stdin.write(json.dumps([name, *arguments]).encode() + b"\n")
+        return await self.hear("returned")
+
+    async def __aexit__(self, *_):
+        if self._process.returncode is None:
+            self._process.stdin.close()
+            self._process.terminate()
+        await self._process.wait()
+        await self._reading
+
+    async def _read(self) -> None:
+        async for line in self._process.stdout:
+            await self.note(*json.loads(line))
+
+
+_KINDS = {1: "data", 2: "time", 3: "response", 4: "asset"}
+
+
+class RawClient(_Heard):
+    """A client that may say anything; JSON is heard by its ``op``, binary messages by kind."""
+
+    async def connect(self, address: str, *, subprotocol=SDK, **options):
+        self.socket = await websockets.connect(
+            address, subprotocols=[subprotocol], proxy=None, max_size=None, **options
+        )
+        self.frames = []
+        self._reading = asyncio.create_task(self._read())
+        return self
+
+    async def say(self, message) -> None:
+        await self.socket.send(json.dumps(message) if isinstance(message, dict) else message)
+
+    async def call(self, service: int, call: int, payload: bytes, encoding: bytes = b"json"):
+        head = struct.pack("<BIII", 2, service, call, len(encoding))
+        await self.say(head + encoding + payload)
+
+    async def close(self) -> None:
+        await self.socket.close()
+        await self._reading
+
+    async def _read(self) -> None:
+        try:
+            async for frame in self.socket:
+                self.frames.append(frame)
+                if isinstance(frame, bytes):
+                    await self.note(_KINDS[frame[0]], frame)
+                else:
+                    said = json.loads(frame)
+                    await self.note(said["op"], said)
+        except websockets.ConnectionClosed:
+            pass
+        await self.note("closed", self.socket.close_code)
