@@ -34,6 +34,7 @@ from talaia.hub.api.schemas import (
     alarm_schemas,
     anomaly_schemas,
     archive_schemas,
+    client_schemas,
     common,
     description_schemas,
     extension_schemas,
@@ -72,6 +73,7 @@ SHAPES = (
     notification_schemas,
     sighting_schemas,
     tile_schemas,
+    client_schemas,
 )
 SIMPLE = {int: "number", float: "number", str: "string", bool: "boolean", types.NoneType: "null"}
 

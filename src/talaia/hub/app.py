@@ -149,7 +149,7 @@ class Hub:
         self.client_protocols = ClientProtocolsFeature(
             core, people=self.people, service=service, audit=log
         )
-        self.foxglove = FoxgloveFeature(clients=self.client_protocols)
+        self.foxglove = FoxgloveFeature(core, clients=self.client_protocols)
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
             core,

@@ -1253,6 +1253,50 @@ export interface TileSignalShape {
   readonly role: SignalRole | "";
 }
 
+/** Let an account drive a device by such clients, or no more. */
+export interface ClientDriverAsk {
+  readonly person: string;
+  readonly site: string;
+  readonly device: string;
+  readonly allowed: boolean;
+}
+
+/** An account that may drive a device by such clients. */
+export interface ClientDriverShape {
+  readonly person: string;
+  readonly name: string;
+  readonly site: string;
+  readonly device: string;
+  readonly given_by: string;
+  readonly given_us: number;
+}
+
+/** Open or shut a protocol; pages of ``origins`` are let in besides tools that are no pages. */
+export interface ClientProtocolAsk {
+  readonly open: boolean;
+  readonly origins?: readonly string[];
+}
+
+/** All protocols, and who may drive by them. */
+export interface ClientProtocolList {
+  readonly protocols: readonly ClientProtocolShape[];
+  readonly drivers: readonly ClientDriverShape[];
+}
+
+/** A protocol by which other tools connect. */
+export interface ClientProtocolShape {
+  readonly protocol: string;
+  readonly title: string;
+  readonly path: string;
+  readonly socket: boolean;
+  readonly tools: string;
+  readonly open: boolean;
+  readonly origins: readonly string[];
+  readonly changed_by: string;
+  readonly changed_us: number;
+  readonly connected: number;
+}
+
 /** See `EnclosureCapabilities`; nothing is left open here. */
 export interface Capabilities {
   readonly has_shutter: boolean;

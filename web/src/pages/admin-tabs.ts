@@ -10,6 +10,7 @@ const TABS: readonly (readonly [PageName, string])[] = [
   ["people", "People"],
   ["roles", "Roles"],
   ["gateways", "Gateways"],
+  ["clients", "Clients"],
   ["ways", "Notification"],
   ["storage", "Storage"],
   ["description", "Description"],

@@ -22,6 +22,7 @@ export const PAGES: Readonly<Record<PageName, PageEntry>> = {
   people: { tag: "t-page-people", title: "People", load: () => import("./people/page-people.js") },
   roles: { tag: "t-page-roles", title: "Roles", load: () => import("./roles/page-roles.js") },
   gateways: { tag: "t-page-gateways", title: "Gateways", load: () => import("./gateways/page-gateways.js") },
+  clients: { tag: "t-page-clients", title: "Clients", load: () => import("./clients/page-clients.js") },
   storage: { tag: "t-page-storage", title: "Storage", load: () => import("./storage/page-storage.js") },
   audit: { tag: "t-page-audit", title: "Audit log", load: () => import("./audit/page-audit.js") },
   description: {

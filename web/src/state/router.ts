@@ -23,6 +23,7 @@ export type PageName =
   | "people"
   | "roles"
   | "gateways"
+  | "clients"
   | "storage"
   | "ways"
   | "audit"
@@ -54,6 +55,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
   "/admin/people": "people",
   "/admin/roles": "roles",
   "/admin/gateways": "gateways",
+  "/admin/clients": "clients",
   "/admin/storage": "storage",
   "/admin/audit": "audit",
   "/admin/description": "description",
@@ -61,7 +63,7 @@ const PLAIN: Readonly<Record<string, PageName>> = {
 };
 
 /** The pages that only an admin of the whole hub may open. */
-export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "ways", "storage", "description", "audit"];
+export const ADMIN_PAGES: readonly PageName[] = ["people", "roles", "gateways", "clients", "ways", "storage", "description", "audit"];
 
 /** Reads a path. Anything unknown is the `missing` page, not an error. */
 export function routeOf(path: string): Route {

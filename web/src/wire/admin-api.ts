@@ -1,6 +1,6 @@
 /** What an admin may ask of the hub: people, roles, gateways, storage, the audit log. */
 
-import type { AuditChain, AuditList, CodeShape, GatewayList, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, StorageShape } from "../generated/api.js";
+import type { AuditChain, AuditList, ClientDriverAsk, ClientProtocolList, CodeShape, GatewayList, OutlookShape, PermissionShape, PersonChange, PersonList, PersonShape, RoleList, RoleShape, StorageShape } from "../generated/api.js";
 import type { HubApi } from "./hub-api.js";
 
 const itemUrl = (path: string, id: string, more = ""): string => `/api/${path}/${encodeURIComponent(id)}${more}`;
@@ -68,6 +68,19 @@ export class AdminApi {
   /** @param device empty: the link between gateway and hub; else the gateway's own to that device */
   async reconnect(gateway: string, device = ""): Promise<void> {
     await this.hub.request("POST", itemUrl("gateways", gateway, "/reconnect"), { device });
+  }
+
+  clientProtocols(): Promise<ClientProtocolList> {
+    return this.hub.request("GET", "/api/client-protocols");
+  }
+
+  /** Connections that are not allowed any more are closed at once. */
+  async setClientProtocol(protocol: string, open: boolean, origins: readonly string[]): Promise<void> {
+    await this.hub.request("PUT", itemUrl("client-protocols", protocol), { open, origins });
+  }
+
+  async setClientDriver({ person, site, device }: Omit<ClientDriverAsk, "allowed">, allowed: boolean): Promise<void> {
+    await this.hub.request("PUT", "/api/client-drivers", { person, site, device, allowed });
   }
 
   /** @param search the filter, as in the address; see `pages/audit/query.ts` */

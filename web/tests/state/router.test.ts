@@ -24,6 +24,7 @@ describe("addresses", () => {
     ["/admin/people", "people", ""],
     ["/admin/roles", "roles", ""],
     ["/admin/gateways", "gateways", ""],
+    ["/admin/clients", "clients", ""],
     ["/admin/storage", "storage", ""],
     ["/admin/audit", "audit", ""],
     ["/admin/constructor", "missing", ""],

@@ -11,6 +11,8 @@ from pathlib import Path
 import websockets
 from patience import PATIENCE_S
 
+from ..tokens import open_protocol, token_of
+
 SCRIPT = Path(__file__).with_name("ws_protocol_client.mjs")
 MODULES = Path(__file__).parents[4] / "web" / "package.json"
 V1, SDK = "foxglove.websocket.v1", "foxglove.sdk.v1"
@@ -119,3 +121,22 @@ class RawClient(_Heard):
         except websockets.ConnectionClosed:
             pass
         await self.note("closed", self.socket.close_code)
+
+
+async def client_of(world, name, *, site="agv", kind=RawClient, **options):
+    """Connect as somebody, with a token of theirs."""
+    await open_protocol(world.hub, "foxglove")
+    token = await token_of(world.hub, name)
+    return await kind().connect(address_of(world.hub, site, token), **options)
+
+
+async def topics_of(client) -> dict[str, int]:
+    said = await client.hear("advertise")
+    channels = said["channels"] if isinstance(said, dict) else said
+    return {channel["topic"]: channel["id"] for channel in channels}
+
+
+async def services_of(client) -> dict[str, int]:
+    said = await client.hear("advertiseServices")
+    services = said["services"] if isinstance(said, dict) else said
+    return {service["name"]: service["id"] for service in services}

@@ -16,28 +16,9 @@ from talaia.wire.frames import CommandPhase, LeaseOp
 
 from ...everyone.world import NOW
 from ..tokens import open_protocol, token_of
-from .foxglove_peer import SDK, V1, NodeClient, RawClient, address_of
+from .foxglove_peer import SDK, V1, NodeClient, client_of, services_of, topics_of
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-
-async def client_of(world, name, *, site="agv", kind=RawClient, **options):
-    """Connect as somebody, with a token of theirs."""
-    await open_protocol(world.hub, "foxglove")
-    token = await token_of(world.hub, name)
-    return await kind().connect(address_of(world.hub, site, token), **options)
-
-
-async def topics_of(client) -> dict[str, int]:
-    said = await client.hear("advertise")
-    channels = said["channels"] if isinstance(said, dict) else said
-    return {channel["topic"]: channel["id"] for channel in channels}
-
-
-async def services_of(client) -> dict[str, int]:
-    said = await client.hear("advertiseServices")
-    services = said["services"] if isinstance(said, dict) else said
-    return {service["name"]: service["id"] for service in services}
 
 
 # What each may see of the site, written by hand: see `everyone.world`.

@@ -47,6 +47,7 @@ const WAYS: readonly (readonly [PageName, string])[] = [
   ["people", "/admin/people"],
   ["roles", "/admin/roles"],
   ["gateways", "/admin/gateways"],
+  ["clients", "/admin/clients"],
   ["storage", "/admin/storage"],
   ["audit", "/admin/audit"],
 ];

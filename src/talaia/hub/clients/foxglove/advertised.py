@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.clients.foxglove.offer import FoxgloveOffer, OfferedSignal
+from talaia.hub.clients.foxglove.offer import FoxgloveOffer, OfferedCamera, OfferedSignal
 from talaia.wire.foxglove.server_messages import (
     AdvertiseChannels,
     AdvertiseServices,
@@ -22,7 +22,7 @@ from talaia.wire.foxglove.server_messages import (
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from talaia.hub.clients.foxglove.offer import OfferedCamera, OfferedService
+    from talaia.hub.clients.foxglove.offer import OfferedService, OfferedTopic
     from talaia.hub.clients.foxglove.schemas import NamedSchema
     from talaia.wire.foxglove.server_messages import ServerMessage
 
@@ -140,7 +140,7 @@ class AdvertisedThings:
         topics = {*offer.channels, *offer.driven}
         return ConnectionGraphUpdate(
             published_topics=[
-                GraphPublishers(name=topic, publisher_ids=[_device_of(offered)])
+                GraphPublishers(name=topic, publisher_ids=[_publisher_of(offered)])
                 for topic, offered in offer.channels.items()
             ],
             subscribed_topics=[
@@ -160,10 +160,15 @@ class AdvertisedThings:
         return numbers.setdefault((name, schema.text), len(numbers) + 1)
 
 
-def _device_of(offered: OfferedSignal | OfferedCamera) -> str:
-    if isinstance(offered, OfferedSignal):
-        return offered.device
-    return offered.stream.partition("/")[0]
+def _publisher_of(offered: OfferedSignal | OfferedCamera | OfferedTopic) -> str:
+    match offered:
+        case OfferedSignal():
+            return offered.device
+        case OfferedCamera():
+            return offered.stream.partition("/")[0]
+        case _:
+            # Which node publishes a raw topic is the robot's matter.
+            return "robot"
 
 
 def _channel(number: int, topic: str, offer: FoxgloveOffer) -> FoxgloveChannel:
@@ -171,9 +176,9 @@ def _channel(number: int, topic: str, offer: FoxgloveOffer) -> FoxgloveChannel:
     return FoxgloveChannel(
         id=number,
         topic=topic,
-        encoding="json",
+        encoding=schema.messages,
         schema_name=schema.name,
-        schema_encoding="jsonschema",
+        schema_encoding=schema.encoding,
         schema=schema.text,
     )
 

@@ -25,7 +25,14 @@ if TYPE_CHECKING:
     from talaia.hub.clients.foxglove.schemas import NamedSchema
     from talaia.model.site import Device, Signal, Site
 
-__all__ = ["FoxgloveOffer", "OfferedCamera", "OfferedService", "OfferedSignal", "make_offer"]
+__all__ = [
+    "FoxgloveOffer",
+    "OfferedCamera",
+    "OfferedService",
+    "OfferedSignal",
+    "OfferedTopic",
+    "make_offer",
+]
 
 # Beside a driven device's commands; no command can be called so, for ids hold no slash.
 STOP = "drive/stop"
@@ -55,6 +62,13 @@ class OfferedCamera(NamedTuple):
     schema: NamedSchema
 
 
+class OfferedTopic(NamedTuple):
+    """A channel with a raw topic of the robot, as it is serialized there."""
+
+    topic: str
+    schema: NamedSchema
+
+
 class OfferedService(NamedTuple):
     """A service that is a command of a device, or STOP when ``command`` is empty."""
 
@@ -71,6 +85,7 @@ class FoxgloveOffer:
     Attributes:
         signals: see above.
         cameras: see above.
+        topics: see above; what may be tapped is found out by `TappedChannels`.
         services: see above.
         driven: by topic: the device that listens to it.
         parameters: plain facts of the description.
@@ -79,24 +94,32 @@ class FoxgloveOffer:
 
     signals: dict[str, OfferedSignal] = field(default_factory=dict)
     cameras: dict[str, OfferedCamera] = field(default_factory=dict)
+    topics: dict[str, OfferedTopic] = field(default_factory=dict)
     services: dict[str, OfferedService] = field(default_factory=dict)
     driven: dict[str, str] = field(default_factory=dict)
     parameters: dict[str, str | float] = field(default_factory=dict)
 
     @property
-    def channels(self) -> Mapping[str, OfferedSignal | OfferedCamera]:
+    def channels(self) -> Mapping[str, OfferedSignal | OfferedCamera | OfferedTopic]:
         """All channels, by topic."""
-        return {**self.signals, **self.cameras}
+        return {**self.topics, **self.signals, **self.cameras}
 
 
-def make_offer(site: Site, grants: Grants) -> FoxgloveOffer:
-    """Offer an account what it may see and do at a site now."""
+def make_offer(
+    site: Site, grants: Grants, tapped: Mapping[str, NamedSchema] | None = None
+) -> FoxgloveOffer:
+    """Offer an account what it may see and do at a site now, and the raw topics it may tap."""
     offer = FoxgloveOffer()
     offer.parameters.update({"/site": site.site, "/name": site.name, "/zone": site.zone})
     for device_id in site.devices:
         if sees_device(grants, site, device_id):
             _offer_views(offer, site, grants, device=device_id)
             _offer_actions(offer, site, grants, device=device_id)
+    # Rights were looked at where they come from.
+    for topic, schema in (tapped or {}).items():
+        # A signal or camera of the same name keeps it.
+        taken = topic in offer.signals or topic in offer.cameras
+        offer.topics[f"/raw{topic}" if taken else topic] = OfferedTopic(topic, schema)
     return offer
 
 

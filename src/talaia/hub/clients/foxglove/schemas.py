@@ -39,10 +39,12 @@ _Json = dict[str, object]
 
 
 class NamedSchema(NamedTuple):
-    """A JSON schema (as text) and its name."""
+    """A schema, its name, in what it is written, and in what the messages of it are."""
 
     name: str
     text: str
+    encoding: str = "jsonschema"
+    messages: str = "json"
 
 
 def _made(name: str, properties: Mapping[str, object], **more: object) -> NamedSchema:

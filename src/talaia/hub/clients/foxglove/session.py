@@ -5,6 +5,7 @@ Long, because each message of the protocol, both ways, has its few lines here in
 
 from __future__ import annotations
 
+import asyncio
 import math
 from typing import TYPE_CHECKING
 
@@ -15,8 +16,10 @@ from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
 from talaia.hub.clients.foxglove.offer import FoxgloveOffer, OfferedSignal, make_offer
 from talaia.hub.clients.foxglove.schemas import encode_answer, encode_sample
+from talaia.hub.clients.foxglove.tapped_channels import TappedChannels
 from talaia.hub.clients.published_velocity import read_velocity
 from talaia.hub.clients.signal_subscriptions import SignalSubscriptions
+from talaia.hub.live.first_completed import until_first
 from talaia.wire.browser import (
     CommandUpdate,
     PageCommand,
@@ -43,7 +46,7 @@ from talaia.wire.foxglove.server_messages import (
     ServiceCallFailure,
 )
 from talaia.wire.frames import CommandPhase
-from talaia.wire.gateway_messages.field_types import Arguments
+from talaia.wire.gateway_messages.field_types import Arguments, Scalar
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -51,6 +54,8 @@ if TYPE_CHECKING:
     from talaia.hub.clients.client_connection import ClientConnection
     from talaia.hub.clients.foxglove.offer import OfferedService
     from talaia.hub.clients.signal_subscriptions import ClientSample
+    from talaia.hub.live.taps.tap_fanout import TapFanout
+    from talaia.hub.live.taps.tapped import TappedMessage
     from talaia.wire.browser import ToBrowser
     from talaia.wire.foxglove.server_messages import ServerMessage
 
@@ -78,14 +83,24 @@ _GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
 class FoxgloveSession:
     """See `ClientSession`."""
 
-    def __init__(self, socket: WebSocket, connection: ClientConnection) -> None:
-        """Speak over ``socket``, which is accepted, for ``connection``."""
+    def __init__(self, socket: WebSocket, connection: ClientConnection, *, taps: TapFanout) -> None:
+        """Speak over ``socket``, which is accepted; raw topics come from ``taps``."""
         self._socket = socket
-        # Asks the hub by the rights of the token.
         self._connection = connection
         self._site = connection.live.name
-        # Numbers of what this client was told of.
         self._things = AdvertisedThings()
+        self._tapped = TappedChannels(
+            taps,
+            self._site,
+            connection.who.grants,
+            changed=self._advertise,
+            deliver=self._deliver_topic,
+            warn=self.warn_person,
+        )
+        # By the robot's own name: the name of the channel.
+        self._channel_of: dict[str, str] = {}
+        # One offer is told whole before the next.
+        self._advertising = asyncio.Lock()
         self._subscriptions = SignalSubscriptions(self._site)
         # Of the offer of now, for samples come by address: the topic.
         self._topic_of: dict[str, str] = {}
@@ -115,6 +130,15 @@ class FoxgloveSession:
             )
         )
         await self._advertise()
+        try:
+            for result in await until_first(self._read(), self._tapped.serve()):
+                if isinstance(result, Exception):
+                    raise result
+        finally:
+            # Whatever ended it: a topic that nobody takes is to rest on the robot.
+            self._tapped.close()
+
+    async def _read(self) -> None:
         while True:
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
@@ -143,13 +167,13 @@ class FoxgloveSession:
             case said.FoxgloveCall():
                 await self._call(message)
             case said.FoxgloveGetParameters():
-                await self._send(self._parameters(message.parameter_names, message.id))
+                await self._send_parameters(message.parameter_names, message.id)
             case said.FoxgloveSetParameters():
                 await self._send_status(_WARNING, "parameters cannot be set here")
-                await self._send(self._parameters([], message.id))
+                await self._send_parameters([], message.id)
             case said.FoxgloveSubscribeParameters():
                 # They are of the description: whoever subscribes has the newest with this.
-                await self._send(self._parameters(message.parameter_names, None))
+                await self._send_parameters(message.parameter_names)
             case said.FoxgloveUnsubscribeParameters():
                 pass
             case said.FoxgloveSubscribeGraph():
@@ -169,6 +193,10 @@ class FoxgloveSession:
                 topics.append(self._things.subscribe_topic(one.id, one.channel_id))
             except ValueError as error:
                 await self._send_status(_WARNING, str(error))
+        for topic in topics:
+            offered = self._things.offer.topics.get(topic)
+            if offered is not None and (why := self._tapped.subscribe_topic(offered.topic)):
+                await self._send_status(_WARNING, why)
         for asked in self._subscriptions.add_addresses(self._things.addresses_of(topics)):
             problem = self._connection.request(asked)
             if problem is not None:
@@ -181,6 +209,9 @@ class FoxgloveSession:
     def _forget(self, topics: list[str]) -> None:
         for topic in topics:
             self._parts.pop(topic, None)
+            for raw, channel in self._channel_of.items():
+                if channel == topic:
+                    self._tapped.unsubscribe_topic(raw)
         addresses = [address for address, topic in self._topic_of.items() if topic in set(topics)]
         for asked in self._subscriptions.remove_addresses(addresses):
             self._connection.request(asked)
@@ -235,15 +266,12 @@ class FoxgloveSession:
         else:
             why = self._command(service, message)
         if why:
-            await self._fail(message.service_id, message.call_id, why)
+            await self._send(_failure(message.service_id, message.call_id, why))
 
     def _command(self, service: OfferedService, message: said.FoxgloveCall) -> str:
-        if message.encoding != "json":
-            return f"arguments are read as json, not as {message.encoding[:100]!r}"
-        try:
-            args = msgspec.json.decode(message.data or b"{}", type=Arguments)
-        except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
-            return f"not the arguments of a command: {str(error)[:200]}"
+        args = _arguments(message)
+        if isinstance(args, str):
+            return args
         number = new_token()
         # Before it is asked: its end may come at once.
         self._calls[number] = message.service_id, message.call_id
@@ -262,18 +290,6 @@ class FoxgloveSession:
         del self._calls[number]
         return problem.message
 
-    def _parameters(self, names: list[str], number: str | None) -> ParameterValues:
-        return ParameterValues(
-            parameters=[
-                FoxgloveParameter(
-                    name=name, type="float64" if isinstance(value, float) else None, value=value
-                )
-                for name, value in self._things.offer.parameters.items()
-                if not names or name in names
-            ],
-            id=number,
-        )
-
     # ── to the client ──
 
     async def deliver_message(self, message: ToBrowser) -> None:
@@ -288,11 +304,7 @@ class FoxgloveSession:
                 if message.phase not in _GOING_ON:
                     await self._end_call(message)
             case StopUpdate() if message.id in self._calls and message.latched:
-                service, call = self._calls.pop(message.id)
-                answer = encode_answer("succeeded", "STOP is on")
-                await self._socket.send_bytes(
-                    encode_service_response(service, call, "json", answer)
-                )
+                await self._send_answer(message.id, "STOP is on")
             case RequestError():
                 await self._send_status(_WARNING, message.message)
             case SessionEnded():
@@ -310,9 +322,13 @@ class FoxgloveSession:
 
     async def _advertise(self) -> None:
         """Tell what there is now, and what is not there any more."""
+        async with self._advertising:
+            await self._advertise_now()
+
+    async def _advertise_now(self) -> None:
         live, before = self._connection.live, self._things.offer
         self._edition = live.edition
-        offer = make_offer(live.description, self._connection.who.grants)
+        offer = make_offer(live.description, self._connection.who.grants, self._tapped.offered)
         change = self._things.update_offer(offer)
         # By the addresses of before.
         self._forget(change.gone)
@@ -321,10 +337,18 @@ class FoxgloveSession:
             for topic, offered in offer.signals.items()
             for address in offered.addresses
         }
+        self._channel_of = {offered.topic: name for name, offered in offer.topics.items()}
         for message in change.messages:
             await self._send(message)
         if self._wants_graph:
             await self._send(self._things.connection_graph(before))
+
+    async def _deliver_topic(self, message: TappedMessage) -> None:
+        channel = self._channel_of.get(message.topic, "")
+        subscription = self._things.subscription_of(channel)
+        if subscription is not None:
+            time_ns = message.log_us * 1000
+            await self._socket.send_bytes(encode_message_data(subscription, time_ns, message.data))
 
     async def _deliver_values(self, message: Values) -> None:
         # Parts of a position come one after the other with one time; they are one message.
@@ -355,16 +379,20 @@ class FoxgloveSession:
             await self._socket.send_bytes(encode_message_data(subscription, time_us * 1000, data))
 
     async def _end_call(self, message: CommandUpdate) -> None:
-        # Once: what comes of it later is told to pages.
-        service, call = self._calls.pop(message.id)
         if message.phase is CommandPhase.SUCCEEDED:
-            answer = encode_answer(message.phase.value, message.message)
-            await self._socket.send_bytes(encode_service_response(service, call, "json", answer))
+            await self._send_answer(message.id, message.message)
         else:
-            await self._fail(service, call, f"{message.phase.value}: {message.message}")
+            said_why = f"{message.phase.value}: {message.message}"
+            await self._send(_failure(*self._calls.pop(message.id), said_why))
 
-    async def _fail(self, service: int, call: int, why: str) -> None:
-        await self._send(ServiceCallFailure(service_id=service, call_id=call, message=why))
+    async def _send_answer(self, number: str, text: str) -> None:
+        # Once: what comes of it later is told to pages.
+        service, call = self._calls.pop(number)
+        answer = encode_answer(CommandPhase.SUCCEEDED.value, text)
+        await self._socket.send_bytes(encode_service_response(service, call, "json", answer))
+
+    async def _send_parameters(self, names: list[str], number: str | None = None) -> None:
+        await self._send(_parameters(self._things.offer, names, number))
 
     async def _send_status(self, level: int, text: str) -> None:
         await self._send(ServerStatus(level=level, message=text))
@@ -377,3 +405,34 @@ def _note_part(parts: dict[str, float | str], sample: ClientSample) -> None:
     part = sample.address.partition(".")[2]
     known = sample.text if sample.text is not None else sample.value
     parts[part] = known if isinstance(known, str) or math.isfinite(known) else math.nan
+
+
+def _arguments(message: said.FoxgloveCall) -> dict[str, Scalar] | str:
+    """Read the arguments of a command, or say what is wrong with them."""
+    # CDR would need a type that the robot's request has and our commands have not.
+    if message.encoding != "json":
+        return f"arguments are read as json, not as {message.encoding[:100]!r}"
+    try:
+        return msgspec.json.decode(message.data or b"{}", type=Arguments)
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        return f"not the arguments of a command: {str(error)[:200]}"
+
+
+def _parameters(offer: FoxgloveOffer, names: list[str], number: str | None) -> ParameterValues:
+    """Give the parameters of these names, or all."""
+    # A whole number and one with a point look the same in JSON, so the type is said.
+    return ParameterValues(
+        parameters=[
+            FoxgloveParameter(
+                name=name, type="float64" if isinstance(value, float) else None, value=value
+            )
+            for name, value in offer.parameters.items()
+            if not names or name in names
+        ],
+        id=number,
+    )
+
+
+def _failure(service: int, call: int, why: str) -> ServiceCallFailure:
+    # Clients show the reason beside the call.
+    return ServiceCallFailure(service_id=service, call_id=call, message=why)

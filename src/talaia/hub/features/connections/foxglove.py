@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from talaia.hub.clients.catalog import FOXGLOVE
@@ -11,6 +12,7 @@ from talaia.wire.foxglove.codec import SUBPROTOCOLS
 
 if TYPE_CHECKING:
     from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
+    from talaia.hub.features.feature import Core
 
 __all__ = ["FoxgloveFeature"]
 
@@ -20,8 +22,9 @@ class FoxgloveFeature(Feature):
 
     name = "foxglove"
 
-    def __init__(self, *, clients: ClientProtocolsFeature) -> None:
+    def __init__(self, core: Core, *, clients: ClientProtocolsFeature) -> None:
         """Let clients in by what ``clients`` knows."""
+        begin = partial(FoxgloveSession, taps=core.taps)
         # Both names of the protocol carry the same messages.
-        sockets = clients.serve_sockets(FOXGLOVE, begin=FoxgloveSession, subprotocols=SUBPROTOCOLS)
+        sockets = clients.serve_sockets(FOXGLOVE, begin=begin, subprotocols=SUBPROTOCOLS)
         self.sockets = [sockets.router()]

@@ -1,0 +1,109 @@
+/** One client protocol: open or shut, where it is served, the origins that are let in. */
+
+import { consume } from "@lit/context";
+import { html, LitElement, nothing, type TemplateResult } from "lit";
+import { customElement, property } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
+import { ActionController } from "../../controllers/action.js";
+import { OpenSubject } from "../../controllers/open-subject.js";
+import { base } from "../../elements/base/base-style.js";
+import { renderFormActions } from "../../elements/forms/form-parts.js";
+import { sheets } from "../../elements/layout/page-sections.js";
+import { formText, submittedForm } from "../../format/form-values.js";
+import { apiContext } from "../../state/contexts.js";
+import type { ClientProtocolShape } from "../../generated/api.js";
+import { AdminApi } from "../../wire/admin-api.js";
+import type { HubApi } from "../../wire/hub-api.js";
+import { renderAdvice } from "../../elements/feedback/load-state.js";
+import { clientAddress } from "./client-address.js";
+import "../../elements/feedback/status.js";
+import "../../elements/forms/button.js";
+import "../../elements/forms/copy-text.js";
+import "../../elements/forms/field.js";
+
+/** @fires t-changed it was opened, shut or changed: the list is old */
+@customElement("t-client-protocol")
+export class ClientProtocol extends LitElement {
+  static override styles = [base, sheets];
+
+  @property({ attribute: false }) row: ClientProtocolShape | null = null;
+  @property({ attribute: false }) sites: readonly string[] = [];
+
+  @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly action = new ActionController(this);
+  private readonly form = new OpenSubject<"origins">(this);
+
+  override render(): TemplateResult | typeof nothing {
+    const { row } = this;
+    if (row === null) return nothing;
+    return html`<div class="head">
+        <div>
+          <h2>${row.title}</h2>
+          <span class="muted">${row.tools}</span>
+        </div>
+        <t-status kind=${row.open ? "online" : "offline"} word=${row.open ? connectedWords(row.connected) : "shut"}></t-status>
+      </div>
+      ${row.open ? this.renderAddresses(row) : nothing}
+      <div class="facts">
+        <span>${row.origins.length === 0 ? "No web page is let in; programs are." : `Web pages of ${row.origins.join(", ")} are let in.`}</span>
+        ${row.changed_by === "" ? nothing : html`<span>last set by ${row.changed_by}</span>`}
+      </div>
+      ${this.form.isOpen ? this.renderOrigins(row) : this.renderActions(row)} ${renderAdvice(this.action.problem)}`;
+  }
+
+  private renderAddresses(row: ClientProtocolShape): TemplateResult {
+    return html`${map(
+        this.sites,
+        (site) => html`<t-copy label=${`Address for ${site}`} .text=${clientAddress(row, site, window.location.origin)}></t-copy>`,
+      )}
+      <p class="muted">Each person makes a token of their own under Account and puts it in the place of TOKEN.</p>`;
+  }
+
+  private renderActions(row: ClientProtocolShape): TemplateResult {
+    const toggle = (): void => {
+      void this.save(row, !row.open, row.origins);
+    };
+    return html`<div class="actions">
+      <t-button kind=${row.open ? "plain" : "primary"} label=${`${row.open ? "Shut" : "Open"} ${row.title}`} ?busy=${this.action.busy} @click=${toggle}
+        >${row.open ? "Shut it" : "Open it"}</t-button
+      >
+      <t-button label=${`Web pages that may use ${row.title}`} @click=${this.form.opener("origins")}>Web pages…</t-button>
+    </div>`;
+  }
+
+  private renderOrigins(row: ClientProtocolShape): TemplateResult {
+    return html`<form class="fields" novalidate @submit=${this.onSubmit}>
+      <t-field label="Origins of web pages that are let in" hint="One a line, like https://app.foxglove.dev; empty: none">
+        <textarea name="origins" rows="4" spellcheck="false" maxlength="10000" .value=${row.origins.join("\n")}></textarea>
+      </t-field>
+      ${renderFormActions({ submit: "Save", busy: this.action.busy, cancel: this.form.close })}
+    </form>`;
+  }
+
+  private readonly onSubmit = (event: Event): void => {
+    const data = submittedForm(event);
+    if (data === undefined || this.row === null) return;
+    const origins = formText(data, "origins").split(/\s+/).filter((origin) => origin !== "");
+    void this.save(this.row, this.row.open, origins).then((done) => {
+      if (done) this.form.close();
+    });
+  };
+
+  private async save(row: ClientProtocolShape, open: boolean, origins: readonly string[]): Promise<boolean> {
+    const asked = row.open === open ? "save the origins" : open ? "open it" : "shut it";
+    const done = await this.action.run(asked, () => new AdminApi(this.api).setClientProtocol(row.protocol, open, origins));
+    this.dispatchEvent(new CustomEvent("t-changed"));
+    return done;
+  }
+}
+
+function connectedWords(connected: number): string {
+  if (connected === 0) return "open, nobody is connected";
+  return connected === 1 ? "open, 1 client is connected" : `open, ${String(connected)} clients are connected`;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    "t-client-protocol": ClientProtocol;
+  }
+}
