@@ -13,6 +13,7 @@ from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
 from talaia.hub.features.connections.foxglove import FoxgloveFeature
+from talaia.hub.features.connections.metrics import MetricsFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
@@ -150,6 +151,9 @@ class Hub:
             core, people=self.people, service=service, audit=log
         )
         self.foxglove = FoxgloveFeature(core, clients=self.client_protocols)
+        self.metrics = MetricsFeature(
+            core, clients=self.client_protocols, alarms=self.alarms.engine
+        )
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
             core,

@@ -195,6 +195,10 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/api/tiles"): AccessNeed.SESSION,
         ("GET", "/extensions/{tile}/{path:path}"): AccessNeed.SESSION,
     },
+    "metrics": {
+        # Its own token is asked for by the route, and the right `metrics`; cookies do not count.
+        ("GET", "/metrics"): AccessNeed.OPEN,
+    },
     "client_protocols": {
         ("GET", "/api/client-protocols"): AccessNeed.ADMIN,
         ("PUT", "/api/client-protocols/{protocol}"): AccessNeed.ADMIN,

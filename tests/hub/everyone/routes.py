@@ -375,6 +375,8 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
         json={"text": "talaia: 1", "site": {}}
     ),
     ("GET", "/api/description-schema"): Recipe(plain()),
+    # Shut until an admin opens it, for everybody; see `test_metrics_route`.
+    ("GET", "/metrics"): Recipe(plain(done=(403,))),
     ("GET", "/api/client-protocols"): Recipe(plain()),
     ("PUT", "/api/client-protocols/{protocol}"): Recipe(
         plain(params={"protocol": "foxglove"}, json={"open": False}, done=(204,))

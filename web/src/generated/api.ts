@@ -1404,6 +1404,7 @@ export type Right =
   | "view"
   | "use"
   | "tap"
+  | "metrics"
   | "admin";
 
 /** How bad it is, the least first. */

@@ -1,4 +1,4 @@
-/** What a role or a person may do: one level for each site and device, and beside it raw topics. Pure. */
+/** What a role or a person may do: one level for each site and device, and rights beside it. Pure. */
 
 import type { PermissionShape, Right } from "../generated/api.js";
 
@@ -8,6 +8,13 @@ export const ANY = "*";
 /** Each includes the ones before it. */
 export const LEVELS = ["none", "view", "use", "admin"] as const;
 export type AccessLevel = (typeof LEVELS)[number];
+
+/** Rights that stand beside the levels: each is had by itself, or as a part of `admin`. */
+export const EXTRA_RIGHTS = ["tap", "metrics"] as const satisfies readonly Right[];
+export type ExtraRight = (typeof EXTRA_RIGHTS)[number];
+
+/** What each of them opens, for people. */
+export const EXTRA_RIGHT_NAMES: Readonly<Record<ExtraRight, string>> = { tap: "raw topics", metrics: "metrics" };
 
 /** A place that a right can be given for. */
 export interface AccessPlace {
@@ -36,9 +43,18 @@ export function ownLevel(permissions: readonly PermissionShape[], place: AccessP
     .reduce<AccessLevel>((level, { right }) => higherLevel(level, levelOf(right)), "none");
 }
 
-/** The level that a right gives; the one to raw topics stands beside all levels. */
+function isExtra(right: Right): right is ExtraRight {
+  return (EXTRA_RIGHTS as readonly Right[]).includes(right);
+}
+
+/** The level that a right gives; some stand beside all levels. */
 function levelOf(right: Right): AccessLevel {
-  return right === "tap" ? "none" : right;
+  return isExtra(right) ? "none" : right;
+}
+
+/** Which of the rights beside the levels can be given for a place: figures are a whole site's. */
+export function extraRightsOf(place: AccessPlace): readonly ExtraRight[] {
+  return EXTRA_RIGHTS.filter((right) => right !== "metrics" || place.device === ANY);
 }
 
 function reaches(permission: PermissionShape, place: AccessPlace): boolean {
@@ -64,43 +80,53 @@ export function inheritedLevel(permissions: readonly PermissionShape[], place: A
     .reduce<AccessLevel>((level, { right }) => higherLevel(level, levelOf(right)), "none");
 }
 
-/** Whether raw topics were opened for this very place, whatever wider places give. */
-export function givesTap(permissions: readonly PermissionShape[], place: AccessPlace): boolean {
-  return permissions.some((permission) => permission.right === "tap" && isAt(permission, place));
+/** Whether a right beside the levels was given for this very place, whatever wider places give. */
+export function givesExtra(permissions: readonly PermissionShape[], place: AccessPlace, right: ExtraRight): boolean {
+  return permissions.some((permission) => permission.right === right && isAt(permission, place));
 }
 
-/** Whether raw topics are open at a place without `givesTap`: by a wider place, or as a part of `admin`. */
-export function inheritsTap(permissions: readonly PermissionShape[], place: AccessPlace): boolean {
+/** Whether it holds at a place without `givesExtra`: by a wider place, or as a part of `admin`. */
+export function inheritsExtra(permissions: readonly PermissionShape[], place: AccessPlace, right: ExtraRight): boolean {
   return permissions.some(
     (permission) =>
       (permission.right === "admin" && reaches(permission, place)) ||
-      (permission.right === "tap" && !isAt(permission, place) && reaches(permission, place)),
+      (permission.right === right && !isAt(permission, place) && reaches(permission, place)),
   );
 }
 
-/** The permissions after raw topics were opened for a place, or shut. */
-export function withTap(permissions: readonly PermissionShape[], place: AccessPlace, open: boolean): readonly PermissionShape[] {
-  const rest = permissions.filter((permission) => permission.right !== "tap" || !isAt(permission, place));
-  return open ? [...rest, { right: "tap", site: place.site, device: place.device }] : rest;
+/** The permissions after such a right was given for a place, or taken. */
+export function withExtra(
+  permissions: readonly PermissionShape[],
+  place: AccessPlace,
+  right: ExtraRight,
+  given: boolean,
+): readonly PermissionShape[] {
+  const rest = permissions.filter((permission) => permission.right !== right || !isAt(permission, place));
+  return given ? [...rest, { right, site: place.site, device: place.device }] : rest;
 }
 
 /** What holds at a place, in words. */
 export function accessText(permissions: readonly PermissionShape[], place: AccessPlace): string {
   const level = levelAt(permissions, place);
-  if (level === "admin" || !(givesTap(permissions, place) || inheritsTap(permissions, place))) return level;
-  return level === "none" ? "tap" : `${level}, tap`;
+  if (level === "admin") return level;
+  const extras = extraRightsOf(place).filter(
+    (right) => givesExtra(permissions, place, right) || inheritsExtra(permissions, place, right),
+  );
+  return level === "none" && extras.length > 0 ? extras.join(", ") : [level, ...extras].join(", ");
 }
 
-/** The permissions after one place was given another level. One permission for a place says it all, but for raw topics. */
+/** The permissions after one place was given another level; the rights beside it stay. */
 export function withLevel(permissions: readonly PermissionShape[], place: AccessPlace, level: AccessLevel): readonly PermissionShape[] {
-  const rest = permissions.filter((permission) => permission.right === "tap" || !isAt(permission, place));
+  const rest = permissions.filter((permission) => isExtra(permission.right) || !isAt(permission, place));
   return level === "none" ? rest : [...rest, { right: level, site: place.site, device: place.device }];
 }
 
 /** Whether two lists give the same, in whatever order. */
 export function samePermissions(a: readonly PermissionShape[], b: readonly PermissionShape[]): boolean {
   const places = [...a, ...b];
-  return places.every((place) => ownLevel(a, place) === ownLevel(b, place) && givesTap(a, place) === givesTap(b, place));
+  return places.every(
+    (place) => ownLevel(a, place) === ownLevel(b, place) && EXTRA_RIGHTS.every((right) => givesExtra(a, place, right) === givesExtra(b, place, right)),
+  );
 }
 
 /** Whether somebody may use a device; without one, the whole site. The hub checks it once more. */

@@ -2,9 +2,9 @@ import { describe, expect, test } from "vitest";
 import {
   ANY,
   EVERYWHERE,
-  givesTap,
+  givesExtra,
   inheritedLevel,
-  inheritsTap,
+  inheritsExtra,
   levelAt,
   mayUse,
   ownLevel,
@@ -50,9 +50,9 @@ describe("raw topics", () => {
   test("stand beside all levels, and come with admin or from a wider place", () => {
     const given = [give("tap", "agv"), give("view", "agv", "base"), give("admin", "dome")];
     expect(levelAt(given, agv)).toBe("none");
-    expect([givesTap(given, agv), inheritsTap(given, agv)]).toEqual([true, false]);
-    expect([givesTap(given, base), inheritsTap(given, base)]).toEqual([false, true]);
-    expect(inheritsTap(given, { site: "dome", device: "roof" })).toBe(true);
+    expect([givesExtra(given, agv, "tap"), inheritsExtra(given, agv, "tap")]).toEqual([true, false]);
+    expect([givesExtra(given, base, "tap"), inheritsExtra(given, base, "tap")]).toEqual([false, true]);
+    expect(inheritsExtra(given, { site: "dome", device: "roof" }, "tap")).toBe(true);
     expect(samePermissions(given, given.slice(1))).toBe(false);
   });
 });

@@ -35,12 +35,14 @@ ANY = "*"  # stands for every site, or every device of a site
 class Right(StrEnum):
     """What a permission allows: ``use`` includes ``view``, and ``admin`` includes all others.
 
-    ``tap`` stands beside: who has it may have the robot's raw topics, and nothing else by it.
+    ``tap`` and ``metrics`` stand beside: who has the one may have the robot's raw topics, who has
+    the other may read figures for monitoring, and nothing else by it.
     """
 
     VIEW = "view"
     USE = "use"
     TAP = "tap"
+    METRICS = "metrics"
     ADMIN = "admin"
 
 
@@ -49,6 +51,7 @@ _INCLUDES = {
     Right.VIEW: frozenset({Right.VIEW}),
     Right.USE: frozenset({Right.VIEW, Right.USE}),
     Right.TAP: frozenset({Right.TAP}),
+    Right.METRICS: frozenset({Right.METRICS}),
     Right.ADMIN: frozenset(Right),
 }
 # Having which rights a right is given.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["CLIENT_PROTOCOLS", "FOXGLOVE", "ClientProtocolInfo"]
+__all__ = ["CLIENT_PROTOCOLS", "FOXGLOVE", "METRICS", "ClientProtocolInfo"]
 
 
 class ClientProtocolInfo(NamedTuple):
@@ -28,6 +28,7 @@ class ClientProtocolInfo(NamedTuple):
 
 
 FOXGLOVE = "foxglove"
+METRICS = "metrics"
 
 # By the short name, which stands in addresses, in the database and in the audit log.
 CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
@@ -36,5 +37,8 @@ CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
         "/clients/foxglove/{site}",
         socket=True,
         tools="Foxglove, Lichtblick, PlotJuggler",
+    ),
+    METRICS: ClientProtocolInfo(
+        "Prometheus metrics", "/metrics?site={site}", socket=False, tools="Prometheus, Grafana"
     ),
 }

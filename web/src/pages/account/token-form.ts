@@ -3,6 +3,7 @@
 import { consume } from "@lit/context";
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property, query, state } from "lit/decorators.js";
+import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { LoadController } from "../../controllers/load.js";
 import { base } from "../../elements/base/base-style.js";
@@ -13,7 +14,19 @@ import { sheets } from "../../elements/layout/page-sections.js";
 import { knownZone } from "../../format/time.js";
 import { DAY_US, ZoneClock } from "../../series/zone-clock.js";
 import { apiContext } from "../../state/contexts.js";
-import { inheritedLevel, LEVELS, ownLevel, levelRank, withLevel, type AccessLevel } from "../../state/rights.js";
+import {
+  EXTRA_RIGHT_NAMES,
+  givesExtra,
+  inheritedLevel,
+  inheritsExtra,
+  LEVELS,
+  levelRank,
+  ownLevel,
+  withExtra,
+  withLevel,
+  type AccessLevel,
+  type ExtraRight,
+} from "../../state/rights.js";
 import type { DeviceSummary, Me, PermissionShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { scopesOf, type TokenScope } from "./token-scopes.js";
@@ -149,9 +162,27 @@ export class TokenForm extends LitElement {
       this.setLevel(scope, level === from ? "none" : level);
     };
     return html`<label class=${`d${String(scope.depth)}`}
-      ><span>${scope.name}</span
-      ><select @change=${onLevelChange}>${renderOptions(choices, shown)}</select></label
-    >`;
+        ><span>${scope.name}</span
+        ><select @change=${onLevelChange}>${renderOptions(choices, shown)}</select></label
+      >
+      ${map(scope.extras, (right) => this.renderExtra(scope, right))}`;
+  }
+
+  private renderExtra(scope: TokenScope, right: ExtraRight): TemplateResult {
+    const inherited = inheritsExtra(this.permissions, scope, right);
+    const onChange = (event: Event): void => {
+      if (!(event.target instanceof HTMLInputElement)) return;
+      this.permissions = withExtra(this.permissions, scope, right, event.target.checked);
+      this.errors = { ...this.errors, rights: "" };
+    };
+    return html`<label class=${`d${String(scope.depth)}`}
+      ><span>${scope.name}: ${EXTRA_RIGHT_NAMES[right]}</span
+      ><input
+        type="checkbox"
+        .checked=${inherited || givesExtra(this.permissions, scope, right)}
+        ?disabled=${inherited}
+        @change=${onChange}
+    /></label>`;
   }
 
   private setLevel(scope: TokenScope, level: AccessLevel): void {

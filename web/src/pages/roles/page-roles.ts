@@ -14,8 +14,8 @@ import { apiContext } from "../../state/contexts.js";
 import type { DeviceSummary, RoleShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { changesOf, draftsOf, withLevelEdited, withTapEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
-import type { CellEdit, TapEdit } from "./role-matrix.js";
+import { changesOf, draftsOf, withLevelEdited, withExtraEdited, isChanged, matrixLines, updatedDrafts, type RoleChange, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
+import type { CellEdit, ExtraEdit } from "./role-matrix.js";
 import { renderAdvice, renderLoaded } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../admin-tabs.js";
@@ -111,14 +111,14 @@ export class PageRoles extends LitElement {
         .drafts=${this.drafts}
         ?busy=${this.action.busy}
         @t-edit=${this.onCellEdit}
-        @t-tap=${this.onTapEdit}
+        @t-extra=${this.onExtraEdit}
         @t-role=${this.openRole}
       ></t-role-matrix>
       <p class="legend">
         <strong>view</strong> sees values, pictures and history, and may STOP. <strong>use</strong> drives and commands
         besides. <strong>admin</strong> manages besides. <strong>–</strong> sees what is public only.
-        <strong>tap</strong> has the robot’s raw topics, whatever else it may. A dashed cell has its right from a line
-        above it.
+        <strong>tap</strong> has the robot’s raw topics, <strong>metrics</strong> lets Prometheus read figures of the
+        signals that it sees, whatever else it may. A dashed cell has its right from a line above it.
       </p>`;
   }
 
@@ -150,10 +150,10 @@ export class PageRoles extends LitElement {
     this.drafts = withLevelEdited(this.drafts, role, line, level);
   };
 
-  private readonly onTapEdit = (event: CustomEvent<TapEdit>): void => {
-    const { role, line, open } = event.detail;
+  private readonly onExtraEdit = (event: CustomEvent<ExtraEdit>): void => {
+    const { role, line, right, given } = event.detail;
     this.action.clear();
-    this.drafts = withTapEdited(this.drafts, role, line, open);
+    this.drafts = withExtraEdited(this.drafts, role, line, { right, given });
   };
 
   private readonly discardChanges = (): void => {

@@ -4,17 +4,20 @@ import {
   accessText,
   ANY,
   EVERYWHERE,
-  givesTap,
+  EXTRA_RIGHTS,
+  extraRightsOf,
+  givesExtra,
   inheritedLevel,
-  inheritsTap,
+  inheritsExtra,
   levelAt,
   ownLevel,
   placeKey,
   samePermissions,
+  withExtra,
   withLevel,
-  withTap,
   type AccessLevel,
   type AccessPlace,
+  type ExtraRight,
 } from "../../state/rights.js";
 import type { DeviceSummary, PermissionShape, RoleShape } from "../../generated/api.js";
 
@@ -33,9 +36,16 @@ export interface MatrixCell {
   readonly inherited: AccessLevel;
   /** What holds. */
   readonly level: AccessLevel;
-  /** Raw topics are open: by a mark for this very place, or by what holds anyway. */
-  readonly tap: boolean;
-  readonly tapInherited: boolean;
+  /** Those that can be given beside the level. */
+  readonly extras: readonly ExtraCell[];
+}
+
+export interface ExtraCell {
+  readonly right: ExtraRight;
+  /** It was given for this very place. */
+  readonly own: boolean;
+  /** It holds anyway. */
+  readonly inherited: boolean;
 }
 
 /** A role as it is being edited. */
@@ -80,8 +90,11 @@ export function cellOf(permissions: readonly PermissionShape[], place: AccessPla
     own: ownLevel(permissions, place),
     inherited: inheritedLevel(permissions, place),
     level: levelAt(permissions, place),
-    tap: givesTap(permissions, place),
-    tapInherited: inheritsTap(permissions, place),
+    extras: extraRightsOf(place).map((right) => ({
+      right,
+      own: givesExtra(permissions, place, right),
+      inherited: inheritsExtra(permissions, place, right),
+    })),
   };
 }
 
@@ -106,10 +119,17 @@ export function withLevelEdited(drafts: readonly RoleDraft[], role: string, plac
   });
 }
 
-/** Opens raw topics at a place, or shuts them there. */
-export function withTapEdited(drafts: readonly RoleDraft[], role: string, place: AccessPlace, open: boolean): readonly RoleDraft[] {
+/** Gives a right beside the level at a place, or takes it there. */
+export function withExtraEdited(
+  drafts: readonly RoleDraft[],
+  role: string,
+  place: AccessPlace,
+  extra: { readonly right: ExtraRight; readonly given: boolean },
+): readonly RoleDraft[] {
   return drafts.map((draft) =>
-    draft.role.id !== role || isFixed(draft.role) ? draft : { ...draft, permissions: withTap(draft.permissions, place, open) },
+    draft.role.id !== role || isFixed(draft.role)
+      ? draft
+      : { ...draft, permissions: withExtra(draft.permissions, place, extra.right, extra.given) },
   );
 }
 
@@ -117,14 +137,14 @@ export function isChanged(draft: RoleDraft): boolean {
   return !samePermissions(draft.permissions, draft.role.permissions);
 }
 
-/** Every place whose own level or raw topics were changed, in the order of the matrix. */
+/** Every place whose own rights were changed, in the order of the matrix. */
 export function changesOf(drafts: readonly RoleDraft[], lines: readonly MatrixLine[]): readonly RoleChange[] {
   return drafts.flatMap(({ role, permissions }) =>
     lines
       .filter(
         (line) =>
           ownLevel(permissions, line) !== ownLevel(role.permissions, line) ||
-          givesTap(permissions, line) !== givesTap(role.permissions, line),
+          EXTRA_RIGHTS.some((right) => givesExtra(permissions, line, right) !== givesExtra(role.permissions, line, right)),
       )
       .map((line) => ({
         role: role.name,

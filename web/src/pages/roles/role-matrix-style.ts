@@ -93,7 +93,7 @@ export const matrixStyle = css`
     text-align: center;
     text-align-last: center;
   }
-  .tap {
+  .extra {
     display: inline-flex;
     align-items: center;
     gap: var(--t-space-1);
@@ -103,7 +103,7 @@ export const matrixStyle = css`
     color: var(--t-muted);
     font-size: var(--t-size-s);
   }
-  .tap:has(:checked) {
+  .extra:has(:checked) {
     color: var(--t-text);
   }
   select.cell {

@@ -5,9 +5,8 @@ import { customElement, property, state } from "lit/decorators.js";
 import { map } from "lit/directives/map.js";
 import { repeat } from "lit/directives/repeat.js";
 import { base } from "../../elements/base/base-style.js";
-import { LEVELS, levelRank, type AccessLevel } from "../../state/rights.js";
-import type { PermissionShape } from "../../generated/api.js";
-import { cellOf, isFixed, lineKey, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
+import { EXTRA_RIGHT_NAMES, LEVELS, levelRank, type AccessLevel, type ExtraRight } from "../../state/rights.js";
+import { cellOf, isFixed, lineKey, type ExtraCell, type RoleDraft, type MatrixLine } from "./permission-matrix.js";
 import { matrixStyle } from "./role-matrix-style.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -18,15 +17,16 @@ export interface CellEdit {
   readonly level: AccessLevel;
 }
 
-export interface TapEdit {
+export interface ExtraEdit {
   readonly role: string;
   readonly line: MatrixLine;
-  readonly open: boolean;
+  readonly right: ExtraRight;
+  readonly given: boolean;
 }
 
 /**
  * @fires t-edit detail is the cell and its new level
- * @fires t-tap detail is the cell, and whether raw topics are open there from now on
+ * @fires t-extra detail is the cell, and whether a right beside the levels holds there from now on
  * @fires t-role detail is the id of the role whose name or being is to be changed
  */
 @customElement("t-role-matrix")
@@ -97,7 +97,7 @@ export class RoleMatrix extends LitElement {
   }
 
   private renderCell({ role, permissions }: RoleDraft, line: MatrixLine): TemplateResult {
-    const { level, own, inherited } = cellOf(permissions, line);
+    const { level, own, inherited, extras } = cellOf(permissions, line);
     const before = cellOf(role.permissions, line);
     const changed = own !== before.own;
     const classes = ["cell", level, own === "none" && level !== "none" ? "from" : "", changed ? "changed" : ""].join(" ");
@@ -126,18 +126,18 @@ export class RoleMatrix extends LitElement {
         (candidate) => html`<option value=${candidate} .selected=${candidate === level}>${candidate === "none" ? "–" : candidate}</option>`,
       )}
     </select>
-    ${this.renderTap(role.id, line, permissions, before.tap)}`;
+    ${map(extras, (extra, at) => this.renderExtra(role.id, line, extra, before.extras[at]?.own === extra.own))}`;
   }
 
-  private renderTap(role: string, line: MatrixLine, permissions: readonly PermissionShape[], before: boolean): TemplateResult {
-    const { tap, tapInherited } = cellOf(permissions, line);
+  private renderExtra(role: string, line: MatrixLine, { right, own, inherited }: ExtraCell, same: boolean): TemplateResult {
     const edit = (event: Event): void => {
       if (!(event.target instanceof HTMLInputElement)) return;
-      this.dispatchEvent(new CustomEvent<TapEdit>("t-tap", { detail: { role, line, open: event.target.checked } }));
+      const detail = { role, line, right, given: event.target.checked };
+      this.dispatchEvent(new CustomEvent<ExtraEdit>("t-extra", { detail }));
     };
-    return html`<label class=${tap === before ? "tap" : "tap changed"} title=${tapInherited ? "Given by admin or a line above" : ""}>
-      <input type="checkbox" .checked=${tap || tapInherited} ?disabled=${this.busy || tapInherited} @change=${edit} />
-      <span>tap<span class="visually-hidden"> raw topics of ${line.name}</span></span>
+    return html`<label class=${same ? "extra" : "extra changed"} title=${inherited ? "Given by admin or a line above" : ""}>
+      <input type="checkbox" .checked=${own || inherited} ?disabled=${this.busy || inherited} @change=${edit} />
+      <span>${right}<span class="visually-hidden"> ${EXTRA_RIGHT_NAMES[right]} of ${line.name}</span></span>
     </label>`;
   }
 
@@ -152,7 +152,7 @@ declare global {
   }
   interface GlobalEventHandlersEventMap {
     "t-edit": CustomEvent<CellEdit>;
-    "t-tap": CustomEvent<TapEdit>;
+    "t-extra": CustomEvent<ExtraEdit>;
     "t-role": CustomEvent<string>;
   }
 }

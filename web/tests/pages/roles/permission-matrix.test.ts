@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { changesOf, cellOf, draftsOf, withLevelEdited, withTapEdited, isChanged, matrixLines, updatedDrafts } from "../../../src/pages/roles/permission-matrix.js";
+import { changesOf, cellOf, draftsOf, withLevelEdited, withExtraEdited, isChanged, matrixLines, updatedDrafts } from "../../../src/pages/roles/permission-matrix.js";
 import { ANY, EVERYWHERE } from "../../../src/state/rights.js";
 import type { DeviceSummary, PermissionShape, RoleShape } from "../../../src/generated/api.js";
 
@@ -43,13 +43,13 @@ describe("a cell", () => {
 
   test("opens raw topics beside its level, and keeps them when the level changes", () => {
     const crew = role("crew", [{ right: "view", ...base }]);
-    const opened = withTapEdited(draftsOf([crew]), "crew", base, true);
+    const opened = withExtraEdited(draftsOf([crew]), "crew", base, { right: "tap", given: true });
     const [draft] = withLevelEdited(opened, "crew", base, "use");
     expect(draft?.permissions).toEqual([{ right: "tap", ...base }, { right: "use", ...base }]);
     expect(changesOf(opened, matrixLines(DEVICES, []))).toEqual([
       { role: "crew", place: "Site agv, Device base", before: "view", after: "view, tap" },
     ]);
-    expect(withTapEdited(opened, "crew", base, false)[0]?.permissions).toEqual(crew.permissions);
+    expect(withExtraEdited(opened, "crew", base, { right: "tap", given: false })[0]?.permissions).toEqual(crew.permissions);
   });
 
   test("of the role that can do everything cannot be changed", () => {
