@@ -17,6 +17,7 @@ from talaia.model.discovery.probe_report import (
 from talaia.model.discovery.proposed_signals import MAX_PRIMARY
 from talaia.model.discovery.ros_units import readable_name, unit_in_comment, unit_in_name, word_of
 from talaia.model.site import Signal, SignalType
+from talaia.model.topics import TopicRight
 from talaia.model.units.unit import UNITS
 from talaia.model.yaml_text.load import load_site
 from talaia.model.yaml_text.write import write_description
@@ -47,6 +48,18 @@ IMAGE = TopicFound(
 def found(*topics: TopicFound, **more: object) -> Found:
     base = Found(talaia_probe=1, protocol="ros2", where="here", seconds=1.0, domain=0)
     return msgspec.structs.replace(base, topics=topics, **more)
+
+
+def test_transforms_scans_maps_paths_clouds_and_diagnostics_are_open_to_those_who_view() -> None:
+    kinds = ("nav_msgs/msg/Path", "sensor_msgs/msg/LaserScan", "std_msgs/msg/String")
+    topics = [TopicFound(topic=f"/t{n}", type=kind) for n, kind in enumerate(kinds)]
+    site = propose_description(found(*topics), "robot", "Robot", "UTC").site
+    patterns = [rule.pattern for rule in site.topics]
+    assert patterns == ["/tf", "/tf_static", "/diagnostics", "/t0", "/t1"]
+    assert {rule.right for rule in site.topics} == {TopicRight.VIEW}
+    assert load_site(write_description(site)) == site
+    other = propose_description(found(*topics, protocol="ros1"), "robot", "Robot", "UTC").site
+    assert other.topics == ()
 
 
 def signals(*topics: TopicFound) -> dict[str, Signal]:

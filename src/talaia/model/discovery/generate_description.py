@@ -16,6 +16,7 @@ import msgspec
 from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import IndiConnection, Ros1Connection, RosSource
 from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
+from talaia.model.discovery.opened_topics import topics_to_open
 from talaia.model.discovery.proposed_signals import MOTION_FIELDS, ProposedSignals
 from talaia.model.discovery.role_proposal import with_roles
 from talaia.model.discovery.ros_units import readable_name, word_of
@@ -102,6 +103,7 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Propos
                 **_devices_described(found),
             }.items()
         },
+        topics=topics_to_open(found),
     )
     left_out = [*proposed_devices.left_out, *_drivers_away(found)]
     for _ in range(MAX_ROUNDS):
