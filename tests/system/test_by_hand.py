@@ -70,6 +70,8 @@ interlocks:
 STOPPED_NS = 500_000_000
 RESTS_NS = 300_000_000
 DARK = Weather(dark=frozenset(Way))
+# How a driving frame of the hub begins: its tag, as MessagePack has it.
+DRIVING_FRAME = b"\xa5drive"
 
 
 class Plugged(Stack):
@@ -401,6 +403,28 @@ def test_the_hub_is_killed_while_driving_and_the_page_says_so_and_recovers(
     page.keyboard.up("w")
     stands(plugged, page, at)
     picture(page, "by-hand-hub-back")
+
+
+def test_a_page_that_loses_its_network_stops_the_vehicle(plugged: Plugged, page: Page) -> None:
+    cable = plugged.cable
+    cable.looked_for[Way.DOWN] = DRIVING_FRAME
+    take(page)
+    at = time.monotonic_ns()
+    page.keyboard.down("w")
+    drives(plugged, page, at)
+    assert cable.seen_ns[Way.DOWN] > at
+    session = page.context.new_cdp_session(page)
+    frozen: list[object] = []
+    session.on("Debugger.paused", lambda event: frozen.append(event))
+    # The page itself freezes: no frame, no goodbye; only the gateway's watchdog is left.
+    session.send("Debugger.enable")
+    session.send("Debugger.pause")
+    until(lambda: frozen, page, what="the page did not freeze")
+    stopped = stands(plugged, page, at)
+    # From the last frame at the gateway's door: to freeze, the page takes its time.
+    assert stopped - cable.seen_ns[Way.DOWN] < STOPPED_NS
+    session.send("Debugger.resume")
+    page.keyboard.up("w")
 
 
 def test_the_network_stops_while_values_are_logged_and_none_of_them_is_lost(

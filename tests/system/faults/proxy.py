@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
+import time
 from collections import deque
 from collections.abc import Coroutine
 from typing import Any
@@ -84,6 +85,8 @@ class _Pipe:
                 self.writer.write(bit)
                 await self.writer.drain()
             self._proxy.passed[self.way] += len(bit)
+            if (words := self._proxy.looked_for.get(self.way)) and words in bit:
+                self._proxy.seen_ns[self.way] = time.monotonic_ns()
             if self._proxy.weather.rate:
                 await asyncio.sleep(len(bit) / self._proxy.weather.rate)
 
@@ -96,6 +99,9 @@ class Proxy:
         self._target, self._seed = target, seed
         self.weather = CALM
         self.passed = {Way.UP: 0, Way.DOWN: 0}
+        # Words to look for in what passes, by direction, and when they passed last (monotonic, ns).
+        self.looked_for: dict[Way, bytes] = {}
+        self.seen_ns: dict[Way, int] = {}
         self.connections = 0
         self._pipes: list[_Pipe] = []
         self._loop = asyncio.new_event_loop()
