@@ -364,6 +364,26 @@ async def test_a_service_that_cannot_be_called_safely_is_refused(
     assert len(bench.peer.heard("added")) == before
 
 
+async def test_a_service_whose_node_has_another_version_is_not_called(bench: Bench) -> None:
+    """By the process that calls, given a hash of no version."""
+    before = len(bench.peer.heard("added"))
+    module = "talaia.gateway.adapters.ros2.made_types.service_caller"
+    caller = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", module, "caller_under_test",
+        stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+    )  # fmt: skip
+    order = {"number": 1, "service": "/add", "type": "diagnostic_msgs/srv/AddDiagnostics",
+             "hash": WRONG_HASH, "request": "AAEAAAEAAAAA"}  # fmt: skip
+    assert caller.stdin is not None
+    assert caller.stdout is not None
+    caller.stdin.write(json.dumps(order).encode() + b"\n")
+    told = json.loads(await asyncio.wait_for(caller.stdout.readline(), PATIENCE_S))
+    assert "the node /types_peer has another version" in told["refused"]
+    caller.stdin.close()
+    assert await asyncio.wait_for(caller.wait(), PATIENCE_S) == 0
+    assert len(bench.peer.heard("added")) == before
+
+
 async def test_they_are_recorded_with_definitions_that_others_read_them_by(
     bench: Bench, tmp_path: Path
 ) -> None:

@@ -40,7 +40,7 @@ __all__ = ["PackagelessServices"]
 
 log = logging.getLogger(__name__)
 # Beyond a command's own time, for the process to begin and to find the service.
-_SLACK_S = 10.0
+_SLACK_S = 15.0
 # What it may take to end by itself.
 _FAREWELL_S = 2.0
 _GONE = "the process that called it has ended; look at the device to see what it did"

@@ -32,7 +32,7 @@ __all__: list[str] = []
 _TURN_S = 0.02
 _IDLE_S = 1.0
 # For the discovery of a service that a client was just made for.
-_PATIENCE_S = 3.0
+_PATIENCE_S = 8.0
 
 
 class _Call(NamedTuple):
@@ -143,7 +143,10 @@ class _Caller:
             )
 
             def on_answer(future: Any) -> None:  # noqa: ANN401
-                if future.result().successful:
+                found = future.result()
+                # ROS looks types up by their hash alone.
+                name = found.type_description.type_description.type_name
+                if found.successful and name == call.type_name:
                     key = (call.service, call.type_name, call.type_hash, owner)
                     self._confirmed.add(key)
                 elif call in self._waiting:
