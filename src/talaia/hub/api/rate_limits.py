@@ -82,9 +82,18 @@ class RateLimits:
         # Nobody is known there; signing in and enrolling have counts of their own, by address.
         if need_of_route(request.method, path) is AccessNeed.OPEN:
             return
+        self.count_request(path, who_of(request).user)
+
+    def count_request(self, path: str, user: int) -> None:
+        """Count a request of a person to a route.
+
+        Raises:
+            ApiProblem: 429 they have asked too much lately.
+
+        """
         pace = self._paces.get(path, self._any)
         # By person and not by session or token: another one gives nobody more.
-        wait_ns = pace.request_turn(who_of(request).user, self._clock.monotonic_ns())
+        wait_ns = pace.request_turn(user, self._clock.monotonic_ns())
         if wait_ns:
             # Rounded up: whoever comes a moment too early is refused again.
             raise ApiProblem(

@@ -17,7 +17,7 @@ from talaia.hub.policy import AccessNeed, allows
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from starlette.requests import HTTPConnection
+    from starlette.requests import HTTPConnection, Request
     from starlette.websockets import WebSocket
 
     from talaia.hub.api.access import Access
@@ -74,6 +74,18 @@ class ClientAdmission:
         if alive is None:
             raise ApiProblem(401, "unauthorized", "no token, or one that is not good; see Account")
         return alive.who
+
+    async def admit_request(self, request: Request, protocol: str) -> Who:
+        """Give the account of a request of a protocol that keeps no connection, and count it.
+
+        Raises:
+            ApiProblem: as of `identify_account`, and 429 too much was asked lately.
+            StoreDown: it cannot be told whose token it is.
+
+        """
+        who = await self.identify_account(request, protocol)
+        self._limits.count_request(request.scope["route"].path, who.user)
+        return who
 
     def site_for(self, who: Who, name: str) -> LiveSite:
         """Give a site that an account may see something of.

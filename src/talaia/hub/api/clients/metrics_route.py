@@ -83,7 +83,7 @@ class MetricsRoute:
         ``signal`` is a pattern of addresses (``base/*``), once for each; without it the signals of
         the first page are given.
         """
-        who = await self._admission.identify_account(request, METRICS)
+        who = await self._admission.admit_request(request, METRICS)
         names = [live.name for live in self._sites] if not site else [site]
         if not who.grants.has_right(Right.METRICS, ANY) and not any(
             who.grants.has_right(Right.METRICS, name) for name in names
