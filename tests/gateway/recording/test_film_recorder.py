@@ -369,7 +369,7 @@ films = FilmRecorder(
     finished=lambda: None, changed=lambda: None,
 )
 films.start()
-films.begin("ada", "", 600.0, "cam/front")
+films.begin_film("ada", "", 600.0, "cam/front")
 hall = Hall()
 hall.filming, hall.film = films.filming, films.add_picture
 taker, _ = stream()

@@ -139,7 +139,7 @@ async def test_an_alarm_of_each_kind_is_made_in_the_page_and_raised(hub, chromiu
         ("base/wandering", now_us(), 1.0),
         ("base/speed", now_us(), 0.1),
     )
-    hub.hub.alarms.engine.anomaly(
+    hub.hub.alarms.engine.report_anomaly(
         AnomalyReport("agv", "base/speed", "baseline", 1, None, 0.9, "too fast")
     )
     hub.hub.alarms.engine.sighting(SightingEvent("agv", "camera/front", "person", 1, 0.9, 1, None))

@@ -141,7 +141,7 @@ async def test_a_stale_value_is_left_out_and_its_age_goes_on(shared_hub, shared_
     now_us = SystemClock().wall_ns() // 1000
     await shared_gateway.samples(("base/speed", now_us, 0.5))
     headers = await token(shared_hub, EVERYWHERE, {"right": "view", "site": "*", "device": "*"})
-    live = shared_hub.hub.core.sites.get("agv")
+    live = shared_hub.hub.core.sites.find_site("agv")
     at = next(n for n, channel in enumerate(live.channels) if channel.address == "base/speed")
     await heard(shared_hub, headers, "base", "speed", 0.5)
     # It came a minute ago, and nothing since then.

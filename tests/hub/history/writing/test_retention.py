@@ -62,7 +62,7 @@ async def test_a_signal_is_kept_as_long_as_its_description_says(url) -> None:
     # It does not come back, and what is sent again is still known to be stored.
     async with opened(url, LIMITS) as again:
         await feed(again, 4_000, channel=0, start=start, step=43 * SECOND)
-        (series,) = await again.read("agv", ["base/brief"], *ALL, width=10_000)
+        (series,) = await again.read_series("agv", ["base/brief"], *ALL, width=10_000)
         assert series.time_us.tolist() == brief.time_us.tolist()
 
 
