@@ -150,7 +150,9 @@ class Hub:
         self.client_protocols = ClientProtocolsFeature(
             core, people=self.people, service=service, audit=log
         )
-        self.foxglove = FoxgloveFeature(core, clients=self.client_protocols)
+        self.foxglove = FoxgloveFeature(
+            core, clients=self.client_protocols, streams=self.media.streams
+        )
         self.metrics = MetricsFeature(
             core, clients=self.client_protocols, alarms=self.alarms.engine
         )

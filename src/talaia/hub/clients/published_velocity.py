@@ -79,6 +79,7 @@ def _read_json(data: bytes, *, stamped: bool) -> PublishedVelocity | str:
 def _read_cdr(data: bytes, *, stamped: bool) -> PublishedVelocity | str:
     if len(data) < _ENCAPSULATION or data[1] not in {_LITTLE_ENDIAN, _BIG_ENDIAN}:
         return "not the CDR of a velocity: its first four bytes name no plain CDR"
+    # Each machine writes its own order and says which.
     order = "<" if data[1] == _LITTLE_ENDIAN else ">"
     content = data[_ENCAPSULATION:]
     try:

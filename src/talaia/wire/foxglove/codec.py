@@ -35,14 +35,22 @@ MAX_CLIENT_FRAME = 1024 * 1024
 _MESSAGE_DATA, _TIME, _SERVICE_RESPONSE, _ASSET = 1, 2, 3, 4
 _PUBLISH, _CALL = 1, 2
 
+# All numbers are little-endian. Kind, subscription, time; then the message.
 _DATA_HEAD = struct.Struct("<BIQ")
+# Kind, time.
 _TIME_HEAD = struct.Struct("<BQ")
+# Kind, service, call, length of the encoding's name; then that and the arguments.
 _CALL_HEAD = struct.Struct("<BIII")
+# Kind, request, status (1: failed), length of the reason; then that or the file.
 _ASSET_HEAD = struct.Struct("<BIBI")
+# Kind, the client's channel; then the message.
 _PUBLISH_HEAD = struct.Struct("<BI")
+# A time beyond it would not fit; none before 1970 can be said.
 _MOST_NS = 2**64 - 1
 
+# Made once: a decoder works its types out as it is made.
 _TEXT: msgspec.json.Decoder[FoxgloveText] = msgspec.json.Decoder(FoxgloveText)
+# By these an unknown message is told from a wrong field: msgspec has one error for both.
 _KINDS = frozenset(member.__struct_config__.tag for member in FoxgloveText.__args__)
 _ENCODER = msgspec.json.Encoder()
 
@@ -60,6 +68,7 @@ def decode_client(frame: bytes | str) -> FoxgloveMessage:
         UnknownKind: a message of an ``op`` or of a binary kind that is not known here.
 
     """
+    # Before it is decoded: what is too large costs no more than its receipt.
     if len(frame) > MAX_CLIENT_FRAME:
         raise PeerError(
             f"a message of {len(frame)} bytes is over the limit of {MAX_CLIENT_FRAME}", 1009
@@ -116,6 +125,7 @@ def _decode_binary(frame: bytes) -> FoxglovePublish | FoxgloveCall:
     if len(frame) < _CALL_HEAD.size:
         raise PeerError(f"a service call of {len(frame)} bytes has no head")
     _, service, call, length = _CALL_HEAD.unpack_from(frame)
+    # The peer chose the length: nothing is read beyond the message.
     begin = _CALL_HEAD.size + length
     if begin > len(frame):
         raise PeerError("the encoding of a service call is longer than the message")

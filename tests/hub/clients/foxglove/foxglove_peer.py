@@ -37,11 +37,15 @@ class _Heard:
     async def hear(self, event, where=lambda _data: True):
         """Wait for an event, of those heard already or still to come; it is taken out."""
         async with asyncio.timeout(PATIENCE_S), self._news:
+            seen = 0
             while True:
-                for found in self.events:
+                # Only what is new: a flood would be gone through again with each message.
+                for at in range(seen, len(self.events)):
+                    found = self.events[at]
                     if found[0] == event and where(found[1]):
-                        self.events.remove(found)
+                        del self.events[at]
                         return found[1]
+                seen = len(self.events)
                 await self._news.wait()
 
 

@@ -282,7 +282,7 @@ async def test_client_that_does_not_read_costs_a_bounded_outbox_and_delays_nobod
     quick = await client_of(shared_world, "operator")
     await topics_of(quick)
     await quick.say({"op": "subscribe", "subscriptions": wanted})
-    for turn in range(60):
+    for turn in range(15):
         text = f"{turn} " + "x" * 400
         rows = [("base/words", NOW + 10 + turn * 1000 + at, text) for at in range(1000)]
         await gateway.samples(*rows)

@@ -20,8 +20,6 @@ from talaia.wire.foxglove.server_messages import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from talaia.hub.clients.foxglove.offer import OfferedService, OfferedTopic
     from talaia.hub.clients.foxglove.schemas import NamedSchema
     from talaia.wire.foxglove.server_messages import ServerMessage
@@ -60,6 +58,7 @@ class AdvertisedThings:
             self._number(self._channel_ids, topic, offered.schema): topic
             for topic, offered in offer.channels.items()
         }
+        # Services have numbers of their own.
         services = {
             self._number(self._service_ids, name, offered.request): name
             for name, offered in offer.services.items()
@@ -105,6 +104,7 @@ class AdvertisedThings:
             raise ValueError(f"the subscription {subscription} is in use")
         if topic in self._subscription_of:
             raise ValueError(f"{topic} is subscribed to already")
+        # Both ways: samples come by topic, and clients speak of numbers.
         self._subscribed[subscription] = topic
         self._subscription_of[topic] = subscription
         return topic
@@ -123,15 +123,6 @@ class AdvertisedThings:
     def service(self, number: int) -> OfferedService | None:
         """Find a service by its number."""
         return self.offer.services.get(self._services.get(number, ""))
-
-    def addresses_of(self, topics: Iterable[str]) -> list[str]:
-        """Give the addresses of the signals among these topics."""
-        return [
-            address
-            for topic in topics
-            if isinstance(offered := self.offer.channels.get(topic), OfferedSignal)
-            for address in offered.addresses
-        ]
 
     def connection_graph(self, before: FoxgloveOffer) -> ConnectionGraphUpdate:
         """Say who publishes, listens to and provides what, and what of ``before`` is gone."""

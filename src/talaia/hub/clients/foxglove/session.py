@@ -6,7 +6,7 @@ Long, because each message of the protocol, both ways, has its few lines here in
 from __future__ import annotations
 
 import asyncio
-import math
+from functools import partial
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -14,11 +14,11 @@ import msgspec
 from talaia import __version__
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
-from talaia.hub.clients.foxglove.offer import FoxgloveOffer, OfferedSignal, make_offer
-from talaia.hub.clients.foxglove.schemas import encode_answer, encode_sample
+from talaia.hub.clients.foxglove.offer import FoxgloveOffer, make_offer
+from talaia.hub.clients.foxglove.schemas import encode_answer, encode_picture
+from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.hub.clients.foxglove.tapped_channels import TappedChannels
 from talaia.hub.clients.published_velocity import read_velocity
-from talaia.hub.clients.signal_subscriptions import SignalSubscriptions
 from talaia.hub.live.first_completed import until_first
 from talaia.wire.browser import (
     CommandUpdate,
@@ -51,12 +51,12 @@ from talaia.wire.gateway_messages.field_types import Arguments, Scalar
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
+    from talaia.hub.clients.client_cameras import ClientCameras
     from talaia.hub.clients.client_connection import ClientConnection
     from talaia.hub.clients.foxglove.offer import OfferedService
-    from talaia.hub.clients.signal_subscriptions import ClientSample
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.live.taps.tapped import TappedMessage
-    from talaia.wire.browser import ToBrowser
+    from talaia.wire.browser import CameraPicture, ToBrowser
     from talaia.wire.foxglove.server_messages import ServerMessage
 
 __all__ = ["FoxgloveSession"]
@@ -83,8 +83,15 @@ _GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
 class FoxgloveSession:
     """See `ClientSession`."""
 
-    def __init__(self, socket: WebSocket, connection: ClientConnection, *, taps: TapFanout) -> None:
-        """Speak over ``socket``, which is accepted; raw topics come from ``taps``."""
+    def __init__(
+        self,
+        socket: WebSocket,
+        connection: ClientConnection,
+        *,
+        taps: TapFanout,
+        cameras: ClientCameras,
+    ) -> None:
+        """Speak over ``socket``; raw topics come from ``taps``, pictures from ``cameras``."""
         self._socket = socket
         self._connection = connection
         self._site = connection.live.name
@@ -93,19 +100,16 @@ class FoxgloveSession:
             taps,
             self._site,
             connection.who.grants,
-            changed=self._advertise,
+            changed=self._advertise_things,
             deliver=self._deliver_topic,
             warn=self.warn_person,
         )
+        self._cameras = cameras
         # By the robot's own name: the name of the channel.
         self._channel_of: dict[str, str] = {}
         # One offer is told whole before the next.
         self._advertising = asyncio.Lock()
-        self._subscriptions = SignalSubscriptions(self._site)
-        # Of the offer of now, for samples come by address: the topic.
-        self._topic_of: dict[str, str] = {}
-        # By topic: what is known of a position's parts, or of the single one.
-        self._parts: dict[str, dict[str, float | str]] = {}
+        self._signals = SignalChannels(self._site)
         # The client's own channels, by its number.
         self._published: dict[int, said.FoxgloveClientChannel] = {}
         # Calls that wait: by the command's or STOP's id, the service and the call.
@@ -120,7 +124,7 @@ class FoxgloveSession:
 
     async def read_client(self) -> None:
         """Say who we are and what there is, then read until the client has gone."""
-        await self._send(
+        await self._send_json(
             ServerInfo(
                 name=f"Talaia {__version__}: {self._connection.description.name}",
                 capabilities=_CAPABILITIES,
@@ -129,17 +133,19 @@ class FoxgloveSession:
                 session_id=new_token(),
             )
         )
-        await self._advertise()
+        await self._advertise_things()
         try:
-            for result in await until_first(self._read(), self._tapped.serve()):
+            for result in await until_first(self._read_frames(), self._tapped.serve_topics()):
                 if isinstance(result, Exception):
                     raise result
         finally:
             # Whatever ended it: a topic that nobody takes is to rest on the robot.
-            self._tapped.close()
+            self._tapped.end_taps()
+            self._cameras.end_views()
 
-    async def _read(self) -> None:
+    async def _read_frames(self) -> None:
         while True:
+            # Silence is no fault: a client that only listens says nothing for days.
             event = await self._socket.receive()
             if event["type"] == "websocket.disconnect":
                 return
@@ -149,23 +155,23 @@ class FoxgloveSession:
             except UnknownKind as error:
                 await self._send_status(_WARNING, str(error))
                 continue
-            await self._handle(message)
+            await self._handle_message(message)
 
-    async def _handle(self, message: said.FoxgloveMessage) -> None:
+    async def _handle_message(self, message: said.FoxgloveMessage) -> None:
         match message:
             case said.FoxgloveSubscribe():
-                await self._subscribe(message)
+                await self._subscribe_topics(message)
             case said.FoxgloveUnsubscribe():
-                self._unsubscribe(message)
+                self._unsubscribe_topics(message)
             case said.FoxgloveAdvertise():
                 await self._note_published(message)
             case said.FoxgloveUnadvertise():
                 for number in message.channel_ids:
                     self._published.pop(number, None)
             case said.FoxglovePublish():
-                await self._publish(message)
+                await self._publish_message(message)
             case said.FoxgloveCall():
-                await self._call(message)
+                await self._call_service(message)
             case said.FoxgloveGetParameters():
                 await self._send_parameters(message.parameter_names, message.id)
             case said.FoxgloveSetParameters():
@@ -178,14 +184,14 @@ class FoxgloveSession:
                 pass
             case said.FoxgloveSubscribeGraph():
                 self._wants_graph = True
-                await self._send(self._things.connection_graph(FoxgloveOffer()))
+                await self._send_json(self._things.connection_graph(FoxgloveOffer()))
             case said.FoxgloveUnsubscribeGraph():
                 self._wants_graph = False
             case said.FoxgloveFetchAsset():
                 frame = encode_asset(message.request_id, None, "there is no such file")
                 await self._socket.send_bytes(frame)
 
-    async def _subscribe(self, message: said.FoxgloveSubscribe) -> None:
+    async def _subscribe_topics(self, message: said.FoxgloveSubscribe) -> None:
         topics = []
         # What is wrong with one is no reason to refuse the others.
         for one in message.subscriptions:
@@ -193,27 +199,32 @@ class FoxgloveSession:
                 topics.append(self._things.subscribe_topic(one.id, one.channel_id))
             except ValueError as error:
                 await self._send_status(_WARNING, str(error))
+        # Signals go by the outbox of all connections; raw topics and pictures by their own.
         for topic in topics:
             offered = self._things.offer.topics.get(topic)
             if offered is not None and (why := self._tapped.subscribe_topic(offered.topic)):
                 await self._send_status(_WARNING, why)
-        for asked in self._subscriptions.add_addresses(self._things.addresses_of(topics)):
+            camera = self._things.offer.cameras.get(topic)
+            if camera is not None:
+                deliver = partial(self._deliver_picture, topic)
+                self._cameras.subscribe_stream(camera.stream, deliver, self.warn_person)
+        for asked in self._signals.add_topics(topics):
             problem = self._connection.request(asked)
             if problem is not None:
                 await self._send_status(_WARNING, problem.message)
 
-    def _unsubscribe(self, message: said.FoxgloveUnsubscribe) -> None:
+    def _unsubscribe_topics(self, message: said.FoxgloveUnsubscribe) -> None:
         ended = (self._things.unsubscribe_topic(number) for number in message.subscription_ids)
-        self._forget([topic for topic in ended if topic is not None])
+        self._forget_topics([topic for topic in ended if topic is not None])
 
-    def _forget(self, topics: list[str]) -> None:
+    def _forget_topics(self, topics: list[str]) -> None:
         for topic in topics:
-            self._parts.pop(topic, None)
+            # A camera's topic is its address, with one word more where a signal has that.
+            self._cameras.unsubscribe_stream(topic.strip("/").removesuffix("/picture"))
             for raw, channel in self._channel_of.items():
                 if channel == topic:
                     self._tapped.unsubscribe_topic(raw)
-        addresses = [address for address, topic in self._topic_of.items() if topic in set(topics)]
-        for asked in self._subscriptions.remove_addresses(addresses):
+        for asked in self._signals.remove_topics(topics):
             self._connection.request(asked)
 
     async def _note_published(self, message: said.FoxgloveAdvertise) -> None:
@@ -225,35 +236,36 @@ class FoxgloveSession:
             if channel.topic not in self._things.offer.driven:
                 await self._send_status(_WARNING, f"nothing here listens to {channel.topic}")
 
-    async def _publish(self, message: said.FoxglovePublish) -> None:
+    async def _publish_message(self, message: said.FoxglovePublish) -> None:
         channel = self._published.get(message.channel_id)
         if channel is None:
-            await self._refuse(f"channel {message.channel_id} is not advertised")
+            await self._refuse_message(f"channel {message.channel_id} is not advertised")
             return
+        # Only of devices that the account may view: other topics are as if nobody listened.
         device = self._things.offer.driven.get(channel.topic)
         if device is None:
-            await self._refuse(f"nothing here listens to {channel.topic}")
+            await self._refuse_message(f"nothing here listens to {channel.topic}")
             return
         # By the type that the client named when it advertised the channel.
         velocity = read_velocity(channel.encoding, channel.schema_name, message.data)
         if isinstance(velocity, str):
-            await self._refuse(f"{channel.topic}: {velocity}")
+            await self._refuse_message(f"{channel.topic}: {velocity}")
             return
         why = self._connection.publish_drive(
             device, linear=velocity.linear, angular=velocity.angular
         )
         if why:
-            await self._refuse(f"{channel.topic}: {why}")
+            await self._refuse_message(f"{channel.topic}: {why}")
         else:
             self._told = ""
 
-    async def _refuse(self, why: str) -> None:
+    async def _refuse_message(self, why: str) -> None:
         """Say why a published message is refused, once for as long as it stays so."""
         if why != self._told:
             self._told = why
             await self._send_status(_ERROR, why)
 
-    async def _call(self, message: said.FoxgloveCall) -> None:
+    async def _call_service(self, message: said.FoxgloveCall) -> None:
         service = self._things.service(message.service_id)
         if service is None:
             why = f"there is no service {message.service_id}"
@@ -264,12 +276,12 @@ class FoxgloveSession:
             if not why:
                 self._calls[press] = message.service_id, message.call_id
         else:
-            why = self._command(service, message)
+            why = self._request_command(service, message)
         if why:
-            await self._send(_failure(message.service_id, message.call_id, why))
+            await self._send_json(_call_failure(message.service_id, message.call_id, why))
 
-    def _command(self, service: OfferedService, message: said.FoxgloveCall) -> str:
-        args = _arguments(message)
+    def _request_command(self, service: OfferedService, message: said.FoxgloveCall) -> str:
+        args = _read_arguments(message)
         if isinstance(args, str):
             return args
         number = new_token()
@@ -298,8 +310,9 @@ class FoxgloveSession:
             case Values():
                 await self._deliver_values(message)
             case SiteUpdate() if message.site == self._site:
+                # The description is another one: what is there, and who sees it.
                 if message.catalogue != self._edition:
-                    await self._advertise()
+                    await self._advertise_things()
             case CommandUpdate() if message.id in self._calls:
                 if message.phase not in _GOING_ON:
                     await self._end_call(message)
@@ -320,7 +333,7 @@ class FoxgloveSession:
         """Close the socket."""
         await self._socket.close(code)
 
-    async def _advertise(self) -> None:
+    async def _advertise_things(self) -> None:
         """Tell what there is now, and what is not there any more."""
         async with self._advertising:
             await self._advertise_now()
@@ -331,17 +344,20 @@ class FoxgloveSession:
         offer = make_offer(live.description, self._connection.who.grants, self._tapped.offered)
         change = self._things.update_offer(offer)
         # By the addresses of before.
-        self._forget(change.gone)
-        self._topic_of = {
-            address: topic
-            for topic, offered in offer.signals.items()
-            for address in offered.addresses
-        }
+        self._forget_topics(change.gone)
+        self._signals.update_offer(offer)
         self._channel_of = {offered.topic: name for name, offered in offer.topics.items()}
         for message in change.messages:
-            await self._send(message)
+            await self._send_json(message)
         if self._wants_graph:
-            await self._send(self._things.connection_graph(before))
+            await self._send_json(self._things.connection_graph(before))
+
+    async def _deliver_picture(self, topic: str, picture: CameraPicture) -> None:
+        subscription = self._things.subscription_of(topic)
+        if subscription is not None and picture.format == "jpeg":
+            data = encode_picture(picture.data, camera=topic, time_us=picture.time_us)
+            frame = encode_message_data(subscription, picture.time_us * 1000, data)
+            await self._socket.send_bytes(frame)
 
     async def _deliver_topic(self, message: TappedMessage) -> None:
         channel = self._channel_of.get(message.topic, "")
@@ -350,40 +366,22 @@ class FoxgloveSession:
             time_ns = message.log_us * 1000
             await self._socket.send_bytes(encode_message_data(subscription, time_ns, message.data))
 
-    async def _deliver_values(self, message: Values) -> None:
-        # Parts of a position come one after the other with one time; they are one message.
-        waiting: dict[str, int] = {}
-        for sample in self._subscriptions.read_samples(message):
-            topic = self._topic_of.get(sample.address)
-            offered = self._things.offer.signals.get(topic or "")
-            if topic is None or offered is None:
-                continue
-            if waiting.get(topic, sample.time_us) != sample.time_us:
-                await self._send_sample(topic, offered, waiting[topic])
-            waiting[topic] = sample.time_us
-            _note_part(self._parts.setdefault(topic, {}), sample)
-            if len(offered.addresses) == 1:
-                del waiting[topic]
-                await self._send_sample(topic, offered, sample.time_us)
-        for topic, time_us in waiting.items():
-            await self._send_sample(topic, self._things.offer.signals[topic], time_us)
-
-    async def _send_sample(self, topic: str, offered: OfferedSignal, time_us: int) -> None:
-        # It may have ended while another sample was sent.
-        subscription = self._things.subscription_of(topic)
-        parts = self._parts.get(topic)
-        if subscription is None or parts is None:
-            return
-        data = encode_sample(offered.signal, parts, time_us)
-        if data is not None:
-            await self._socket.send_bytes(encode_message_data(subscription, time_us * 1000, data))
+    async def _deliver_values(self, values: Values) -> None:
+        for message in self._signals.read_messages(values):
+            # It may have ended while another message was sent.
+            subscription = self._things.subscription_of(message.topic)
+            if subscription is not None:
+                time_ns = message.time_us * 1000
+                await self._socket.send_bytes(
+                    encode_message_data(subscription, time_ns, message.data)
+                )
 
     async def _end_call(self, message: CommandUpdate) -> None:
         if message.phase is CommandPhase.SUCCEEDED:
             await self._send_answer(message.id, message.message)
         else:
             said_why = f"{message.phase.value}: {message.message}"
-            await self._send(_failure(*self._calls.pop(message.id), said_why))
+            await self._send_json(_call_failure(*self._calls.pop(message.id), said_why))
 
     async def _send_answer(self, number: str, text: str) -> None:
         # Once: what comes of it later is told to pages.
@@ -392,22 +390,16 @@ class FoxgloveSession:
         await self._socket.send_bytes(encode_service_response(service, call, "json", answer))
 
     async def _send_parameters(self, names: list[str], number: str | None = None) -> None:
-        await self._send(_parameters(self._things.offer, names, number))
+        await self._send_json(_parameter_values(self._things.offer, names, number))
 
     async def _send_status(self, level: int, text: str) -> None:
-        await self._send(ServerStatus(level=level, message=text))
+        await self._send_json(ServerStatus(level=level, message=text))
 
-    async def _send(self, message: ServerMessage) -> None:
+    async def _send_json(self, message: ServerMessage) -> None:
         await self._socket.send_text(encode_server(message))
 
 
-def _note_part(parts: dict[str, float | str], sample: ClientSample) -> None:
-    part = sample.address.partition(".")[2]
-    known = sample.text if sample.text is not None else sample.value
-    parts[part] = known if isinstance(known, str) or math.isfinite(known) else math.nan
-
-
-def _arguments(message: said.FoxgloveCall) -> dict[str, Scalar] | str:
+def _read_arguments(message: said.FoxgloveCall) -> dict[str, Scalar] | str:
     """Read the arguments of a command, or say what is wrong with them."""
     # CDR would need a type that the robot's request has and our commands have not.
     if message.encoding != "json":
@@ -418,7 +410,9 @@ def _arguments(message: said.FoxgloveCall) -> dict[str, Scalar] | str:
         return f"not the arguments of a command: {str(error)[:200]}"
 
 
-def _parameters(offer: FoxgloveOffer, names: list[str], number: str | None) -> ParameterValues:
+def _parameter_values(
+    offer: FoxgloveOffer, names: list[str], number: str | None
+) -> ParameterValues:
     """Give the parameters of these names, or all."""
     # A whole number and one with a point look the same in JSON, so the type is said.
     return ParameterValues(
@@ -433,6 +427,6 @@ def _parameters(offer: FoxgloveOffer, names: list[str], number: str | None) -> P
     )
 
 
-def _failure(service: int, call: int, why: str) -> ServiceCallFailure:
+def _call_failure(service: int, call: int, why: str) -> ServiceCallFailure:
     # Clients show the reason beside the call.
     return ServiceCallFailure(service_id=service, call_id=call, message=why)

@@ -21,7 +21,7 @@ __all__ = ["TappedChannels"]
 
 
 class TappedChannels:
-    """What one client may tap of a site and does; call `serve` once, and `close` at the end."""
+    """What one client may tap of a site and does; call `serve_topics`, then `end_taps`."""
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class TappedChannels:
         # By topic: how its messages are read, of those of which it is known.
         self.offered: dict[str, NamedSchema] = {}
 
-    async def serve(self) -> None:
+    async def serve_topics(self) -> None:
         """Offer what may be tapped, and hand over what is, until cancelled."""
         self._fanout.follow_topics(self._site, self._taker)
         await self._update_offer()
@@ -78,7 +78,7 @@ class TappedChannels:
                     # The list has changed, or a right was lost, and with it a topic.
                     await self._update_offer()
 
-    def close(self) -> None:
+    def end_taps(self) -> None:
         """End all that is taken."""
         self._fanout.remove_taker(self._taker)
 

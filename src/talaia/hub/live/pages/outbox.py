@@ -37,6 +37,7 @@ class MessageFrame:
 
     """
 
+    # One for each message of each client: small.
     __slots__ = ("_size", "message")
 
     def __init__(self, message: ToBrowser) -> None:

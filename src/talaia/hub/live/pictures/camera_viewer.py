@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from starlette.websockets import WebSocketDisconnect
 
@@ -23,9 +23,7 @@ from talaia.wire.browser import (
 from talaia.wire.errors import PeerError, UnknownKind
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
-
-    from starlette.websockets import WebSocket
+    from collections.abc import Callable, Collection, MutableMapping
 
     from talaia.hub.auth.permissions import Who
     from talaia.hub.live.pages.outbox import Frame
@@ -41,12 +39,32 @@ _MOST_NOTES = 8
 _GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
 
+class PictureSocket(Protocol):
+    """What a viewer speaks over: a page's WebSocket, or a client in this process."""
+
+    async def receive(self) -> MutableMapping[str, Any]:
+        """Give the next ASGI event."""
+        ...
+
+    async def send_text(self, data: str, /) -> None:
+        """Send a frame as text."""
+        ...
+
+    async def send_bytes(self, data: bytes, /) -> None:
+        """Send a frame; returns when there is room for another."""
+        ...
+
+    async def close(self, code: int = ..., /) -> None:
+        """End it."""
+        ...
+
+
 class Viewer:
     """One page that looks at one stream. Holds at most a tenth of a second that waits."""
 
     def __init__(
         self,
-        socket: WebSocket,
+        socket: PictureSocket,
         *,
         who: Who,
         site: str,
