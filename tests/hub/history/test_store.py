@@ -73,7 +73,9 @@ def test_what_comes_out_went_in_for_any_order_overlap_and_crash(some, stretches,
         current = await store.__aenter__()
         for at, (first, length) in enumerate(stretches):
             part = rows[first : first + length]
-            await current.append_samples("agv", "b1", first, addresses=ADDRESSES, columns=batch(part))
+            await current.append_samples(
+                "agv", "b1", first, addresses=ADDRESSES, columns=batch(part)
+            )
             stored |= set(range(first, first + len(part)))
             if at in crashes:
                 number += 1
