@@ -15,6 +15,7 @@ from talaia.hub.features.connections.client_protocols import ClientProtocolsFeat
 from talaia.hub.features.connections.foxglove import FoxgloveFeature
 from talaia.hub.features.connections.metrics import MetricsFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
+from talaia.hub.features.connections.rosbridge import RosbridgeFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
@@ -156,6 +157,7 @@ class Hub:
         self.metrics = MetricsFeature(
             core, clients=self.client_protocols, alarms=self.alarms.engine
         )
+        self.rosbridge = RosbridgeFeature(core, clients=self.client_protocols)
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
             core,

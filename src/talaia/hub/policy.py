@@ -240,6 +240,7 @@ SOCKETS: Mapping[str, AccessNeed] = {
 # is looked up in the tables below, like a page's.
 CLIENT_SOCKETS: Mapping[str, AccessNeed] = {
     "/clients/foxglove/{site}": AccessNeed.SEE,
+    "/clients/rosbridge/{site}": AccessNeed.SEE,
 }
 
 FROM_BROWSER: Mapping[type[Message], AccessNeed] = {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["CLIENT_PROTOCOLS", "FOXGLOVE", "METRICS", "ClientProtocolInfo"]
+__all__ = ["CLIENT_PROTOCOLS", "FOXGLOVE", "METRICS", "ROSBRIDGE", "ClientProtocolInfo"]
 
 
 class ClientProtocolInfo(NamedTuple):
@@ -29,6 +29,7 @@ class ClientProtocolInfo(NamedTuple):
 
 FOXGLOVE = "foxglove"
 METRICS = "metrics"
+ROSBRIDGE = "rosbridge"
 
 # By the short name, which stands in addresses, in the database and in the audit log.
 CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
@@ -40,5 +41,8 @@ CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
     ),
     METRICS: ClientProtocolInfo(
         "Prometheus metrics", "/metrics?site={site}", socket=False, tools="Prometheus, Grafana"
+    ),
+    ROSBRIDGE: ClientProtocolInfo(
+        "rosbridge 2", "/clients/rosbridge/{site}", socket=True, tools="roslibjs, roslibpy"
     ),
 }

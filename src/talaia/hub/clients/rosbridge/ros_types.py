@@ -1,0 +1,167 @@
+"""ROS messages by their definitions: bytes to plain values, and types as rosapi describes them.
+
+`rosbags` reads definitions and messages. It is loaded when somebody first wants a message in JSON
+or a type described.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import struct
+from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from talaia.errors import TalaiaError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosbags.interfaces.typing import FieldDesc, Typesdict
+
+    from talaia.wire.frames import TapSchema
+
+__all__ = ["MessageUnreadable", "TypeText", "describe_fields", "describe_type", "message_reader"]
+
+# Types in one definition; a robot's largest has some dozens.
+_MOST_TYPES = 500
+
+
+class MessageUnreadable(TalaiaError):
+    """A definition, or bytes, that cannot be read; a sentence for people."""
+
+
+class TypeText(NamedTuple):
+    """A definition's text and the form that it has, as MCAP names it (``ros2msg``)."""
+
+    type: str
+    encoding: str
+    definition: str
+
+
+def message_reader(schema: TapSchema) -> Callable[[bytes], dict[str, object]]:
+    """Compile what reads the messages of a schema as mappings of plain values and numpy arrays.
+
+    What it gives raises `MessageUnreadable` for bytes that are no such message.
+
+    Raises:
+        MessageUnreadable: there is no definition, or none that can be read.
+
+    """
+    from rosbags.serde import SerdeError
+    from rosbags.typesys import Stores, TypesysError, get_typestore
+
+    store = get_typestore(Stores.EMPTY)
+    # The robot's own definitions, of time too, count.
+    store.types.clear()
+    store.fielddefs.clear()
+    try:
+        store.register(_read_definitions(TypeText(schema.type, schema.encoding, schema.definition)))
+        store.get_msgdef(schema.type)
+    except (TypesysError, SyntaxError, KeyError, RecursionError) as error:
+        raise MessageUnreadable(f"{schema.type} cannot be read: {str(error)[:300]}") from error
+    read = store.deserialize_ros1 if schema.message_encoding == "ros1" else store.deserialize_cdr
+
+    def read_plain(data: bytes) -> dict[str, object]:
+        try:
+            return _plain_fields(read(data, schema.type))
+        except (SerdeError, struct.error, ValueError, MemoryError, AssertionError) as error:
+            raise MessageUnreadable(f"not a {schema.type}: {str(error)[:300]}") from error
+
+    return read_plain
+
+
+def describe_type(name: str, text: TypeText | None = None) -> list[dict[str, object]]:
+    """Describe a message type and the types in it, as ``rosapi_msgs/TypeDef`` does.
+
+    Args:
+        name: such as ``geometry_msgs/msg/Twist``.
+        text: its definition; without one, types that come with ROS are known.
+
+    Raises:
+        MessageUnreadable: it is not known.
+
+    """
+    types = _brought_types() if text is None else _read_definitions(text)
+    found: dict[str, dict[str, object]] = {}
+    waiting = [name]
+    while waiting and len(found) < _MOST_TYPES:
+        one = waiting.pop(0)
+        if one in found:
+            continue
+        if one not in types:
+            raise MessageUnreadable(f"the type {one[:200]!r} is not known")
+        constants, fields = types[one]
+        described = [(field, *_field_kind(kind)) for field, kind in fields]
+        found[one] = _type_definition(one, described, [(said[0], said[2]) for said in constants])
+        waiting += [kind for _, kind, _ in described if "/" in kind]
+    return list(found.values())
+
+
+def describe_fields(name: str, fields: list[tuple[str, str]]) -> list[dict[str, object]]:
+    """Describe a type of plain fields, each with its ROS type."""
+    return [_type_definition(name, [(field, kind, -1) for field, kind in fields], [])]
+
+
+def _type_definition(
+    name: str, fields: list[tuple[str, str, int]], constants: list[tuple[str, object]]
+) -> dict[str, object]:
+    return {
+        "type": name,
+        "fieldnames": [field for field, _, _ in fields],
+        "fieldtypes": [kind for _, kind, _ in fields],
+        # -1: no array; 0: of any length.
+        "fieldarraylen": [length for _, _, length in fields],
+        "examples": ["" if "/" in kind else "0" for _, kind, _ in fields],
+        "constnames": [constant for constant, _ in constants],
+        "constvalues": [str(value) for _, value in constants],
+    }
+
+
+def _field_kind(kind: FieldDesc) -> tuple[str, int]:
+    """Give a field's type and the length of its array."""
+    from rosbags.interfaces import Nodetype
+
+    described: Any = kind
+    node, of = described
+    match node:
+        case Nodetype.BASE:
+            return of[0], -1
+        case Nodetype.NAME:
+            return of, -1
+        case Nodetype.ARRAY:
+            return _field_kind(of[0])[0], of[1]
+        case _:
+            return _field_kind(of[0])[0], 0
+
+
+def _read_definitions(text: TypeText) -> Typesdict:
+    from rosbags.typesys import TypesysError, get_types_from_idl, get_types_from_msg
+
+    if not text.definition:
+        raise MessageUnreadable(f"there is no definition of {text.type}")
+    try:
+        if text.encoding == "ros2idl":
+            return get_types_from_idl(text.definition)
+        return get_types_from_msg(text.definition, text.type)
+    except (TypesysError, SyntaxError, RecursionError) as error:
+        raise MessageUnreadable(f"{text.type}: {str(error)[:300]}") from error
+
+
+@cache
+def _brought_types() -> Typesdict:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.LATEST).fielddefs
+
+
+def _plain_fields(message: Any) -> dict[str, object]:  # noqa: ANN401 - of a class made by rosbags
+    return {
+        field.name: _plain_value(getattr(message, field.name))
+        for field in dataclasses.fields(message)
+    }
+
+
+def _plain_value(value: object) -> object:
+    if isinstance(value, list):
+        return [_plain_value(item) for item in value]
+    return _plain_fields(value) if dataclasses.is_dataclass(value) else value

@@ -1,0 +1,205 @@
+"""The services of ``/rosapi``, by which clients ask what there is, for one account."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.clock import SECOND
+from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type
+from talaia.hub.clients.rosbridge.ros_types import (
+    MessageUnreadable,
+    TypeText,
+    describe_fields,
+    describe_type,
+)
+from talaia.hub.errors import TapRefused
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from talaia.clock import Clock
+    from talaia.hub.auth.permissions import Grants
+    from talaia.hub.live.taps.tap_fanout import TapFanout
+
+__all__ = ["ROSAPI", "NoSuchThing", "RosGraph", "Rosapi"]
+
+ROSAPI = "/rosapi/"
+# Raw topics of the robot are published by the site as a whole: its nodes are not told here.
+_NODE = "/talaia"
+# Topics whose definitions are given at once.
+_MOST_TEXTS = 200
+_ANSWER_FIELDS = [("success", "bool"), ("message", "string")]
+
+
+class NoSuchThing(Exception):
+    """What was asked for is not there, or not for this account; a sentence for people."""
+
+
+class RosGraph(NamedTuple):
+    """Topics with their types, and the offer beside them."""
+
+    topics: dict[str, str]
+    offer: RosbridgeOffer
+
+    def node_of(self, topic: str) -> str:
+        """Name the node that publishes a topic."""
+        signal = self.offer.signals.get(topic)
+        return _NODE if signal is None else signal.node
+
+
+class Rosapi:
+    """Answers one account at one site."""
+
+    def __init__(self, site: str, grants: Grants, *, taps: TapFanout, clock: Clock) -> None:
+        """List raw topics by ``taps``, as far as ``grants`` go."""
+        self._site = site
+        self._grants = grants
+        self._taps = taps
+        self._clock = clock
+
+    def current_graph(self, offer: RosbridgeOffer) -> RosGraph:
+        """Give all topics that may be subscribed to, or published to, now."""
+        driven = {topic: driven.type for topic, driven in offer.driven.items()}
+        tapped = {entry.topic: entry.type for entry in self._taps.topics(self._site, self._grants)}
+        signals = {topic: signal.type for topic, signal in offer.signals.items()}
+        return RosGraph({**driven, **tapped, **signals}, offer)
+
+    async def answer_call(
+        self, service: str, args: Mapping[str, object], offer: RosbridgeOffer
+    ) -> dict[str, object]:
+        """Answer a call; ``service`` stands without ``/rosapi/``.
+
+        Raises:
+            NoSuchThing: there is no such service, or not what was asked about.
+
+        """
+        graph = self.current_graph(offer)
+        name = str(next(iter(args.values()), ""))[:500]
+        match service:
+            case "get_time":
+                seconds, rest = divmod(self._clock.wall_ns(), SECOND)
+                # As ROS 1 and ROS 2 call them.
+                both = {"sec": seconds, "nanosec": rest, "secs": seconds, "nsecs": rest}
+                return {"time": both}
+            case "get_ros_version":
+                return {"version": 2, "distro": ""}
+            case "message_details":
+                return {"typedefs": await self._describe_message(full_type(name), graph)}
+            case "service_request_details" | "service_response_details":
+                return {"typedefs": _service_details(service, name, offer)}
+            case "topics_and_raw_types":
+                return await self._raw_types(graph)
+            case "set_param" | "delete_param":
+                raise NoSuchThing("parameters cannot be changed here")
+            case _:
+                return _answer_lookup(service, name, args, graph)
+
+    async def _describe_message(self, kind: str, graph: RosGraph) -> list[dict[str, object]]:
+        topic = next((topic for topic, of in graph.topics.items() if of == kind), None)
+        try:
+            if topic is None or topic in graph.offer.signals or topic in graph.offer.driven:
+                return describe_type(kind)
+            schema = await self._taps.schema(self._site, topic, self._grants)
+            text = TypeText(schema.type, schema.encoding, schema.definition)
+            return describe_type(kind, text)
+        except (MessageUnreadable, TapRefused) as error:
+            raise NoSuchThing(str(error)) from error
+
+    async def _raw_types(self, graph: RosGraph) -> dict[str, object]:
+        topics = list(graph.topics)
+        texts = await asyncio.gather(*map(self._text_of, topics[:_MOST_TEXTS]))
+        return {
+            "topics": topics,
+            "types": [graph.topics[topic] for topic in topics],
+            "typedefs_full_text": [*texts, *[""] * (len(topics) - len(texts))],
+        }
+
+    async def _text_of(self, topic: str) -> str:
+        try:
+            return (await self._taps.schema(self._site, topic, self._grants)).definition
+        except TapRefused:
+            # Of a type that comes with ROS: whoever asks has it.
+            return ""
+
+
+def _answer_lookup(
+    service: str, name: str, args: Mapping[str, object], graph: RosGraph
+) -> dict[str, object]:
+    """Answer what is only looked up."""
+    topics, offer = graph.topics, graph.offer
+    services = offer.services
+    match service:
+        case "topics":
+            return {"topics": list(topics), "types": list(topics.values())}
+        case "topics_for_type":
+            return {"topics": [topic for topic, of in topics.items() if of == full_type(name)]}
+        case "topic_type":
+            return {"type": topics.get(name, "")}
+        case "services":
+            return {"services": list(services)}
+        case "services_for_type":
+            return {"services": [said for said, of in services.items() if of.type == name]}
+        case "service_type":
+            return {"type": services[name].type if name in services else ""}
+        case "service_node":
+            return {"node": services[name].node if name in services else ""}
+        case "service_providers":
+            found = dict.fromkeys(of.node for of in services.values() if of.type == name)
+            return {"providers": list(found)}
+        case "action_servers":
+            return {"action_servers": [said for said, of in services.items() if of.action]}
+        case "nodes" | "node_details" | "publishers" | "subscribers":
+            return _answer_nodes(service, name, graph)
+        case _:
+            return _answer_parameters(service, name, args, offer)
+
+
+def _answer_nodes(service: str, name: str, graph: RosGraph) -> dict[str, object]:
+    published = {
+        topic: graph.node_of(topic) for topic in graph.topics if topic not in graph.offer.driven
+    }
+    driven = {topic: f"{_NODE}/{of.device}" for topic, of in graph.offer.driven.items()}
+    served = {said: of.node for said, of in graph.offer.services.items()}
+    match service:
+        case "nodes":
+            nodes = [_NODE, *published.values(), *driven.values(), *served.values()]
+            return {"nodes": list(dict.fromkeys(nodes))}
+        case "publishers":
+            return {"publishers": [published[name]] if name in published else []}
+        case "subscribers":
+            return {"subscribers": [driven[name]] if name in driven else []}
+        case _:
+            return {
+                "subscribing": [topic for topic, node in driven.items() if node == name],
+                "publishing": [topic for topic, node in published.items() if node == name],
+                "services": [said for said, node in served.items() if node == name],
+            }
+
+
+def _answer_parameters(
+    service: str, name: str, args: Mapping[str, object], offer: RosbridgeOffer
+) -> dict[str, object]:
+    parameters = offer.parameters
+    match service:
+        case "get_param_names":
+            return {"names": list(parameters)}
+        case "has_param":
+            return {"exists": name in parameters}
+        case "get_param":
+            value = parameters.get(name, args.get("default_value", args.get("default", "")))
+            # Values are JSON in a text.
+            return {"value": msgspec.json.encode(value).decode()}
+        case _:
+            raise NoSuchThing(f"there is no service {ROSAPI + service[:200]!r}")
+
+
+def _service_details(service: str, kind: str, offer: RosbridgeOffer) -> list[dict[str, object]]:
+    found = next((of for of in offer.services.values() if kind in {of.type, of.action_type}), None)
+    if found is None:
+        raise NoSuchThing(f"the type {kind[:200]!r} is not known")
+    if service == "service_request_details":
+        return describe_fields(f"{kind}_Request", list(found.fields))
+    return describe_fields(f"{kind}_Response", _ANSWER_FIELDS)

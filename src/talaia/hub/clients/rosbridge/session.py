@@ -1,0 +1,363 @@
+"""One rosbridge client: what it asks becomes messages of a page, what it is told becomes its own.
+
+Long, because each message of the protocol, both ways, has its few lines here in one place.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from talaia.hub.auth.tokens import new_token
+from talaia.hub.clients.key_velocity import read_key
+from talaia.hub.clients.published_velocity import read_velocity
+from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type, make_rosbridge_offer
+from talaia.hub.clients.rosbridge.output import RosbridgeOutput
+from talaia.hub.clients.rosbridge.rosapi import ROSAPI, NoSuchThing, Rosapi
+from talaia.hub.clients.rosbridge.topic_delivery import TopicDelivery
+from talaia.hub.clients.rosbridge.wanted_topics import absolute_name
+from talaia.hub.live.first_completed import until_first
+from talaia.model.site import DriveMessage
+from talaia.wire.browser import (
+    CommandUpdate,
+    PageCommand,
+    PageCommandCancel,
+    RequestError,
+    SessionEnded,
+    SiteUpdate,
+    StopUpdate,
+    Values,
+)
+from talaia.wire.frames import CommandPhase
+from talaia.wire.gateway_messages.field_types import Arguments, Scalar
+from talaia.wire.rosbridge import client_messages as said
+from talaia.wire.rosbridge.codec import (
+    MAX_ROSBRIDGE_FRAME,
+    RosbridgeMistake,
+    decode_rosbridge,
+)
+from talaia.wire.rosbridge.fragments import FragmentAssembly
+
+if TYPE_CHECKING:
+    from starlette.websockets import WebSocket
+
+    from talaia.clock import Clock
+    from talaia.hub.clients.client_connection import ClientConnection
+    from talaia.hub.clients.rosbridge.offer import OfferedCommand
+    from talaia.hub.live.taps.tap_fanout import TapFanout
+    from talaia.wire.browser import ToBrowser
+
+__all__ = ["RosbridgeSession"]
+
+# Calls and goals that wait for their end, and topics that a client publishes.
+_MOST_CALLS = 100
+_MOST_ADVERTISED = 1000
+_GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
+
+
+class _Waiting(NamedTuple):
+    """A call or goal that waits for its end."""
+
+    asked: said.RosbridgeCall | said.RosbridgeGoal
+    device: str
+
+
+class RosbridgeSession:
+    """See `ClientSession`."""
+
+    def __init__(
+        self, socket: WebSocket, connection: ClientConnection, *, taps: TapFanout, clock: Clock
+    ) -> None:
+        """Speak over ``socket``, which is accepted, for ``connection``."""
+        self._socket = socket
+        self._output = RosbridgeOutput(socket)
+        self._connection = connection
+        self._site = connection.live.name
+        self._offer = RosbridgeOffer()
+        # Of the description that is offered.
+        self._edition = ""
+        grants = connection.who.grants
+        self._rosapi = Rosapi(self._site, grants, taps=taps, clock=clock)
+        self._topics = TopicDelivery(connection, self._output, taps=taps, clock=clock)
+        self._fragments = FragmentAssembly(MAX_ROSBRIDGE_FRAME)
+        # By topic: of which type the client said that it publishes it.
+        self._advertised: dict[str, str] = {}
+        # By the command's or STOP's id; and by the client's id of a goal: the command's.
+        self._waiting: dict[str, _Waiting] = {}
+        self._goals: dict[str | int, str] = {}
+        # What the person was told last of why it does not drive: each message would repeat it.
+        self._told = ""
+
+    # ── from the client ──
+
+    async def read_client(self) -> None:
+        """Read until the client has gone; meanwhile send what it subscribed to."""
+        self._update_offer()
+        try:
+            results = await until_first(
+                self._read_socket(), self._topics.send_taps(), self._topics.send_throttled()
+            )
+        finally:
+            self._topics.end_delivery()
+        for result in results:
+            if isinstance(result, Exception):
+                raise result
+
+    async def _read_socket(self) -> None:
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                return
+            text = event.get("text")
+            if text is None:
+                await self._output.tell_status("error", "messages are read as JSON in text frames")
+            else:
+                await self._receive_text(text)
+
+    async def _receive_text(self, text: str) -> None:
+        try:
+            message = decode_rosbridge(text)
+            if isinstance(message, said.RosbridgeFragment):
+                whole = self._fragments.add_fragment(message)
+                if whole is None:
+                    return
+                message = decode_rosbridge(whole)
+        except RosbridgeMistake as mistake:
+            await self._output.tell_status("error", mistake.problem, mistake.id)
+            return
+        await self._handle_message(message)
+
+    async def _handle_message(self, message: said.RosbridgeMessage) -> None:
+        match message:
+            case said.RosbridgeSubscribe():
+                topic = absolute_name(message.topic)
+                kind = self._rosapi.current_graph(self._offer).topics.get(topic, "")
+                await self._topics.add_subscription(message, kind)
+            case said.RosbridgeUnsubscribe():
+                await self._topics.remove_subscription(message)
+            case said.RosbridgeAdvertise():
+                await self._note_advertised(message)
+            case said.RosbridgeUnadvertise():
+                self._advertised.pop(absolute_name(message.topic), None)
+            case said.RosbridgePublish():
+                await self._publish_velocity(message)
+            case said.RosbridgeCall():
+                await self._call_service(message)
+            case said.RosbridgeGoal():
+                await self._send_goal(message)
+            case said.RosbridgeCancel():
+                await self._cancel_goal(message)
+            case said.RosbridgeLevel():
+                self._output.set_level(message.level)
+            case said.RosbridgeServe() | said.RosbridgeServeAction():
+                why = "services and actions of clients are not called from here"
+                await self._output.tell_status("error", why, message.id)
+            case said.RosbridgeFragment():
+                await self._output.tell_status("error", "a fragment in fragments", message.id)
+
+    async def _note_advertised(self, message: said.RosbridgeAdvertise) -> None:
+        topic = absolute_name(message.topic)
+        if topic not in self._offer.driven:
+            await self._refuse_published(f"nothing here listens to {message.topic}", message.id)
+        elif len(self._advertised) < _MOST_ADVERTISED or topic in self._advertised:
+            self._advertised[topic] = full_type(message.type)
+
+    async def _publish_velocity(self, message: said.RosbridgePublish) -> None:
+        topic = absolute_name(message.topic)
+        driven = self._offer.driven.get(topic)
+        if driven is None:
+            await self._refuse_published(f"nothing here listens to {message.topic}", message.id)
+            return
+        kind = self._advertised.get(topic, driven.type)
+        rule = self._connection.description.devices[driven.device].drive
+        if kind == DriveMessage.KEYS.value and rule is not None:
+            velocity = read_key(bytes(message.msg), rule)
+        else:
+            velocity = read_velocity("json", kind, bytes(message.msg))
+        if isinstance(velocity, str):
+            await self._refuse_published(f"{message.topic}: {velocity}", message.id)
+            return
+        why = self._connection.publish_drive(
+            driven.device, linear=velocity.linear, angular=velocity.angular
+        )
+        if why:
+            await self._refuse_published(f"{message.topic}: {why}", message.id)
+        else:
+            self._told = ""
+
+    async def _refuse_published(self, why: str, message_id: str | int | None) -> None:
+        """Say why what is published is refused, once for as long as it stays so."""
+        if why != self._told:
+            self._told = why
+            await self._output.tell_status("error", why, message_id)
+
+    async def _call_service(self, message: said.RosbridgeCall) -> None:
+        service = absolute_name(message.service)
+        if service.startswith(ROSAPI):
+            try:
+                args = _read_fields(bytes(message.args))
+                found = await self._rosapi.answer_call(
+                    service.removeprefix(ROSAPI), args, self._offer
+                )
+            except (NoSuchThing, ValueError) as error:
+                await self._output.send_response(message, str(error), good=False)
+            else:
+                await self._output.send_response(message, found, good=True)
+            return
+        offered = self._offer.services.get(service)
+        if offered is None:
+            why = f"there is no service {message.service}"
+        else:
+            why = self._ask_command(offered, message)
+        if why:
+            await self._output.send_response(message, why, good=False)
+
+    async def _send_goal(self, message: said.RosbridgeGoal) -> None:
+        offered = self._offer.services.get(absolute_name(message.action))
+        if offered is None or not offered.action:
+            why = f"there is no action {message.action}"
+        else:
+            why = self._ask_command(offered, message)
+        if why:
+            await self._output.end_goal(message, why, CommandPhase.REFUSED)
+
+    def _ask_command(
+        self, offered: OfferedCommand, message: said.RosbridgeCall | said.RosbridgeGoal
+    ) -> str:
+        """Ask the hub for a command or STOP; say why not, if so."""
+        if len(self._waiting) >= _MOST_CALLS:
+            return f"at most {_MOST_CALLS} calls at once"
+        if not offered.command:
+            press, why = self._connection.press_stop(offered.device)
+            if not why:
+                self._waiting[press] = _Waiting(message, offered.device)
+            return why
+        try:
+            args = _read_arguments(bytes(message.args), offered)
+        except ValueError as error:
+            return str(error)
+        number = new_token()
+        # Before it is asked: its end may come at once.
+        self._waiting[number] = _Waiting(message, offered.device)
+        problem = self._connection.request(
+            PageCommand(
+                site=self._site,
+                device=offered.device,
+                command=offered.command,
+                id=number,
+                args=args,
+            )
+        )
+        if problem is not None:
+            del self._waiting[number]
+            return problem.message
+        if isinstance(message, said.RosbridgeGoal) and message.id is not None:
+            self._goals[message.id] = number
+        return ""
+
+    async def _cancel_goal(self, message: said.RosbridgeCancel) -> None:
+        number = self._goals.get(message.id) if message.id is not None else None
+        if number is None:
+            why = f"there is no goal {message.id} under way"
+        else:
+            device = self._waiting[number].device
+            asked = PageCommandCancel(site=self._site, device=device, id=number)
+            problem = self._connection.request(asked)
+            why = "" if problem is None else problem.message
+        if why:
+            await self._output.tell_status("error", why, message.id)
+
+    # ── to the client ──
+
+    async def deliver_message(self, message: ToBrowser) -> None:
+        """Write a message of the hub in the client's protocol, if it has one for it."""
+        match message:
+            case Values():
+                await self._topics.deliver_values(message)
+            case SiteUpdate() if message.site == self._site:
+                if message.catalogue != self._edition:
+                    self._update_offer()
+            case CommandUpdate() if message.id in self._waiting:
+                await self._follow_command(message)
+            case StopUpdate() if message.id in self._waiting and message.latched:
+                waiting = self._waiting.pop(message.id).asked
+                if isinstance(waiting, said.RosbridgeCall):
+                    await self._output.send_response(
+                        waiting, {"success": True, "message": "STOP is on"}, good=True
+                    )
+            case RequestError():
+                await self._output.tell_status("error", message.message)
+            case SessionEnded():
+                await self._output.tell_status("error", message.reason)
+            case _:
+                pass
+
+    async def warn_person(self, text: str) -> None:
+        """Tell the client an error: by default it hears of nothing less."""
+        await self._output.tell_status("error", text)
+
+    async def close_client(self, code: int) -> None:
+        """Close the socket."""
+        await self._socket.close(code)
+
+    def _update_offer(self) -> None:
+        self._edition = self._connection.live.edition
+        self._offer = make_rosbridge_offer(
+            self._connection.description, self._connection.who.grants
+        )
+        self._topics.update_offer(self._offer)
+
+    async def _follow_command(self, message: CommandUpdate) -> None:
+        asked = self._waiting[message.id].asked
+        if message.phase in _GOING_ON:
+            if isinstance(asked, said.RosbridgeGoal) and asked.feedback:
+                progress = {"progress": message.progress, "message": message.message}
+                feedback = {"op": "action_feedback", "action": asked.action, "values": progress}
+                await self._output.send_answer(feedback, asked)
+            return
+        del self._waiting[message.id]
+        text = message.message
+        if isinstance(asked, said.RosbridgeGoal):
+            if asked.id is not None:
+                self._goals.pop(asked.id, None)
+            await self._output.end_goal(asked, text, message.phase)
+        elif message.phase is CommandPhase.SUCCEEDED:
+            await self._output.send_response(asked, {"success": True, "message": text}, good=True)
+        else:
+            await self._output.send_response(asked, f"{message.phase.value}: {text}", good=False)
+
+
+def _read_fields(args: bytes) -> dict[str, object]:
+    """Read the arguments of a rosapi call.
+
+    Raises:
+        ValueError: they are none.
+
+    """
+    try:
+        read = msgspec.json.decode(args, type=dict[str, object] | list[object] | None)
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        raise ValueError(f"not the arguments of a call: {str(error)[:200]}") from error
+    # A list has them in their order; most have one.
+    return (
+        read if isinstance(read, dict) else {str(at): value for at, value in enumerate(read or ())}
+    )
+
+
+def _read_arguments(args: bytes, offered: OfferedCommand) -> dict[str, Scalar]:
+    """Read the arguments of a command: an object, or a list in the order of its fields.
+
+    Raises:
+        ValueError: they are none.
+
+    """
+    try:
+        read = msgspec.json.decode(args, type=Arguments | list[Scalar] | None)
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        raise ValueError(f"not the arguments of a command: {str(error)[:200]}") from error
+    if not isinstance(read, list):
+        return read or {}
+    if len(read) > len(offered.fields):
+        raise ValueError(f"{len(read)} arguments are more than the {len(offered.fields)} there are")
+    return {name: value for (name, _), value in zip(offered.fields, read, strict=False)}
