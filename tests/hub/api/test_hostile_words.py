@@ -67,7 +67,9 @@ async def test_no_filter_and_no_name_in_a_path_becomes_sql(
                 target = target.replace(f"{{{each}}}", quote(value, safe=""))
             answer = await client.get(target, params=query)
             asked += 1
-            assert answer.status_code in {200, 404, 422}, (path, name, answer.text)
+            # What is shut to everybody is refused before anything is looked at.
+            allowed = {200, 404, 422} | ({403} & set(right.done))
+            assert answer.status_code in allowed, (path, name, answer.text)
             if answer.status_code == 200 and path == "/api/audit":
                 assert answer.json()["rows"] == [], name
     assert asked >= 10

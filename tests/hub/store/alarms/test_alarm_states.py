@@ -224,8 +224,8 @@ async def test_browser_takes_messages_of_one_person_only(database, ways, person)
     said = {"endpoint": "https://push.example/1", "p256dh": "a", "auth": "b"}
     await ways.add_browser(person, said, "Firefox", 0)
     await ways.add_browser(other, said, "Firefox", 0)
-    assert await ways.browsers(person) == []
-    found = await ways.browsers(other)
+    assert await ways.browsers_of(person) == []
+    found = await ways.browsers_of(other)
     assert found[0].subscription == said
     assert not await ways.remove_browser(person, found[0].id)
     assert await ways.remove_browser(other, found[0].id)
