@@ -31,8 +31,8 @@ def test_a_domain_in_use_is_refused_until_it_is_released(tmp_path: Path) -> None
 
 def test_another_process_holds_its_domain_until_it_ends(tmp_path: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from talaia.sim.ros_domain import reserve\n"
-        f"held = reserve(folder=Path({str(tmp_path)!r}))\n"
+        "import sys; from pathlib import Path; from talaia.sim.ros_domain import reserve_domain\n"
+        f"held = reserve_domain(folder=Path({str(tmp_path)!r}))\n"
         "print(held.domain, flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen(

@@ -76,7 +76,7 @@ def test_osmesa_draws_where_egl_cannot(broken: dict[str, str], taken: str) -> No
     # OpenGL is bound once for a process, so each way is tried in one of its own.
     code = (
         "from talaia.sim.vehicle.world import World; from talaia.sim.vehicle.camera import Camera\n"
-        "camera = Camera(World(0, looks=True)); picture = camera.draw(0.0, 0.0, 0.0)\n"
+        "camera = Camera(World(0, looks=True)); picture = camera.render_view(0.0, 0.0, 0.0)\n"
         "print(camera.way, picture.std() > 30); camera.close()"
     )
     environment = {
