@@ -130,7 +130,7 @@ from talaia.objects.worker import USUAL, Worker, WorkerTimes
 async def main():
     red = ObjectModel(file="red.onnx", kind=ModelKind.YOLO, classes=("a",), side=32)
     worker = Worker({"red": red}, Path(sys.argv[1]), print)
-    await worker.seen("red", np.zeros((48, 64, 3), np.uint8), 0.5)
+    await worker.detect_objects("red", np.zeros((48, 64, 3), np.uint8), 0.5)
     print(psutil.Process().children()[0].pid, flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
 
