@@ -76,7 +76,7 @@ def examine_machine() -> Iterator[PartFinding]:
     yield PartFinding(
         PartState.OK,
         "Talaia",
-        f"{__version__}, Python {platform.python_version()} on {platform.system()} "
+        f"{__version__}, Python {platform.python_version()} on {sys.platform} "
         f"{platform.machine()}, in {sys.prefix}",
     )
     yield from _examine_ros2()
