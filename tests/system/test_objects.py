@@ -7,6 +7,7 @@ gateway's detector looks at them, Chromium shows them, and a mail server takes t
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import email
 import email.policy
 import os
@@ -14,8 +15,10 @@ import re
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import httpx
+import psutil
 import pytest
 from aiosmtpd.controller import Controller
 from patience import PATIENCE_MS, PATIENCE_S
@@ -24,6 +27,7 @@ from ports import free_port
 
 from talaia.objects.worker import OWN_FILE
 from talaia.wire import browser as wire
+from talaia.wire.columns import unpack_columns
 
 from .conftest import launching, missing, need_ros2
 from .people import Page, page as opened_by
@@ -40,7 +44,6 @@ DESCRIPTION = EXAMPLE.replace("\nsite: agv\n", f"\nsite: {SITE}\n").replace(
     "  dog: {name: A dog is about, kind: detection, stream: camera/front, label: dog,"
     " confidence: 0.4}\n",
 )
-# Drawing pictures, looking at them and showing them, on whatever machine this is.
 
 
 class Mailbox:
@@ -130,12 +133,33 @@ def seeing(tmp_path: Path, mailbox: Mailbox) -> Iterator[Seeing]:
 
 async def signed_in(chrome: Browser, seeing: Seeing) -> BrowserPage:
     page = await chrome.new_page(viewport={"width": 1280, "height": 900})
-    await page.goto(f"{seeing.address}/login")
-    await page.get_by_label("Name").fill("boss")
-    await page.get_by_label("Password").fill(PASSWORD)
-    await page.get_by_role("button", name="Sign in").click()
-    await page.wait_for_url("**/home")
+    answer = await page.context.request.post(
+        f"{seeing.address}/api/login",
+        data={"name": "boss", "password": PASSWORD},
+        headers={"Origin": seeing.address},
+    )
+    assert answer.ok, await answer.text()
     return page
+
+
+def let_run(process: psutil.Process) -> None:
+    """Give all threads of a process the priority of this one, where one may."""
+    with contextlib.suppress(PermissionError, ProcessLookupError, psutil.NoSuchProcess):
+        for thread in process.threads():
+            os.sched_setscheduler(thread.id, os.SCHED_OTHER, os.sched_param(0))
+            os.setpriority(os.PRIO_PROCESS, thread.id, os.getpriority(os.PRIO_PROCESS, 0))
+
+
+async def let_camera_and_detector_run(seeing: Seeing) -> None:
+    """Give what draws and what looks the priority of all others here, whenever they start.
+
+    Both give way to everything else on their machine: beside other tests they would stand still.
+    """
+    while True:
+        for part in (seeing.robot, seeing.gateway):
+            for child in psutil.Process(part.popen.pid).children():
+                let_run(child)
+        await asyncio.sleep(1.0)
 
 
 async def picture_of(page: BrowserPage, name: str) -> None:
@@ -178,6 +202,7 @@ async def test_a_person_and_a_dog_are_framed_logged_and_told_of(
     seeing: Seeing, mailbox: Mailbox, chromium: str
 ) -> None:
     await seeing.gateway.says("linked to", PATIENCE_S)
+    running = asyncio.create_task(let_camera_and_detector_run(seeing))
     async with async_playwright() as playing:
         chrome = await playing.chromium.launch(**launching(chromium))
         page = await signed_in(chrome, seeing)
@@ -213,6 +238,31 @@ async def test_a_person_and_a_dog_are_framed_logged_and_told_of(
             assert await picture.evaluate("img => img.decode().then(() => img.naturalWidth)") > 16
         await picture_of(page, "objects-sightings")
         await chrome.close()
+    running.cancel()
+
+
+class Pose(NamedTuple):
+    """Where the vehicle is in the house: from its start, along its first heading (m; rad)."""
+
+    x: float
+    yaw: float
+
+
+POSE_CHANNELS = ["base/pose.x", "base/pose.yaw"]
+# Two metres before the person: in the drive path, and the feet on the picture for a metre more.
+IN_THE_WAY_M = 1.25
+
+
+def newest_pose(driver: Page) -> Pose:
+    """Give what the page was told last."""
+    found: dict[int, float] = {}
+    for update in reversed(driver.got):
+        if isinstance(update, wire.Values):
+            columns = unpack_columns(update)
+            found = dict(zip(columns.channel.tolist(), columns.value.tolist(), strict=True)) | found
+            if len(found) == len(POSE_CHANNELS):
+                break
+    return Pose(found.get(0, 0.0), found.get(1, 0.0))
 
 
 async def drive_until(
@@ -235,7 +285,11 @@ async def drive_until(
 
 
 async def meet_and_turn_away(driver: Page) -> None:
-    """Drive towards the person until that slows the vehicle down; then look elsewhere."""
+    """Drive towards the person, which slows the vehicle down; then look elsewhere.
+
+    How far is driven goes by where the vehicle says that it is: what a detector on a busy machine
+    sees late is waited for while the vehicle stands where the person is in its way.
+    """
 
     def told() -> bool:
         news = [each for each in driver.all(wire.AlarmUpdate) if each.alarm == "person_in_the_way"]
@@ -249,8 +303,11 @@ async def meet_and_turn_away(driver: Page) -> None:
         ended = {each.label for each in driver.all(wire.SightingUpdate) if each.ended_us}
         return ended >= {"person", "dog"}
 
-    # Creeping on, until it is in the way for long enough and not only at the edge of it.
-    await drive_until(driver, 0.22, 0.0, told)
+    await driver.say(wire.Subscribe(sub=1, site=SITE, channels=POSE_CHANNELS, every_ms=0))
+    await drive_until(driver, 0.22, 0.0, lambda: newest_pose(driver).x > IN_THE_WAY_M)
+    await until(told, what="the alarm that somebody is in the way")
     since = len(driver.got)
     await drive_until(driver, 0.22, 0.0, slowed)
-    await drive_until(driver, 0.0, 1.0, gone)
+    # To the wall behind it, and there it stays: who turned on would meet them again.
+    await drive_until(driver, 0.0, 1.0, lambda: abs(newest_pose(driver).yaw) > 2.6)
+    await until(gone, what="the end of both sightings")

@@ -46,8 +46,8 @@ def test_handing_over_stops_the_vehicle_before_the_other_drives(
     expect(operator.get_by_text(re.compile(r"[1-5]\ss to answer"))).to_be_visible()
     picture(operator, "takeover-holder")
     picture(admin, "takeover-asker")
-    # The ask alone changes nothing: the holder drives on.
-    assert velocities(demo)[-1] > 0
+    # The ask alone changes nothing: the holder drives on, once a busy machine lets frames through.
+    until(lambda: velocities(demo)[-1] > 0, operator)
     operator.get_by_role("button", name="Hand over").click()
     expect(admin.get_by_text("You have control").first).to_be_visible()
     expect(operator.get_by_text("You handed control to admin.")).to_be_visible()
