@@ -142,7 +142,9 @@ async def test_an_alarm_of_each_kind_is_made_in_the_page_and_raised(hub, chromiu
     hub.hub.alarms.engine.report_anomaly(
         AnomalyReport("agv", "base/speed", "baseline", 1, None, 0.9, "too fast")
     )
-    hub.hub.alarms.engine.sighting(SightingEvent("agv", "camera/front", "person", 1, 0.9, 1, None))
+    hub.hub.alarms.engine.report_sighting(
+        SightingEvent("agv", "camera/front", "person", 1, 0.9, 1, None)
+    )
     for alarm, why in {
         "low": "Voltage is 10 V, below 11 V", "slow": "Voltage is 10 V, below 11 V",
         "wandering": "Wander mode is 'on'", "both": "Voltage is 10 V, Wander mode is 'on'",
