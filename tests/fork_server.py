@@ -54,7 +54,8 @@ PR_SET_NAME = 15
 
 def is_used() -> bool:
     """Tell whether programs are forked in this run."""
-    measured = any(name.startswith("COVERAGE_") for name in os.environ)
+    # With this each new program measures itself; a fork would not.
+    measured = any(name.startswith("COVERAGE_PROCESS") for name in os.environ)
     wanted = os.environ.get("TALAIA_TEST_FORKS") != "0"
     return sys.platform == "linux" and wanted and not measured
 

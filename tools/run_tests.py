@@ -65,7 +65,7 @@ class Run:
     Attributes:
         waiting: groups to start, in order; ``running``: those that run.
         failed: first failure's text of each test that failed.
-        spent: wall time and CPU time of each file (s).
+        spent: wall time and CPU time of each file (s); ``tests``: of each test.
         cpu: CPU time of all groups that have ended (s).
 
     """
@@ -83,6 +83,7 @@ class Run:
         self.running: list[Group] = []
         self.failed: dict[str, str] = {}
         self.spent: dict[str, Cost] = {}
+        self.tests: dict[str, Cost] = {}
         self.passed = self.skipped = 0
         self.cpu = 0.0
         self.left: list[str] = []
@@ -191,6 +192,7 @@ class Run:
         group.now = ""
         group.done.append(test)
         self._add_cost(test.partition("::")[0], line["wall"], line["cpu"])
+        self.tests[test] = Cost(line["wall"], line["cpu"])
         if line["outcome"] == "failed":
             self._fail(group, test, line["text"])
         elif line["outcome"] == "skipped":
@@ -289,14 +291,14 @@ def finish(run: Run) -> int:
     return 1 if failed or too_many else 0
 
 
-def print_slowest(spent: dict[str, Cost]) -> None:
-    """Print CPU and wall time for each folder, and the files that compute most."""
+def print_slowest(spent: dict[str, Cost], tests: dict[str, Cost]) -> None:
+    """Print CPU and wall time for each folder, and the files and tests that compute most."""
     folders: dict[str, Cost] = {}
     for file, cost in spent.items():
         folder = file.rpartition("/")[0] or file
         before = folders.get(folder, Cost(0.0, 0.0))
         folders[folder] = Cost(before.wall + cost.wall, before.cpu + cost.cpu)
-    for title, rows in (("folders", folders), ("files", spent)):
+    for title, rows in (("folders", folders), ("files", spent), ("tests", tests)):
         print(f"\n{title}: wall, CPU (s)")
         for name, cost in sorted(rows.items(), key=lambda row: -row[1].cpu)[:40]:
             print(f"{cost.wall:8.1f} {cost.cpu:8.1f}  {name}")
@@ -336,7 +338,7 @@ def main(arguments: list[str]) -> int:
         if chosen.save_durations:
             save_costs(run.spent, costs)
         if chosen.times:
-            print_slowest(run.spent)
+            print_slowest(run.spent, run.tests)
         code = finish(run)
         covered = measure_coverage.print_shares(
             folder, everything=chosen.coverage, whole_ring=not chosen.only

@@ -58,3 +58,15 @@ def test_every_row_of_the_security_table_is_held_by_tests_that_exist() -> None:
         named = re.findall(r"`(test_\w+)`", row[3])
         assert named or "does not apply: " in row[2], row
         assert set(named) <= there, row
+
+
+def test_every_place_that_the_glossary_names_is_there() -> None:
+    rows = [line for line in (ROOT / "docs/glossary.md").read_text().splitlines() if "|" in line]
+    places = {
+        place
+        for row in rows
+        for place in re.findall(r"`([\w./]+(?:/|\.py|\.ts))`", row.rpartition(" | ")[2])
+    }
+    assert len(places) >= 50
+    there = (ROOT, ROOT / "src/talaia")
+    assert [place for place in places if not any((root / place).exists() for root in there)] == []
