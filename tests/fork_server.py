@@ -160,6 +160,16 @@ class ForkServer:
         pipe = os.fdopen(stdin, "wb", buffering=0)
         return ForkedProcess([sys.executable, *words], pid, ended, pipe)
 
+    def cpu_time(self) -> float:
+        """Give the CPU time of the server and of the programs that have ended (s)."""
+        try:
+            text = Path(f"/proc/{self._process.pid}/stat").read_text()
+        except FileNotFoundError:
+            return 0.0
+        # proc_pid_stat(5): utime, stime, cutime and cstime, which are fields 14 to 17.
+        ticks = text.rpartition(")")[2].split()[11:15]
+        return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
+
     def close(self) -> None:
         """End it, and all that it started; only where it was begun."""
         if os.getpid() == self.owner:
@@ -186,6 +196,11 @@ def fork_program(words: list[str], environment: dict[str, str], output: IO[bytes
         atexit.register(server.close)
         _servers.append(server)
     return _servers[-1].fork(words, environment, output)
+
+
+def cpu_time() -> float:
+    """Give the CPU time of what was forked for this process and has ended (s)."""
+    return sum(server.cpu_time() for server in _servers if server.owner == os.getpid())
 
 
 # ── in the server's process ──

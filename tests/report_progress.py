@@ -4,7 +4,7 @@ The file's name is in TALAIA_TEST_REPORT; without it nothing is written. Beside 
 lists tests that are not to be run, for they have run in a process that crashed. Lines:
 ``{"begin": ID}`` before a test; ``{"end": ID, "outcome", "text", "wall", "cpu"}`` after it, with
 the seconds since the test before it ended: ``wall``, and ``cpu`` of this process and of its
-children that have ended.
+children that have ended, those of the fork server with them.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import os
 import resource
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,10 @@ import pytest
 def _cpu() -> float:
     """CPU time so far of this process and of its children that have ended (s)."""
     usages = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+    # Only tests of whole sites import it.
+    forks = sys.modules.get("fork_server")
+    forked = forks.cpu_time() if forks else 0.0
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages) + forked
 
 
 class ProgressReport:

@@ -19,20 +19,22 @@ ROOT = Path(__file__).resolve().parent.parent
 DURATIONS = ROOT / "tests" / "durations.json"
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 # Each is a process of some hundred megabytes, with a site and a browser beside it.
-MOST_AT_ONCE = 2 * CORES
+MOST_AT_ONCE = 3 * CORES
+# Of those that start a whole site each: most of their time is waiting for a robot or a limit.
+MOST_WHOLE = 2 * CORES
 # Groups do not compute evenly: with no more than the cores asked for, these are often idle.
 MOST_LOAD = 1.25 * CORES
 # While a group runs that wants calm. It waits for half of the time itself: with what is beside it
 # held to half of the cores, a quarter of them stood idle for the first five minutes.
 MOST_CALM_LOAD = 0.9 * CORES
 # Each process takes some seconds of a core before its first test.
-GROUP_S = 110.0
+GROUP_S = 200.0
 
 # The quick ring: files that start no server, no browser, no ROS and no database. All files of
 # these folders, and each file that says `pytestmark = pytest.mark.pure`.
 PURE_FOLDERS = ("tests/model", "tests/wire", "tests/test_clock.py")
 PURE = re.compile(r"^pytestmark = .*pytest\.mark\.pure\b", re.MULTILINE)
-# Each starts a whole site with browsers: as many of them at a time as there are cores.
+# Each starts a whole site with browsers: only some of them at a time, see `MOST_WHOLE`.
 WHOLE_SITES = ("tests/system",)
 # Whose files look at one running demo, which lives as long as their process.
 SHARING = (
@@ -178,12 +180,10 @@ def choose_next(waiting: list[Group], running: list[Group]) -> Group | None:
 def _fits(group: Group, running: list[Group]) -> bool:
     """Tell whether what runs leaves a group the cores that it needs."""
     together = [*running, group]
-    if group.whole and sum(each.whole for each in running) >= CORES:
+    if group.whole and sum(each.whole for each in running) >= MOST_WHOLE:
         return False
     load = sum(each.load for each in together)
-    if calm := [each for each in together if each.calm]:
-        return len(calm) == 1 and load <= MOST_CALM_LOAD
-    return load <= MOST_LOAD
+    return load <= (MOST_CALM_LOAD if any(each.calm for each in together) else MOST_LOAD)
 
 
 def read_costs() -> dict[str, Cost]:
