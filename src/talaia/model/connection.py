@@ -23,6 +23,7 @@ from talaia.model.connections.ros2 import Ros2Connection, Ros2Rules, Ros2Setting
 from talaia.model.connections.rosbridge import RosbridgeConnection, RosbridgeRules
 from talaia.model.connections.rules import ConnectionRules, SourceT, keys_given, own_keys
 from talaia.model.connections.video import VideoConnection, VideoRules, VideoSource
+from talaia.model.derivation.source import DerivedSource
 from talaia.model.detection import DetectionSource
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "Connection",
     "ConnectionKind",
     "ConnectionRules",
+    "DerivedSource",
     "DetectionSource",
     "ExtensionConnection",
     "ExtensionScalar",
@@ -67,8 +69,16 @@ Connection = (
 )
 
 # Where a signal or a picture comes from: which of them goes by the connection of its device, but
-# what a camera sees is counted by the gateway itself.
-Source = RosSource | IndiSource | ProcessSource | VideoSource | ExtensionSource | DetectionSource
+# what a camera sees, and what is worked out from other signals, is made by the gateway itself.
+Source = (
+    RosSource
+    | IndiSource
+    | ProcessSource
+    | VideoSource
+    | ExtensionSource
+    | DetectionSource
+    | DerivedSource
+)
 
 _ALL_RULES: tuple[type[ConnectionRules], ...] = (
     Ros2Rules,

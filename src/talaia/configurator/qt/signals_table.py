@@ -13,7 +13,7 @@ from PySide6.QtCore import (
     Signal,
 )
 
-from talaia.model.connection import IndiSource, ProcessSource, RosSource
+from talaia.model.connection import DerivedSource, IndiSource, ProcessSource, RosSource
 
 if TYPE_CHECKING:
     from talaia.configurator.description_paths import Path
@@ -159,7 +159,7 @@ def _origin_text(source: Source) -> str:
             return f"{topic} · {name or field}" if name or field else topic
         case IndiSource(property=name, element=element):
             return f"{name} · {element}" if element else name
-        case ProcessSource(run=line):
+        case ProcessSource(run=line) | DerivedSource(expression=line):
             return line
         case _:
             return ""

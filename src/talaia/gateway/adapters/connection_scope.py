@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from talaia.gateway.samples.channel_numbering import ChannelNumbering
-from talaia.model.detection import DetectionSource
+from talaia.model.connection import DerivedSource, DetectionSource
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,8 +23,8 @@ class ConnectionScope(NamedTuple):
 
     Attributes:
         name: of the connection.
-        devices: those reached by it, by name; without what is seen on their cameras, which no
-            robot says.
+        devices: those reached by it, by name; without what is seen on their cameras or worked out
+            from other signals, which no robot says.
         channel: by the address of a signal of theirs: the number of its first channel, which is
             what samples carry; see `ChannelNumbering`.
         guarded: signals of theirs whose newest readings must be at hand; see `Site.safety_signals`.
@@ -55,7 +55,7 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
     scopes = []
     for name, connection in site.links().items():
         devices = {
-            device: _without_detections(site.devices[device])
+            device: _without_own_signals(site.devices[device])
             for device in site.devices
             if of[device] == name
         }
@@ -68,12 +68,12 @@ def scopes_of(site: Site, numbering: ChannelNumbering | None = None) -> list[Con
     return scopes
 
 
-def _without_detections(device: Device) -> Device:
-    """Leave out what is seen."""
+def _without_own_signals(device: Device) -> Device:
+    """Leave out what is seen, and what is worked out from other signals."""
     signals = {
         name: signal
         for name, signal in device.signals.items()
-        if not isinstance(signal.source, DetectionSource)
+        if not isinstance(signal.source, DerivedSource | DetectionSource)
     }
     # The detector goes as well: an adapter has nothing to do with it.
     streams = {

@@ -87,6 +87,9 @@ class AdaptersPart(GatewayPart):
             events=base.events,
         )
         taps.service.attach_adapter(self.adapter)
+        # What is worked out is unknown as soon as what it is worked out from is.
+        samples.sink.attach_reachability(self.reachability.still_counts)
+        self.adapter.subscribe_losses(lost=samples.sink.forget_devices, back=lambda _devices: None)
         # Made of the joined adapter, so that what is decided goes to whichever serves the device
         # now.
         self.output = OutputRouter(

@@ -16,6 +16,7 @@ from talaia.gateway.samples.absence_gaps import (
     watch_first_heard,
 )
 from talaia.gateway.samples.batching import Batcher
+from talaia.gateway.samples.derived_values import DerivedValues
 from talaia.gateway.spool.journal import SegmentHead, Spool
 from talaia.gateway.spool.progress_mark import machine_run
 from talaia.gateway.spool.spool_thread import SpoolThread
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
     from talaia.gateway.assembly.description import DescriptionPart
     from talaia.gateway.assembly.foundation import FoundationPart
-    from talaia.gateway.ports import SampleSink
     from talaia.gateway.reload.current_description import PreparedDescription
     from talaia.gateway.spool.segment import SampleRecord
 
@@ -39,7 +39,7 @@ class SamplesPart(GatewayPart):
         spool: has what the hub has not, on disk.
         batcher: numbers samples.
         newest_values: for clients of the legacy API; none where that is not served.
-        sink: takes samples.
+        sink: takes samples, and adds what is worked out from them.
 
     """
 
@@ -75,11 +75,17 @@ class SamplesPart(GatewayPart):
         # Before the first sample, so that the gap has the lower number.
         self._record_absence()
         self.newest_values: NewestValues | None = None
+        numbers = description.numbering.numbers_of(description.site)
         if settings.door is not None:
-            numbers = description.numbering.numbers_of(description.site)
             self.newest_values = NewestValues(numbers, self.batcher, clock.monotonic_ns)
         # Where founding clients are served they see each sample on its way to the batcher.
-        self.sink: SampleSink = self.newest_values or self.batcher
+        self.sink = DerivedValues(
+            site=description.site,
+            numbers=numbers,
+            sink=self.newest_values or self.batcher,
+            clock=clock,
+            loop=base.loop,
+        )
 
     def redescribe(self, prepared: PreparedDescription) -> None:
         """Number, keep and send samples by another list of channels from here on."""
@@ -88,8 +94,10 @@ class SamplesPart(GatewayPart):
         # segment.
         self.batcher.redescribe(catalogue, self._numbering.order_of(prepared.site))
         self.spool.redescribe(SegmentHead(self._base.boot, catalogue, addresses))
+        numbers = self._numbering.numbers_of(prepared.site)
         if self.newest_values is not None:
-            self.newest_values.redescribe(self._numbering.numbers_of(prepared.site))
+            self.newest_values.redescribe(numbers)
+        self.sink.redescribe(prepared.site, numbers)
 
     def _keep_batch(self, record: SampleRecord) -> None:
         # The link first, which only queues; the spool is on a thread of its own.
@@ -127,6 +135,7 @@ class SamplesPart(GatewayPart):
 
     async def close(self) -> None:
         """Have on disk what was heard to the end."""
+        self.sink.close()
         # First: what waits in the batcher goes into the spool before that is closed.
         self.batcher.flush_batches()
         await self.spool.close()

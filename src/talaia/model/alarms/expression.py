@@ -1,4 +1,4 @@
-"""The text of an alarm's condition, read into a tree and judged by values. Never `eval`.
+"""The text of an alarm's condition, or of a derived signal, read into a tree. Never `eval`.
 
 ::
 
@@ -31,8 +31,11 @@ __all__ = [
     "MAX_LENGTH",
     "Expression",
     "ExpressionError",
+    "ExpressionNode",
+    "Value",
     "ValueKind",
     "parse_condition",
+    "parse_expression",
 ]
 
 MAX_LENGTH = 1000
@@ -68,13 +71,26 @@ class ExpressionError(TalaiaError):
 
 
 @dataclass(frozen=True, slots=True)
-class _Node:
-    """One part: what it does, to which parts, and what it gives."""
+class ExpressionNode:
+    """One part: what it does, to which parts, and what it gives.
+
+    Attributes:
+        kind: what it gives.
+        judge: gets what is known by address, and what the parts gave.
+        parts: what it is made of.
+        form: what it does: an operator's sign, a function's name, ``signal``, ``number``,
+            ``compare``; empty for all that units have no part in.
+        address: of a signal: its channel.
+        at: the place of the letter where it is written, counted from 0.
+
+    """
 
     kind: ValueKind
-    # Gets what is known by address, and what the parts gave.
     judge: Callable[[Mapping[str, Value], tuple[Value, ...]], Value]
-    parts: tuple[_Node, ...] = ()
+    parts: tuple[ExpressionNode, ...] = ()
+    form: str = ""
+    address: str = ""
+    at: int = 0
 
     def evaluate_node(self, values: Mapping[str, Value]) -> Value:
         """Judge the parts, and then this."""
@@ -83,17 +99,18 @@ class _Node:
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A condition that was read.
+    """A condition, or a sum, that was read.
 
     Attributes:
         text: as it was written.
         signals: addresses of the channels in it, each once.
+        tree: the whole of it.
 
     """
 
     text: str
     signals: tuple[str, ...]
-    _tree: _Node
+    tree: ExpressionNode
 
     def evaluate_expression(self, values: Mapping[str, Value]) -> bool | None:
         """Tell whether it holds; None when that cannot be known.
@@ -102,12 +119,32 @@ class Expression:
             values: by address; None, not a number, or missing: unknown.
 
         """
-        found = self._tree.evaluate_node(values)
+        found = self.tree.evaluate_node(values)
         return found if isinstance(found, bool) else None
+
+    def evaluate_value(self, values: Mapping[str, Value]) -> Value:
+        """Give what it amounts to; None when that cannot be known. See `evaluate_expression`."""
+        return self.tree.evaluate_node(values)
 
 
 def parse_condition(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
     """Read a condition over the channels in ``kinds``.
+
+    Raises:
+        ExpressionError: with the place of the mistake.
+
+    """
+    found = parse_expression(text, kinds)
+    if found.tree.kind is not ValueKind.TRUTH:
+        # Where it begins: blanks before it are no part of it.
+        start = len(text) - len(text.lstrip())
+        problem = f"expected a {ValueKind.TRUTH}, found a {found.tree.kind}"
+        raise ExpressionError(start, problem)
+    return found
+
+
+def parse_expression(text: str, kinds: Mapping[str, ValueKind]) -> Expression:
+    """Read a condition, a sum or a text over the channels in ``kinds``.
 
     Raises:
         ExpressionError: with the place of the mistake.
@@ -171,15 +208,13 @@ class _Reader:
         # Channels in the order of the text, with repeats.
         self.signals: list[str] = []
 
-    def read_expression(self) -> _Node:
-        start = self._word
+    def read_expression(self) -> ExpressionNode:
         tree = self._parse_or()
         # Something is left over: an operator is missing, or a parenthesis too many.
         if self._word.sort != "end":
             raise ExpressionError(
                 self._word.at, f"{self._quote_token(self._word)} is not expected here"
             )
-        _want_kind(tree, ValueKind.TRUTH, start)
         return tree
 
     @property
@@ -203,7 +238,7 @@ class _Reader:
     def _quote_token(word: _Token) -> str:
         return "the end" if word.sort == "end" else repr(word.text)
 
-    def _parse_or(self) -> _Node:
+    def _parse_or(self) -> ExpressionNode:
         self._depth += 1
         if self._depth > _MAX_DEPTH:
             raise ExpressionError(self._word.at, f"nested deeper than {_MAX_DEPTH} levels")
@@ -213,7 +248,7 @@ class _Reader:
         self._depth -= 1
         return self._join_conditions(parts, _any_true, start)
 
-    def _parse_and(self) -> _Node:
+    def _parse_and(self) -> ExpressionNode:
         start, parts = self._word, [self._parse_not()]
         while self._take_token("and"):
             parts.append(self._parse_not())
@@ -221,16 +256,16 @@ class _Reader:
 
     @staticmethod
     def _join_conditions(
-        parts: list[_Node], judge: Callable[[tuple[Value, ...]], Value], start: _Token
-    ) -> _Node:
+        parts: list[ExpressionNode], judge: Callable[[tuple[Value, ...]], Value], start: _Token
+    ) -> ExpressionNode:
         # Of one part the kind is free: every sum comes through here, too.
         if len(parts) == 1:
             return parts[0]
         for part in parts:
             _want_kind(part, ValueKind.TRUTH, start)
-        return _Node(ValueKind.TRUTH, lambda _, values: judge(values), tuple(parts))
+        return ExpressionNode(ValueKind.TRUTH, lambda _, values: judge(values), tuple(parts))
 
-    def _parse_not(self) -> _Node:
+    def _parse_not(self) -> ExpressionNode:
         turns = 0
         # Counted, not nested: a row of them needs no stack.
         while self._take_token("not"):
@@ -242,9 +277,11 @@ class _Reader:
         if turns % 2 == 0:
             return part
         # Kleene: what is not unknown is unknown.
-        return _Node(ValueKind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,))
+        return ExpressionNode(
+            ValueKind.TRUTH, lambda _, v: None if v[0] is None else not v[0], (part,)
+        )
 
-    def _parse_comparison(self) -> _Node:
+    def _parse_comparison(self) -> ExpressionNode:
         left = self._parse_sum()
         sign = self._take_token(*_COMPARE)
         if sign is None:
@@ -259,28 +296,34 @@ class _Reader:
         if self._take_token(*_COMPARE):
             raise ExpressionError(again.at, "write two comparisons with `and` between them")
         compare = _COMPARE[sign.text]
-        return _Node(ValueKind.TRUTH, lambda _, v: _if_all_known(compare, v), (left, right))
+        return ExpressionNode(
+            ValueKind.TRUTH,
+            lambda _, v: _if_all_known(compare, v),
+            (left, right),
+            form="compare",
+            at=sign.at,
+        )
 
-    def _parse_sum(self) -> _Node:
+    def _parse_sum(self) -> ExpressionNode:
         return self._parse_chain(self._parse_product, "+", "-")
 
-    def _parse_product(self) -> _Node:
+    def _parse_product(self) -> ExpressionNode:
         return self._parse_chain(self._parse_signed, "*", "/")
 
-    def _parse_chain(self, inner: Callable[[], _Node], *signs: str) -> _Node:
+    def _parse_chain(self, inner: Callable[[], ExpressionNode], *signs: str) -> ExpressionNode:
         start, left = self._word, inner()
         while (sign := self._take_token(*signs)) is not None:
             at, right = self._word, inner()
             _want_kind(left, ValueKind.NUMBER, start)
             _want_kind(right, ValueKind.NUMBER, at)
-            left = _arithmetic_node(_WORK[sign.text], left, right)
+            left = _arithmetic_node(sign, left, right)
             # A long chain leans to the left: its tree is as deep as the chain is long.
             self._links += 1
             if self._links > _MAX_LINKS:
                 raise ExpressionError(sign.at, "too many sums and products")
         return left
 
-    def _parse_signed(self) -> _Node:
+    def _parse_signed(self) -> ExpressionNode:
         minus = False
         # Counted, as ``not`` is.
         while self._take_token("-"):
@@ -289,18 +332,22 @@ class _Reader:
         if not minus:
             return part
         _want_kind(part, ValueKind.NUMBER, start)
-        return _Node(ValueKind.NUMBER, lambda _, v: _if_all_known(_negate_value, v), (part,))
+        return ExpressionNode(
+            ValueKind.NUMBER, lambda _, v: _if_all_known(_negate_value, v), (part,), form="negate"
+        )
 
-    def _parse_atom(self) -> _Node:
+    def _parse_atom(self) -> ExpressionNode:
         word = self._word
         self._next += word.sort != "end"
         match word.sort:
             case "number":
                 number = float(word.text)
                 # ``1e999`` is infinite as a float, and so unknown.
-                return _Node(ValueKind.NUMBER, lambda _, __: _finite_or_none(number))
+                return ExpressionNode(
+                    ValueKind.NUMBER, lambda _, __: _finite_or_none(number), form="number"
+                )
             case "text":
-                return _Node(ValueKind.TEXT, lambda _, __: word.text)
+                return ExpressionNode(ValueKind.TEXT, lambda _, __: word.text)
             case "signal":
                 return self._parse_signal(word)
             case "word" if word.text in _CALLS:
@@ -314,15 +361,21 @@ class _Reader:
             word.at, what.get(word.sort, f"{self._quote_token(word)} is not expected here")
         )
 
-    def _parse_signal(self, word: _Token) -> _Node:
+    def _parse_signal(self, word: _Token) -> ExpressionNode:
         address = word.text.strip()
         kind = self._kinds.get(address)
         if kind is None:
             raise ExpressionError(word.at, f"there is no signal {address!r}")
         self.signals.append(address)
-        return _Node(kind, lambda values, _: _finite_or_none(values.get(address)))
+        return ExpressionNode(
+            kind,
+            lambda values, _: _finite_or_none(values.get(address)),
+            form="signal",
+            address=address,
+            at=word.at,
+        )
 
-    def _parse_call(self, word: _Token) -> _Node:
+    def _parse_call(self, word: _Token) -> ExpressionNode:
         self._expect_token("(")
         parts = []
         while True:
@@ -337,14 +390,27 @@ class _Reader:
             wants = "one number" if high == 1 else f"{low} to {high} numbers"
             raise ExpressionError(word.at, f"{word.text} takes {wants}")
         work = _CALLS[word.text]
-        return _Node(ValueKind.NUMBER, lambda _, v: _if_all_known(work, v), tuple(parts))
+        return ExpressionNode(
+            ValueKind.NUMBER,
+            lambda _, v: _if_all_known(work, v),
+            tuple(parts),
+            form=word.text,
+            at=word.at,
+        )
 
 
-def _arithmetic_node(work: _Work, left: _Node, right: _Node) -> _Node:
-    return _Node(ValueKind.NUMBER, lambda _, values: _if_all_known(work, values), (left, right))
+def _arithmetic_node(sign: _Token, left: ExpressionNode, right: ExpressionNode) -> ExpressionNode:
+    work = _WORK[sign.text]
+    return ExpressionNode(
+        ValueKind.NUMBER,
+        lambda _, values: _if_all_known(work, values),
+        (left, right),
+        form=sign.text,
+        at=sign.at,
+    )
 
 
-def _want_kind(node: _Node, kind: ValueKind, word: _Token) -> None:
+def _want_kind(node: ExpressionNode, kind: ValueKind, word: _Token) -> None:
     if node.kind is not kind:
         raise ExpressionError(word.at, f"expected a {kind}, found a {node.kind}")
 

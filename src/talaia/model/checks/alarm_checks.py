@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 from talaia.model.alarms.alarm import Alarm, AlarmKind
-from talaia.model.alarms.expression import ExpressionError, ValueKind, parse_condition
+from talaia.model.alarms.expression import ExpressionError, parse_condition
 from talaia.model.checks.identifiers import Finding, at_least, check_above, id_fits, name_fits
+from talaia.model.derivation.plan import channel_kinds
 from talaia.model.errors import UnknownWord
 from talaia.model.site import SignalType
 
@@ -57,12 +58,7 @@ class Addresses:
             channel.address: site.devices[channel.device].signals[channel.signal]
             for channel in site.channels()
         }
-        self.kinds = {
-            address: ValueKind.NUMBER
-            if signal.type in {SignalType.NUMBER, SignalType.POSITION}
-            else ValueKind.TEXT
-            for address, signal in self.signals.items()
-        }
+        self.kinds = channel_kinds(site)
         self.enclosures = list(site.enclosures)
         self.streams = [
             f"{device_id}/{stream_id}"

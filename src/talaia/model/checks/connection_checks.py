@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from talaia.model.checks.identifiers import Finding, id_fits
 from talaia.model.checks.indi_setup_checks import setup_findings
 from talaia.model.closed_lists import DeviceKind
-from talaia.model.connection import rules_of
+from talaia.model.connection import DerivedSource, rules_of
 from talaia.model.connections.indi import indi_word_fits
 from talaia.model.errors import UnknownWord
 
@@ -48,7 +48,7 @@ def link_of(site: Site, where: str, device: Device) -> tuple[Connection | None, 
             return None, [Finding(word.where, word.problem, word.remedy)]
         if link is not None:
             return link, _device_findings(where, device, link)
-    needs = device.signals or device.streams or device.commands or device.frames
+    needs = _signals_read(device) or device.streams or device.commands or device.frames
     if not links:
         if not needs:
             return None, []
@@ -62,6 +62,11 @@ def link_of(site: Site, where: str, device: Device) -> tuple[Connection | None, 
     problem = "the site has several connections, and which one is meant is not said"
     remedy = f"write one of: {', '.join(sorted(links))}"
     return None, [Finding(f"{where}.connection", problem, remedy)]
+
+
+def _signals_read(device: Device) -> bool:
+    """Tell whether a device has signals of its own; what is worked out needs no connection."""
+    return any(not isinstance(signal.source, DerivedSource) for signal in device.signals.values())
 
 
 def _device_findings(where: str, device: Device, link: Connection) -> list[Finding]:

@@ -15,6 +15,7 @@ from talaia.model.checks.connection_checks import (
     frames_findings,
     link_of,
 )
+from talaia.model.checks.derivation_checks import derivation_findings
 from talaia.model.checks.detection_checks import (
     count_fits,
     detect_fits,
@@ -39,6 +40,7 @@ from talaia.model.checks.role_checks import role_findings
 from talaia.model.checks.topic_checks import topics_findings
 from talaia.model.checks.validity_checks import validity_fits
 from talaia.model.connection import (
+    DerivedSource,
     DetectionSource,
     Ros1Connection,
     Ros2Connection,
@@ -113,6 +115,7 @@ def _check_whole_site(site: Site, whole: Site) -> Iterator[Finding]:
         where = f"$.devices.{device_id}"
         yield from id_fits(where, device_id)
         yield from _check_device(whole, where, device)
+    yield from derivation_findings(whole)
     yield from models_findings(site)
     yield from interlock_findings(whole)
     yield from enclosure_findings(whole)
@@ -177,7 +180,8 @@ def _check_device(site: Site, where: str, device: Device) -> Iterator[Finding]:
         at = f"{where}.signals.{signal_id}.source"
         if isinstance(signal.source, DetectionSource):
             yield from count_fits(site, at, device, signal)
-        elif rules is not None:
+        # What is worked out is checked for the whole site at once: see `derivation_findings`.
+        elif rules is not None and not isinstance(signal.source, DerivedSource):
             yield from rules.signal_findings(at, signal)
     for stream_id, stream in device.streams.items():
         at = f"{where}.streams.{stream_id}"

@@ -10,6 +10,7 @@ from talaia.model.checks.validity_checks import stamp_fits
 from talaia.model.closed_lists import CommandKind, SignalType
 from talaia.model.connections.kinds import ConnectionKind
 from talaia.model.connections.rules import KindRules, argument_fields
+from talaia.model.derivation.source import DerivedSource
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -97,7 +98,9 @@ class IndiRules(KindRules[IndiConnection, IndiSource]):
         yield from super().device_findings(where, device)
         signals, streams = device.signals.values(), device.streams.values()
         sources = [*(thing.source for thing in signals), *(thing.source for thing in streams)]
-        named = all(isinstance(source, IndiSource) and source.device for source in sources)
+        # What is worked out from other signals asks nobody.
+        read = [source for source in sources if not isinstance(source, DerivedSource)]
+        named = all(isinstance(source, IndiSource) and source.device for source in read)
         # A device without a name of its own can still be read where each source says whose it is.
         if not device.indi and (device.commands or not named):
             problem = "the name of the device at the INDI server is missing"

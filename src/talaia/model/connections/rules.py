@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 from talaia.model.base import SourceShape
 from talaia.model.checks.identifiers import Finding
 from talaia.model.closed_lists import CommandKind
+from talaia.model.derivation.source import DerivedSource
 from talaia.model.detection import DetectionSource
 
 if TYPE_CHECKING:
@@ -123,6 +124,8 @@ class ConnectionRules:
         if key in own_keys(DetectionSource):
             problem = "it belongs to a signal that counts what a camera sees"
             return problem, "write both stream and sees, or leave it out"
+        if key in own_keys(DerivedSource):
+            return "only a signal is worked out from others", "leave it out"
         return f"a connection of kind {cls.kind} knows no {key}", f"write as: {cls.example}"
 
 

@@ -15,6 +15,7 @@ from talaia.model.base import FOREIGN_KEYS, SOURCE_TAG
 from talaia.model.connection import (
     RULES,
     ConnectionKind,
+    DerivedSource,
     DetectionSource,
     Source,
     SourceShape,
@@ -40,6 +41,7 @@ SOURCES: tuple[type[SourceShape], ...] = get_args(Source)
 SOURCE_KEYS = frozenset(key for shape in SOURCES for key in own_keys(shape))
 # Keys whose source, where they say something, does not go by the connection.
 _OF_DETECTION = ("stream", "sees")
+_OF_DERIVATION = "expression"
 # As good as not written.
 _EMPTY: tuple[object, ...] = ("", {}, False, None)
 
@@ -143,6 +145,8 @@ def _shape_for(said: set[str], kind: ConnectionKind | None) -> type[SourceShape]
     """
     if said.intersection(_OF_DETECTION):
         return DetectionSource
+    if _OF_DERIVATION in said:
+        return DerivedSource
     # Where it is not clear which connection is meant, ROS is the likeliest.
     usual = SOURCES[0] if kind is None else RULES[kind].source
     if said <= set(own_keys(usual)):

@@ -1,0 +1,1 @@
+"""Signals that are worked out from other signals: their source, their order, their units."""
