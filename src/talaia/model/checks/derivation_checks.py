@@ -51,7 +51,7 @@ def derivation_findings(site: Site) -> Iterator[Finding]:
             continue
         expressions[address] = found
         yield from _check_result(where, signal, found, units)
-        yield from _check_inputs(site, where, signal, found, far)
+        yield from _check_inputs(site, where, signal, found, far=far)
     yield from _cycle_findings(expressions)
     yield from _safety_findings(site, derived)
 
@@ -110,7 +110,7 @@ def _check_result(
 
 
 def _check_inputs(
-    site: Site, where: str, signal: Signal, found: Expression, far: set[str]
+    site: Site, where: str, signal: Signal, found: Expression, *, far: set[str]
 ) -> Iterator[Finding]:
     at = f"{where}.source.expression"
     for channel in found.signals:
