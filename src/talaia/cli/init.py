@@ -14,6 +14,7 @@ from talaia.cli.probe import add_options, probe_robot
 from talaia.model.checks.site_checks import check_site
 from talaia.model.discovery.generate_description import propose_description
 from talaia.model.discovery.probe_report import Found, found_from
+from talaia.model.discovery.robot_name import name_robot
 from talaia.model.discovery.ros_units import word_of
 from talaia.model.interlocks.unguarded import unguarded_notice
 from talaia.model.yaml_text.write import write_description
@@ -46,20 +47,22 @@ def main(argv: Sequence[str]) -> int:
     )
     parser.add_argument("--force", action="store_true", help="overwrite an existing file")
     parser.add_argument("--found", help="what `talaia probe --json` printed, in a file or - ")
-    parser.add_argument("--site", help="short name of the site (default: of this machine)")
-    parser.add_argument("--name", help="what people call it (default: the machine's name)")
+    parser.add_argument("--site", help="short name of the site (default: of the robot)")
+    parser.add_argument(
+        "--name", help="what people call it (default: the robot's namespace, else its machine)"
+    )
     parser.add_argument("--zone", help="its time zone, such as Europe/Madrid (default: this one's)")
     options = parser.parse_args(argv)
     shown = str(options.output) == "-"
     if not shown and options.output.exists() and not options.force:
         raise CliError(f"{options.output} is there already; choose another with -o, or --force")
     found = _read_report(options.found) if options.found else probe_robot(options)
-    host = socket.gethostname().split(".", 1)[0]
+    robot = name_robot(found, socket.gethostname().split(".", 1)[0])
     made = propose_description(
         found,
         # Cut, for people type it in commands and addresses.
-        options.site or word_of(host)[:40],
-        options.name or host[:100] or "Robot",
+        options.site or word_of(robot)[:40],
+        options.name or robot[:100] or "Robot",
         options.zone or zone_here(),
     )
     if not made.site.devices and not found.devices:

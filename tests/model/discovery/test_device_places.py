@@ -34,6 +34,17 @@ def test_a_service_without_a_namespace_belongs_to_what_is_driven() -> None:
     assert place_of("/reset", "std_srvs/srv/Trigger", ()).word == "robot"
 
 
+ODOMETRY = TopicFound(topic="/rover/odom", type="nav_msgs/msg/Odometry", publishers=1)
+
+
+@pytest.mark.parametrize("robot", [BASE, ODOMETRY])
+def test_what_shares_the_namespace_of_a_robot_is_a_part_of_it(robot: TopicFound) -> None:
+    place = place_of("/rover/imu", "sensor_msgs/msg/Imu", (robot,))
+    assert place == place_of("/rover/odom", "nav_msgs/msg/Odometry", (robot,))
+    assert place == place_of("/rover/reset", "std_srvs/srv/Trigger", (robot,))
+    assert place_of("/rover/arm/state", "own_msgs/msg/State", (robot,)).word == "rover_arm"
+
+
 def test_vehicles_come_before_cameras_and_those_before_all_others() -> None:
     camera = place_of("/front/image_raw", "sensor_msgs/msg/Image", ())
     base = place_of("/odom", "nav_msgs/msg/Odometry", ())

@@ -17,7 +17,14 @@ if TYPE_CHECKING:
 
     from talaia.model.discovery.probe_report import TopicFound
 
-__all__ = ["PICTURES", "TWISTS", "DevicePlace", "place_of", "place_order"]
+__all__ = [
+    "PICTURES",
+    "TWISTS",
+    "DevicePlace",
+    "place_of",
+    "place_order",
+    "robot_namespace",
+]
 
 PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 # Velocities that a base may listen to.
@@ -25,6 +32,7 @@ TWISTS = {
     "geometry_msgs/msg/Twist": DriveMessage.TWIST,
     "geometry_msgs/msg/TwistStamped": DriveMessage.TWIST_STAMPED,
 }
+ODOMETRY = "nav_msgs/msg/Odometry"
 # ROS's own packages of messages: their names say nothing of the device.
 _COMMON_PACKAGES = ("std_msgs", "sensor_msgs", "geometry_msgs")
 # What people look for first comes first; all others follow by their words.
@@ -60,6 +68,9 @@ def place_of(topic: str, type_name: str, found: Iterable[TopicFound]) -> DeviceP
     if type_name == DIAGNOSTICS:
         return _named_place("diagnostics", "Diagnostics", DeviceKind.OTHER, spaces)
     if spaces:
+        if _is_robot("/".join(spaces), found):
+            # Its namespace is the robot's: an IMU in it is a part of what drives.
+            return _named_place("base", "Vehicle base", DeviceKind.VEHICLE, spaces)
         return _named_place("", "", DeviceKind.OTHER, spaces)
     package = type_name.split("/", 1)[0]
     if "/srv/" in type_name or "/action/" in type_name:
@@ -87,6 +98,27 @@ def _named_place(word: str, name: str, kind: DeviceKind, spaces: Iterable[str]) 
     whole = "_".join([*parts, word] if word else parts)
     title = " ".join([*(readable_name(part) for part in parts), name.lower() if parts else name])
     return DevicePlace(word_of(whole), title.strip(), kind)
+
+
+def _is_robot(space: str, found: Iterable[TopicFound]) -> bool:
+    """Tell whether a namespace is that of something that drives."""
+    return any(
+        topic.topic.strip("/").rpartition("/")[0] == space
+        and (_is_driven_by(topic) or (topic.type == ODOMETRY and topic.publishers > 0))
+        for topic in found
+    )
+
+
+def robot_namespace(found: Iterable[TopicFound]) -> str:
+    """Give the namespace of the one robot that was found; empty for none and for several."""
+    topics = tuple(found)
+    first = {topic.topic.strip("/").split("/", 1)[0] for topic in topics if _drives(topic, topics)}
+    return first.pop() if len(first) == 1 else ""
+
+
+def _drives(topic: TopicFound, found: Iterable[TopicFound]) -> bool:
+    space = topic.topic.strip("/").rpartition("/")[0]
+    return bool(space) and _is_robot(space, found)
 
 
 def _is_driven_by(topic: TopicFound) -> bool:
