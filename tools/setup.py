@@ -40,6 +40,8 @@ TESTED_WITH = {
     "python3-geometry-msgs": f"{DIST}/geometry_msgs",
     "python3-nav-msgs": f"{DIST}/nav_msgs",
     "indi-bin": "/usr/bin/indiserver",
+    "mosquitto": "/usr/sbin/mosquitto",
+    "mosquitto-clients": "/usr/bin/mosquitto_pub",
     "docker-compose": "/usr/bin/docker-compose",
     "systemd": "/usr/bin/systemd-analyze",
     "fonts-dejavu-core": "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",

@@ -17,6 +17,8 @@ from talaia.model.connection import (
     DetectionSource,
     ExtensionConnection,
     ExtensionSource,
+    HttpConnection,
+    HttpSource,
     ProcessConnection,
     ProcessSource,
     source_as,
@@ -76,13 +78,13 @@ def _check_always(before: Site, after: Site) -> Iterator[Finding]:
 
 
 def _programs_of(site: Site) -> dict[str, str]:
-    """Give what runs on the gateway's machine, by path."""
+    """Give what runs on the gateway's machine, or is asked with its credentials, by path."""
     links = site.links()
     runs: dict[str, str] = {}
     for name, device in site.devices.items():
         link = links.get(site.connection_of(name))
-        # By its connection: only these two kinds run something for a signal or a command.
-        if not isinstance(link, ProcessConnection | ExtensionConnection):
+        # By its connection: only these kinds do something for a signal or a command.
+        if not isinstance(link, ProcessConnection | ExtensionConnection | HttpConnection):
             continue
         at = f"$.devices.{name}"
         for signal_id, signal in device.signals.items():
@@ -90,6 +92,10 @@ def _programs_of(site: Site) -> dict[str, str]:
                 runs[f"{at}.signals.{signal_id}.source.run"] = source_as(
                     signal.source, ProcessSource
                 ).run
+            elif isinstance(link, HttpConnection):
+                # Of many devices a GET switches a relay.
+                asked = source_as(signal.source, HttpSource).get
+                runs[f"{at}.signals.{signal_id}.source.get"] = asked
             else:
                 # They may name a file or a program: only the extension knows.
                 # Sorted, so that another order of the same keys is no change.

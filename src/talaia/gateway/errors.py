@@ -8,6 +8,7 @@ GatewayError
 ├── SpoolError          the data folder cannot be used
 ├── SettingsError       the gateway was started with settings that do not fit
 ├── CameraRefused       a camera leads where no camera may be (adapters.video.relay)
+├── FetchFailed         a server gives no answer that can be read (adapters.http.fetching)
 ├── EnrolRefused        the hub does not take the one-time code
 └── LinkLost            the hub cannot be reached
     ├── HubUnreachable    it could not be asked, when enrolling

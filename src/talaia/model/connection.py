@@ -14,8 +14,10 @@ from talaia.model.connections.extension import (
     ExtensionScalar,
     ExtensionSource,
 )
+from talaia.model.connections.http import HttpConnection, HttpRules, HttpSource
 from talaia.model.connections.indi import IndiConnection, IndiRules, IndiSource
 from talaia.model.connections.kinds import ROS_KINDS, ConnectionKind
+from talaia.model.connections.mqtt import MqttConnection, MqttRules, MqttSource
 from talaia.model.connections.process import ProcessConnection, ProcessRules, ProcessSource
 from talaia.model.connections.ros import RosSource
 from talaia.model.connections.ros1 import Ros1Connection, Ros1Rules
@@ -37,8 +39,12 @@ __all__ = [
     "ExtensionConnection",
     "ExtensionScalar",
     "ExtensionSource",
+    "HttpConnection",
+    "HttpSource",
     "IndiConnection",
     "IndiSource",
+    "MqttConnection",
+    "MqttSource",
     "ProcessConnection",
     "ProcessSource",
     "Ros1Connection",
@@ -65,6 +71,8 @@ Connection = (
     | IndiConnection
     | ProcessConnection
     | VideoConnection
+    | MqttConnection
+    | HttpConnection
     | ExtensionConnection
 )
 
@@ -75,6 +83,8 @@ Source = (
     | IndiSource
     | ProcessSource
     | VideoSource
+    | MqttSource
+    | HttpSource
     | ExtensionSource
     | DetectionSource
     | DerivedSource
@@ -87,6 +97,8 @@ _ALL_RULES: tuple[type[ConnectionRules], ...] = (
     IndiRules,
     ProcessRules,
     VideoRules,
+    MqttRules,
+    HttpRules,
     ExtensionKindRules,
 )
 RULES = {rules.kind: rules for rules in _ALL_RULES}
@@ -108,6 +120,10 @@ def rules_of(connection: Connection) -> ConnectionRules:
             return ProcessRules(connection)
         case VideoConnection():
             return VideoRules(connection)
+        case MqttConnection():
+            return MqttRules(connection)
+        case HttpConnection():
+            return HttpRules(connection)
         case ExtensionConnection():
             return ExtensionKindRules(connection)
 

@@ -13,7 +13,14 @@ from PySide6.QtCore import (
     Signal,
 )
 
-from talaia.model.connection import DerivedSource, IndiSource, ProcessSource, RosSource
+from talaia.model.connection import (
+    DerivedSource,
+    HttpSource,
+    IndiSource,
+    MqttSource,
+    ProcessSource,
+    RosSource,
+)
 
 if TYPE_CHECKING:
     from talaia.configurator.description_paths import Path
@@ -159,6 +166,8 @@ def _origin_text(source: Source) -> str:
             return f"{topic} · {name or field}" if name or field else topic
         case IndiSource(property=name, element=element):
             return f"{name} · {element}" if element else name
+        case MqttSource(topic=place, path=path) | HttpSource(get=place, path=path):
+            return f"{place} · {path}" if path else place
         case ProcessSource(run=line) | DerivedSource(expression=line):
             return line
         case _:

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 from talaia.gateway.errors import SettingsError
 from talaia.model.connection import (
     ExtensionConnection,
+    HttpConnection,
     IndiConnection,
+    MqttConnection,
     ProcessConnection,
     Ros1Connection,
     Ros2Connection,
@@ -50,6 +52,10 @@ def adapter_of(scope: ConnectionScope, context: AdapterContext, status: AdapterS
             make = _make_process
         case VideoConnection():
             make, remedy = _make_video, "install talaia[camera]"
+        case MqttConnection():
+            make = _make_mqtt
+        case HttpConnection():
+            make = _make_http
         case ExtensionConnection():
             make = _make_extension
     try:
@@ -102,6 +108,18 @@ def _make_video(scope: ConnectionScope, context: AdapterContext, status: Adapter
     from talaia.gateway.adapters.video.adapter import VideoAdapter
 
     return VideoAdapter(scope, context, status)
+
+
+def _make_mqtt(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.mqtt.adapter import MqttAdapter
+
+    return MqttAdapter(scope, context, status)
+
+
+def _make_http(scope: ConnectionScope, context: AdapterContext, status: AdapterStatus) -> Adapter:
+    from talaia.gateway.adapters.http.adapter import HttpAdapter
+
+    return HttpAdapter(scope, context, status)
 
 
 def _make_extension(

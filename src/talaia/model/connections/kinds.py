@@ -16,6 +16,8 @@ class ConnectionKind(StrEnum):
     INDI = "indi"
     PROCESS = "process"
     VIDEO = "video"
+    MQTT = "mqtt"
+    HTTP = "http"
     # Whatever an installed extension speaks; see docs/how-to/extend.
     EXTENSION = "extension"
 

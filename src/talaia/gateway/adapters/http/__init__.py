@@ -1,0 +1,1 @@
+"""The HTTP adapter: addresses of a server, asked again and again."""

@@ -1,0 +1,1 @@
+"""The MQTT adapter: topics of a broker."""

@@ -1,0 +1,190 @@
+"""The MQTT adapter with a real broker (Mosquitto), and its own clients as devices."""
+
+from __future__ import annotations
+
+import asyncio
+import getpass
+import os
+import shutil
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from fake_hub import FakeHub, fake_hub
+from gateway_bench import addresses_of, running
+from patience import PATIENCE_S
+from ports import free_port
+
+from talaia.wire.frames import DeviceState, Event, InterlockState
+
+aiomqtt = pytest.importorskip("aiomqtt", reason="needs aiomqtt: install talaia[gateway]")
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+SITE = """
+talaia: 1
+site: test
+name: Test
+connections:
+  broker: {kind: mqtt, url: "mqtt://127.0.0.1:PORT", user: gateway, password_file: secret}
+devices:
+  roof:
+    name: Roof
+    signals:
+      wind:
+        {name: Wind, unit: m/s, scale: 0.1, source: {topic: roof/weather, path: wind.speed}}
+      gust: {name: Gust, unit: m/s, source: {topic: roof/weather, path: "$.wind.gusts[1]"}}
+      rain: {name: Rain, type: state, states: [dry, wet], source: {topic: roof/rain}}
+      said: {name: Said, type: text, max_age: 0, source: {topic: roof/said}}
+      twice: {name: T, unit: m/s, source: {expression: "{roof/wind} * 2"}}
+interlocks:
+  wet:
+    name: Rain
+    when: [{signal: roof/rain, is: [wet], max_age: 60}]
+    refuse: ["roof/*"]
+"""
+SECRET, WRONG = "a secret", "quite another"
+
+
+def program(name: str) -> str:
+    """Find a program of Mosquitto, or skip."""
+    found = shutil.which(name) or shutil.which(name, path="/usr/sbin:/usr/bin")
+    if found is None:
+        said = f"{name} is missing (apt install mosquitto mosquitto-clients)"
+        if os.environ.get("TALAIA_REQUIRE_ALL") == "1":
+            pytest.fail(f"{said}, and TALAIA_REQUIRE_ALL=1")
+        pytest.skip(said)
+    return found
+
+
+class Broker:
+    """Mosquitto with a password; may be killed and begun anew at its port."""
+
+    def __init__(self, folder: Path) -> None:  # noqa: D107
+        self.port, self._folder = free_port(), folder
+        self._process: asyncio.subprocess.Process | None = None
+
+    async def start(self) -> None:
+        passwords, conf = self._folder / "passwords", self._folder / "mosquitto.conf"
+        made = await asyncio.create_subprocess_exec(
+            program("mosquitto_passwd"), "-c", "-b", str(passwords), "gateway", "a secret"
+        )
+        assert await made.wait() == 0
+        lines = [f"listener {self.port} 127.0.0.1", "allow_anonymous false", "persistence false"]
+        # As root it would become somebody who may not read the test's folder.
+        lines += [f"user {getpass.getuser()}", f"password_file {passwords}"]
+        conf.write_text("\n".join(lines) + "\n")
+        quiet = asyncio.subprocess.DEVNULL
+        self._process = await asyncio.create_subprocess_exec(
+            program("mosquitto"), "-c", str(conf), stdout=quiet, stderr=quiet
+        )
+        async with asyncio.timeout(PATIENCE_S):
+            while True:
+                try:
+                    _, writer = await asyncio.open_connection("127.0.0.1", self.port)
+                except OSError:
+                    assert self._process.returncode is None, "mosquitto does not start"
+                    await asyncio.sleep(0.05)
+                    continue
+                writer.close()
+                return
+
+    async def kill(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            await self._process.wait()
+            self._process = None
+
+    async def publish(self, topic: str, said: str, *more: str) -> None:
+        """Publish as a device of another make does."""
+        words = ["-h", "127.0.0.1", "-p", str(self.port), "-u", "gateway", "-P", "a secret"]
+        sent = await asyncio.create_subprocess_exec(
+            program("mosquitto_pub"), *words, "-q", "1", "-t", topic, "-m", said, *more
+        )
+        assert await sent.wait() == 0
+
+    def client(self) -> AbstractAsyncContextManager[Any]:
+        return aiomqtt.Client("127.0.0.1", self.port, username="gateway", password=SECRET)
+
+
+@pytest.fixture
+async def broker(tmp_path: Path) -> AsyncIterator[Broker]:
+    one = Broker(tmp_path)
+    await one.start()
+    yield one
+    await one.kill()
+
+
+@asynccontextmanager
+async def reading(
+    broker: Broker, tmp_path: Path, text: str = SITE, secret: str = SECRET
+) -> AsyncIterator[FakeHub]:
+    (tmp_path / "secret").write_text(secret + "\n")
+    text = text.replace("PORT", str(broker.port)).replace(": secret", f": {tmp_path / 'secret'}")
+    async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", text):
+        await hub.until(lambda: hub.hellos, "a hello")
+        yield hub
+
+
+async def test_topics_become_signals_and_a_broker_that_vanishes_is_told(
+    broker: Broker, tmp_path: Path
+) -> None:
+    await broker.publish("roof/said", "kept by the broker", "-r")
+    await broker.publish("roof/rain", "dry", "-r")
+    async with reading(broker, tmp_path) as hub:
+        await hub.until(lambda: hub.values("roof/said"), "what the broker kept")
+        await hub.until(lambda: hub.values("roof/rain"), "a state that it kept")
+        # Nobody knows when it was said: no interlock goes by it.
+        states = [state for state in hub.of(InterlockState) if state.interlock == "wet"]
+        assert states[-1].unknown == ["roof/rain"]
+        weather = '{"wind": {"speed": 52, "gusts": [1, "7.5"]}}'
+        await broker.publish("roof/weather", weather)
+        await hub.until(lambda: hub.values("roof/twice"), "what is worked out of it")
+        assert hub.values("roof/wind") == [5.2]
+        assert hub.values("roof/gust") == [7.5]
+        assert hub.values("roof/twice") == [10.4]
+        # Of a message that is half broken the other half is read, and the rest told once.
+        await broker.publish("roof/weather", '{"wind": {"speed": 10, "gusts": []}}')
+        await broker.publish("roof/weather", "<html>")
+        await hub.until(lambda: len(hub.values("roof/wind")) == 2, "the half that is right")
+        said = await hub.next(Event, lambda event: event.kind == "unreadable")
+        assert "roof/gust: roof/weather: field '$.wind.gusts[1]': is not in" in said.message
+
+        await broker.kill()
+        lost = await hub.next(DeviceState, lambda state: state.device == "roof")
+        assert not lost.reached
+        assert "MQTT broker" in lost.why
+        await broker.start()
+        await hub.next(DeviceState, lambda state: state.device == "roof" and state.reached)
+        await broker.publish("roof/said", "again")
+        await hub.until(lambda: hub.values("roof/said")[-1] == "again", "a message after it")
+        assert hub.values("roof/said") == ["kept by the broker", "again"]
+
+
+async def test_wrong_password_is_told_and_never_shown(broker: Broker, tmp_path: Path) -> None:
+    async with reading(broker, tmp_path, secret=WRONG) as hub:
+        lost = await hub.next(DeviceState, lambda state: state.device == "roof")
+        assert "takes us" in lost.why
+        assert WRONG not in lost.why
+
+
+async def test_a_thousand_topics_are_all_heard(broker: Broker, tmp_path: Path) -> None:
+    many = 1000
+    lines = "".join(
+        f"      s{n}: {{name: S, source: {{topic: plant/{n}/state, path: value}}}}\n"
+        for n in range(many)
+    )
+    head = SITE.split("interlocks:")[0]
+    async with reading(broker, tmp_path, head + lines) as hub:
+        async with broker.client() as device:
+            # Kept, so that it does not matter who is first.
+            for n in range(many):
+                await device.publish(f"plant/{n}/state", f'{{"value": {n}}}', retain=True)
+
+        def heard() -> set[str]:
+            return {name for rows in hub.samples.values() for name, _, _ in rows.values()}
+
+        await hub.until(lambda: len(heard()) == many, "all of them")
+        assert hub.values(f"roof/s{many - 1}") == [many - 1]
