@@ -211,9 +211,14 @@ async def test_the_outlook_says_why_nothing_is_stored_and_when_it_is_again(store
     rows = [(0, NOW + i, f"{i} " + "x" * 2_000) for i in range(400)]
     # Not on the loop: the hub may be in a transaction of its own, which ends there.
     await asyncio.to_thread(allow, 1)
-    with pytest.raises(HistoryError, match="full"):
-        await store.append_samples("agv", "b", 0, addresses=["base/said"], columns=batch(rows))
-    assert "full" in (await admin.get(outlook)).json()["trouble"]
+    said = ""
+    # A line of the hub's own may still find room, and then the history is stored again.
+    for _attempt in range(5):
+        with pytest.raises(HistoryError, match="full"):
+            await store.append_samples("agv", "b", 0, addresses=["base/said"], columns=batch(rows))
+        if "full" in (said := (await admin.get(outlook)).json()["trouble"]):
+            break
+    assert "full" in said
     await asyncio.to_thread(allow, 2**30)
     await store.append_samples("agv", "b", 0, addresses=["base/said"], columns=batch(rows))
     assert (await admin.get(outlook)).json()["trouble"] == ""
