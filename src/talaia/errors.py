@@ -11,6 +11,7 @@ TalaiaError
 ├── SimError              sim.errors        the simulated robot cannot run here
 ├── ForeignRos            ros_installation  there is no ROS 2 here that could be used
 ├── ConfiguratorError     configurator.errors  what was asked for in the window cannot be done
+├── ClientError           client.errors     a script cannot ask the hub, or the hub says no
 └── CliError              cli.errors        what the user asked for cannot be started
 """
 

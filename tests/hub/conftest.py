@@ -246,6 +246,9 @@ class Gateway(Peer):
 class RunningHub:
     """A hub on a free port of loopback, with one person for each role."""
 
+    # Of one that comes back to where it was; 0 takes any.
+    bind_port = 0
+
     def __init__(self, settings: Settings, history: MemoryHistory) -> None:
         self.settings = settings
         self.history = history
@@ -256,7 +259,7 @@ class RunningHub:
         self._cookies = {}
 
     async def __aenter__(self) -> RunningHub:
-        self._listener = socket.create_server(("127.0.0.1", 0))
+        self._listener = socket.create_server(("127.0.0.1", self.bind_port))
         # asyncio forgets this for such a socket, and then each answer takes 40 ms; uvloop does not.
         self._listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.port = self._listener.getsockname()[1]

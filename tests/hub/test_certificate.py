@@ -15,7 +15,6 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from talaia.gateway.uplink.certificate_der import public_key_of
 from talaia.hub.certificate import (
     certificate_fingerprint,
     fresh_certificate,
@@ -25,6 +24,7 @@ from talaia.hub.certificate import (
 from talaia.hub.errors import CannotStart
 from talaia.hub.run import renew_certificate
 from talaia.hub.settings import Settings
+from talaia.wire.certificate_der import public_key_of
 
 from .everyone.secure_hub import secure
 

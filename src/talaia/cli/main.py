@@ -60,6 +60,12 @@ COMMANDS = {
         "import recordings and tables into the history",
         "hub,recording",
     ),
+    "watch": Subcommand("talaia.cli.scripting.watch", "print live values of a hub", "client"),
+    "get": Subcommand("talaia.cli.scripting.get", "read the history of a hub", "client"),
+    "call": Subcommand("talaia.cli.scripting.call", "ask a device to do something", "client"),
+    "record": Subcommand(
+        "talaia.cli.scripting.record", "begin, end and fetch recordings of a hub", "client"
+    ),
     "backup": Subcommand(
         "talaia.cli.backup", "copy a hub's database and data while it runs", "hub"
     ),

@@ -22,8 +22,8 @@ from talaia.errors import TalaiaError
 from talaia.gateway.errors import EnrolRefused, HubUnreachable
 from talaia.gateway.key_file import KeyFile, KeyPlace
 from talaia.gateway.settings import HubAddress
-from talaia.gateway.uplink.certificate_der import public_key_of
 from talaia.gateway.uplink.tls import HubTrust
+from talaia.wire.certificate_der import public_key_of
 from talaia.wire.enrolment import read_code
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ from talaia.hub.features.connections.foxglove import FoxgloveFeature
 from talaia.hub.features.connections.metrics import MetricsFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.connections.rosbridge import RosbridgeFeature
+from talaia.hub.features.connections.scripts import ScriptsFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
@@ -158,6 +159,7 @@ class Hub:
             core, clients=self.client_protocols, alarms=self.alarms.engine
         )
         self.rosbridge = RosbridgeFeature(core, clients=self.client_protocols)
+        self.scripts = ScriptsFeature(clients=self.client_protocols)
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
             core,

@@ -26,6 +26,7 @@ __all__ = [
     "CLIENT_SOCKETS",
     "FROM_BROWSER",
     "FROM_GATEWAY",
+    "NOT_BY_SCRIPT",
     "ROUTES",
     "ROUTES_OF",
     "SOCKETS",
@@ -241,6 +242,7 @@ SOCKETS: Mapping[str, AccessNeed] = {
 CLIENT_SOCKETS: Mapping[str, AccessNeed] = {
     "/clients/foxglove/{site}": AccessNeed.SEE,
     "/clients/rosbridge/{site}": AccessNeed.SEE,
+    "/clients/scripts/{site}": AccessNeed.SEE,
 }
 
 FROM_BROWSER: Mapping[type[Message], AccessNeed] = {
@@ -366,6 +368,11 @@ TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
 # What a token may be used for; the rest a person must do.
 BY_SCRIPT = frozenset(
     {AccessNeed.OPEN, AccessNeed.SESSION, AccessNeed.SEE, AccessNeed.VIEW, AccessNeed.USE}
+)
+
+# What no script says over a page's socket, whatever its token may: it drives by its own, as a tool.
+NOT_BY_SCRIPT = frozenset(
+    {browser.PageLease, browser.PageLeaseForce, browser.PageDrive, browser.PageReset}
 )
 
 _RIGHT = {AccessNeed.VIEW: Right.VIEW, AccessNeed.USE: Right.USE, AccessNeed.ADMIN: Right.ADMIN}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 from talaia.gateway.errors import LinkLost, SettingsError
-from talaia.gateway.uplink.certificate_der import public_key_of
+from talaia.wire.certificate_der import public_key_of
 
 if TYPE_CHECKING:
     from talaia.gateway.settings import HubAddress

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-__all__ = ["CLIENT_PROTOCOLS", "FOXGLOVE", "METRICS", "ROSBRIDGE", "ClientProtocolInfo"]
+__all__ = [
+    "CLIENT_PROTOCOLS",
+    "FOXGLOVE",
+    "METRICS",
+    "ROSBRIDGE",
+    "SCRIPTS",
+    "ClientProtocolInfo",
+]
 
 
 class ClientProtocolInfo(NamedTuple):
@@ -30,6 +37,7 @@ class ClientProtocolInfo(NamedTuple):
 FOXGLOVE = "foxglove"
 METRICS = "metrics"
 ROSBRIDGE = "rosbridge"
+SCRIPTS = "scripts"
 
 # By the short name, which stands in addresses, in the database and in the audit log.
 CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
@@ -44,5 +52,8 @@ CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
     ),
     ROSBRIDGE: ClientProtocolInfo(
         "rosbridge 2", "/clients/rosbridge/{site}", socket=True, tools="roslibjs, roslibpy"
+    ),
+    SCRIPTS: ClientProtocolInfo(
+        "Driving by scripts", "/clients/scripts/{site}", socket=True, tools="talaia.client"
     ),
 }

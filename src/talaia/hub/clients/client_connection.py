@@ -124,6 +124,11 @@ class ClientConnection:
         self._drive_changed.set()
         return why
 
+    def release_drive(self, device: str) -> None:
+        """Stop a device that the client drives, and give its lease back."""
+        self._driving.release_device(device, self._clock.monotonic_ns())
+        self._drive_changed.set()
+
     def press_stop(self, device: str) -> tuple[str, str]:
         """Press STOP (software): give its id, which `StopUpdate` answers, and why not, if so."""
         press = f"client-{new_token()}"
@@ -143,6 +148,9 @@ class ClientConnection:
         self._browser.end(reason)
 
     # ── a transport, see `PageTransport` ──
+
+    def refuse_request(self, message: FromBrowser) -> None:
+        """Refuse nothing: what a client drives has gone by the rules of `ClientDriving`."""
 
     def encode(self, message: ToBrowser) -> Frame:
         """Keep a message as it is."""

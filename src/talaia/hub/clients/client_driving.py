@@ -152,6 +152,10 @@ class ClientDriving:
             hold.refused = problem.message
         return hold.refused
 
+    def release_device(self, device: str, now_ns: int) -> None:
+        """Stop a device, and give its lease back; one that is not held is no matter."""
+        self._let_go(device, now_ns)
+
     def press_stop(self, device: str, press: str, now_ns: int) -> str:
         """Press STOP (software) under an id of the caller's; say why not, if so."""
         # By the gate alone: an admin's word is for motion.

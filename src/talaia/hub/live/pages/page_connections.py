@@ -200,7 +200,9 @@ class Browser:
         if isinstance(message, Subscribe | Unsubscribe):
             # A newer wish, or none, takes the place of one that waits.
             self._wishes.pop(message.sub, None)
+        # Rights first: who may not even see a device must not learn of it from another refusal.
         problem = self._gate.refusal(self.who.grants, message)
+        problem = problem or self._transport.refuse_request(message)
         if problem is None:
             self._handle(self, message)
         elif (

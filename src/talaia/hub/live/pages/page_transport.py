@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Protocol
 
 from starlette.websockets import WebSocketDisconnect
 
-from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, RequestError
+from talaia.hub.policy import NOT_BY_SCRIPT
+from talaia.wire.browser import FROM_BROWSER, TO_BROWSER, PageLease, RequestError
 from talaia.wire.errors import UnknownKind
+from talaia.wire.frames import LeaseOp
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,6 +24,7 @@ __all__ = ["GONE", "PageTransport", "SocketTransport"]
 
 # A browser sends a ping each second, and a hidden tab one a minute; after this it is gone (s).
 _SILENT_S = 150.0
+_NO_PAGE = "a token drives by /clients/scripts/<site> alone, if an admin lets it (Admin, Clients)"
 # What a socket raises when the other side has gone or does not take anything.
 GONE = (WebSocketDisconnect, RuntimeError, OSError, TimeoutError)
 
@@ -36,6 +39,10 @@ class PageTransport(Protocol):
 
     def encode(self, message: ToBrowser) -> Frame:
         """Write a message in the form that is read here; ``len`` of it is what it weighs."""
+        ...
+
+    def refuse_request(self, message: FromBrowser) -> RequestError | None:
+        """Say why a message may not come this way, though its person has the right."""
         ...
 
     async def read_messages(
@@ -63,11 +70,12 @@ class PageTransport(Protocol):
 class SocketTransport:
     """A page's WebSocket."""
 
-    def __init__(self, socket: WebSocket, *, text: bool) -> None:
-        """Speak JSON with ``text``, else MessagePack."""
+    def __init__(self, socket: WebSocket, *, text: bool, script: bool = False) -> None:
+        """Speak JSON with ``text``, else MessagePack; ``script``: with one that has a token."""
         # Accepted already.
         self._socket = socket
         self._text = text
+        self._script = script
 
     @property
     def form(self) -> str:
@@ -77,6 +85,16 @@ class SocketTransport:
     def encode(self, message: ToBrowser) -> Frame:
         """Write a message in the form this page reads."""
         return TO_BROWSER.encode_text(message) if self._text else TO_BROWSER.encode(message)
+
+    def refuse_request(self, message: FromBrowser) -> RequestError | None:
+        """Refuse what only a page does: a script is a tool, and drives by the rules of tools."""
+        if not self._script or type(message) not in NOT_BY_SCRIPT:
+            return None
+        # To let go is always allowed.
+        if isinstance(message, PageLease) and message.op is LeaseOp.FREE:
+            return None
+        about = str(type(message).__struct_config__.tag)
+        return RequestError(code="forbidden", message=_NO_PAGE, about=about)
 
     async def read_messages(
         self, receive: Callable[[FromBrowser], None], refuse: Callable[[RequestError], None]

@@ -1,0 +1,1 @@
+"""Driving by scripts with a token, as other tools' clients drive."""
