@@ -10,7 +10,7 @@ import difflib
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.client.errors import BadSettings, NotFound
+from talaia.client.errors import BadSettings, NotFound, NotPermitted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -140,7 +140,8 @@ def find_command(site: SiteInfo, address: str) -> tuple[DeviceInfo, CommandInfo]
     """Find a command by its qualified address.
 
     Raises:
-        NotFound: there is none such, or it is not for this account.
+        NotPermitted: this account may use no command of the device.
+        NotFound: there is none such.
 
     """
     _, device_id, name = address.split("/")
@@ -148,6 +149,12 @@ def find_command(site: SiteInfo, address: str) -> tuple[DeviceInfo, CommandInfo]
     for command in device.commands:
         if command.id == name:
             return device, command
+    if {"use", "admin"}.isdisjoint(device.rights):
+        raise NotPermitted(
+            "forbidden",
+            f"this token does not call commands of {site.site}/{device_id}",
+            f"it takes the right use of {site.site}/{device_id}, of the token and of its person",
+        )
     raise _not_found(
         "command", address, [f"{site.site}/{device.id}/{command.id}" for command in device.commands]
     )

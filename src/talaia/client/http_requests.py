@@ -94,14 +94,16 @@ class HttpRequests:
         self._hub = hub
         self._trust = trust
 
-    def get_json(self, kind: type[T], path: str, *, query: Sequence[tuple[str, str]] = ()) -> T:
-        """Ask for what is read as ``kind``.
+    def get_json(
+        self, kind: type[T], path: str, *, query: Sequence[tuple[str, str]] = (), needs: str = ""
+    ) -> T:
+        """Ask for what is read as ``kind``; ``needs`` says which right it takes.
 
         Raises:
             ClientError: the hub cannot be asked, or says no.
 
         """
-        with self._open_answer("GET", _with_query(path, query)) as stream:
+        with self._open_answer("GET", _with_query(path, query), needs=needs) as stream:
             body = stream.read(_LONGEST)
         try:
             return msgspec.json.decode(body, type=kind)
@@ -211,13 +213,9 @@ def refusal_of(
             remedy = "an admin opens it under Admin, Clients: Driving by scripts"
             return ProtocolShut(code, "driving by scripts is shut", remedy)
         case 403, _:
-            wants = f"it takes {needs}, " if needs else ""
-            return NotPermitted(
-                code,
-                message,
-                f"{wants}of the token and of its person: make a token with more rights, or ask an"
-                " admin for the role",
-            )
+            wants = f"it takes {needs}, of the token and of its person; " if needs else ""
+            remedy = f"{wants}make a token with more rights, or ask an admin for the role"
+            return NotPermitted(code, message, remedy)
         case 404, _:
             return NotFound(code, message)
         case 429, _:

@@ -45,15 +45,17 @@ class HubApi:
         self.requests = HttpRequests(hub, self._trust)
 
     async def get_json(
-        self, kind: type[T], path: str, *, query: Sequence[tuple[str, str]] = ()
+        self, kind: type[T], path: str, *, query: Sequence[tuple[str, str]] = (), needs: str = ""
     ) -> T:
-        """Ask for what is read as ``kind``.
+        """Ask for what is read as ``kind``; ``needs`` says which right it takes.
 
         Raises:
             ClientError: the hub cannot be asked, or says no.
 
         """
-        return await self.read_again(lambda: self.requests.get_json(kind, path, query=query))
+        return await self.read_again(
+            lambda: self.requests.get_json(kind, path, query=query, needs=needs)
+        )
 
     async def read_again(self, read: Callable[[], T]) -> T:
         """Read something in a thread, and again if the hub says that it was asked too much.

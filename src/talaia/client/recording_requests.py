@@ -31,7 +31,7 @@ async def overview_of(api: HubApi, site: str) -> RecordingOverview:
         ClientError: the hub cannot be asked, or says no.
 
     """
-    return await api.get_json(RecordingOverview, _path_of(site))
+    return await api.get_json(RecordingOverview, _path_of(site), needs=f"the right view of {site}")
 
 
 async def ask_recorder(api: HubApi, site: str, *, on: bool, why: str, stream: str) -> RecorderInfo:
@@ -43,6 +43,9 @@ async def ask_recorder(api: HubApi, site: str, *, on: bool, why: str, stream: st
         ClientError: the hub cannot be asked, or says no.
 
     """
+    # Of one that failed before this one was asked for.
+    former = (await overview_of(api, site)).recorder.problem
+    problem = ""
     body = {"on": on, "why": why, "stream": stream}
     await api.send_json("POST", _path_of(site), body, needs=f"the right use of {site}")
     try:
@@ -51,10 +54,14 @@ async def ask_recorder(api: HubApi, site: str, *, on: bool, why: str, stream: st
                 recorder = (await overview_of(api, site)).recorder
                 if on == (stream in recorder.filming if stream else recorder.on):
                     return recorder
-                if on and recorder.problem:
-                    raise RequestRefused("recorder", recorder.problem)
+                problem = recorder.problem
+                if on and problem not in {"", former}:
+                    raise RequestRefused("recorder", problem)
                 await asyncio.sleep(_LOOK_S)
     except TimeoutError as error:
+        # The same trouble as before, perhaps.
+        if on and problem:
+            raise RequestRefused("recorder", problem) from error
         what = "begun" if on else "ended"
         raise HubNotReached(
             f"the gateway of {site} has not {what} within {_ANSWER_S:g} s; the site's logbook may"

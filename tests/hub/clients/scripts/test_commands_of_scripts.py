@@ -106,7 +106,7 @@ async def test_wrong_words_end_with_a_sentence_and_the_exit_code_2(run) -> None:
         (("call", "agv/base/trun"), "did you mean agv/base/turn"),
         (("call", "agv/base/turn", "fast"), "expected NAME=VALUE"),
         (("watch", "agv/base/nothing", "--once"), "no signal"),
-        (("record", "start", "agv"), "names nothing to record"),
+        (("record", "start", "mars"), "no such site"),
         (("record", "fetch", "agv", "none", "--wait", "0.1"), "not whole after 0.1 s"),
     ):
         code, _, err = await run(*words)
@@ -149,7 +149,7 @@ async def test_ctrl_c_ends_a_watch_quietly_and_its_token_is_in_no_process_list(
         await shared_world.gateways["agv"].samples(("base/open", NOW + 1000 + at, 0.5))
         await asyncio.wait([reading], timeout=0.5)
     assert b"agv/base/open" in await reading
-    words = open(f"/proc/{watch.pid}/cmdline", "rb").read()  # noqa: ASYNC230, SIM115
+    words = Path(f"/proc/{watch.pid}/cmdline").read_bytes()
     assert token.read_bytes() not in words
     watch.send_signal(signal.SIGINT)
     async with asyncio.timeout(PATIENCE_S):

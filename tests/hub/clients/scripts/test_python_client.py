@@ -92,7 +92,7 @@ async def test_client_lists_and_watches_what_its_person_may_see_and_nothing_else
             await client.read_history(["agv/base/shut"], since=0)
         with pytest.raises(NotFound, match="no site"):
             await client.read_values(["moon/rover/open"])
-        with pytest.raises(NotFound, match="no command"):
+        with pytest.raises(NotPermitted, match="it takes the right use of agv/base"):
             await client.call_command("agv/base/turn")
 
 
@@ -132,7 +132,12 @@ async def test_value_that_gets_no_younger_is_told_as_stale_once_and_ends_with_th
 async def test_commands_are_asked_once_and_told_with_what_became_of_them(shared_world) -> None:
     gateway = shared_world.gateways["agv"]
     client = await client_of(shared_world, "driver")
-    heard = []
+    heard, running = [], asyncio.Event()
+
+    def report(progress) -> None:
+        heard.append(progress)
+        running.set()
+
     ends = [
         (CommandPhase.SUCCEEDED, "ok", "succeeded"),
         (CommandPhase.FAILED, "jammed", "failed"),
@@ -140,10 +145,13 @@ async def test_commands_are_asked_once_and_told_with_what_became_of_them(shared_
         (CommandPhase.UNKNOWN, "restarted", "unknown"),
     ]
     for phase, message, told in ends:
-        call = asyncio.create_task(client.call_command("agv/base/turn", report=heard.append))
+        call = asyncio.create_task(client.call_command("agv/base/turn", report=report))
         asked = await gateway.hear(frames.CommandRequest)
         assert (asked.device, asked.command, asked.who) == ("base", "turn", "driver")
         await end_command(gateway, asked, CommandPhase.RUNNING, progress=0.5)
+        # One that ends at once is told by its end alone.
+        await asyncio.wait_for(running.wait(), PATIENCE_S)
+        running.clear()
         await end_command(gateway, asked, phase, message=message)
         result = await call
         assert (result.phase, result.message, result.id) == (told, message, asked.id)
@@ -329,17 +337,35 @@ async def test_script_without_an_event_loop_reads_watches_and_calls(shared_world
     assert await running == ["agv", "moon", "agv/base/shut", "succeeded"]
 
 
-async def test_recordings_are_begun_listed_and_refused_without_the_right(shared_world) -> None:
+async def test_recordings_are_begun_ended_and_refused_without_the_right(shared_world) -> None:
     gateway = shared_world.gateways["agv"]
     client = await client_of(shared_world, "operator")
-    with pytest.raises(RequestRefused, match="names nothing to record"):
-        await client.start_recording("agv", why="a test")
+    states = [
+        frames.RecorderState(on=False, problem="the disk is full"),
+        frames.RecorderState(on=True, id="20260101T120000Z-a"),
+        frames.RecorderState(on=False),
+    ]
+    begun = asyncio.create_task(client.start_recording("agv", why="a test"))
+    asked = await gateway.hear(frames.RecordingRequest)
+    assert (asked.on, asked.why, asked.who) == (True, "a test", "operator")
+    await gateway.say(states[0])
+    with pytest.raises(RequestRefused, match="the disk is full"):
+        await begun
+    # What failed before does not count for the next.
+    begun = asyncio.create_task(client.start_recording("agv"))
+    await gateway.hear(frames.RecordingRequest)
+    await gateway.say(states[1])
+    assert (await begun).id == "20260101T120000Z-a"
+    ended = asyncio.create_task(client.stop_recording("agv"))
+    assert not (await gateway.hear(frames.RecordingRequest)).on
+    await gateway.say(states[2])
+    assert not (await ended).on
     assert (await client.list_recordings("agv")).recordings == []
     with pytest.raises(NotFound, match="no recording 'none'"):
         await client.download_recording("agv", "none", "/nowhere/a.mcap")
-    with pytest.raises(NotPermitted, match="it takes the right use of agv"):
-        await (await client_of(shared_world, "guest")).start_recording("agv")
-    assert not [each for each in gateway.heard if isinstance(each, frames.RecordingRequest)]
+    with pytest.raises(NotPermitted, match="it takes the right view of agv"):
+        await (await client_of(shared_world, "driver")).start_recording("agv")
+    assert not [one for one in gateway.heard if isinstance(one, frames.RecordingRequest)]
 
 
 async def test_stop_is_confirmed_or_said_not_to_be(shared_world) -> None:
