@@ -149,7 +149,7 @@ async def test_ctrl_c_ends_a_watch_quietly_and_its_token_is_in_no_process_list(
         await shared_world.gateways["agv"].samples(("base/open", NOW + 1000 + at, 0.5))
         await asyncio.wait([reading], timeout=0.5)
     assert b"agv/base/open" in await reading
-    words = Path(f"/proc/{watch.pid}/cmdline").read_bytes()
+    words = Path(f"/proc/{watch.pid}/cmdline").read_bytes()  # noqa: ASYNC240
     assert token.read_bytes() not in words
     watch.send_signal(signal.SIGINT)
     async with asyncio.timeout(PATIENCE_S):
