@@ -17,6 +17,7 @@ from talaia.hub.features.connections.metrics import MetricsFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.connections.rosbridge import RosbridgeFeature
 from talaia.hub.features.connections.scripts import ScriptsFeature
+from talaia.hub.features.connections.socketio import SocketioFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
@@ -160,6 +161,9 @@ class Hub:
         )
         self.rosbridge = RosbridgeFeature(core, clients=self.client_protocols)
         self.scripts = ScriptsFeature(clients=self.client_protocols)
+        self.socketio = SocketioFeature(
+            core, clients=self.client_protocols, streams=self.media.streams
+        )
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
             core,

@@ -200,6 +200,11 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         # Its own token is asked for by the route, and the right `metrics`; cookies do not count.
         ("GET", "/metrics"): AccessNeed.OPEN,
     },
+    "socketio": {
+        # A token is asked for by the routes, by the same table as the socket's below.
+        ("GET", "/socket.io/"): AccessNeed.OPEN,
+        ("POST", "/socket.io/"): AccessNeed.OPEN,
+    },
     "client_protocols": {
         ("GET", "/api/client-protocols"): AccessNeed.ADMIN,
         ("PUT", "/api/client-protocols/{protocol}"): AccessNeed.ADMIN,
@@ -243,6 +248,7 @@ CLIENT_SOCKETS: Mapping[str, AccessNeed] = {
     "/clients/foxglove/{site}": AccessNeed.SEE,
     "/clients/rosbridge/{site}": AccessNeed.SEE,
     "/clients/scripts/{site}": AccessNeed.SEE,
+    "/socket.io/": AccessNeed.SEE,
 }
 
 FROM_BROWSER: Mapping[type[Message], AccessNeed] = {

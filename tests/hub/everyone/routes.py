@@ -377,6 +377,9 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/description-schema"): Recipe(plain()),
     # Shut until an admin opens it, for everybody; see `test_metrics_route`.
     ("GET", "/metrics"): Recipe(plain(done=(403,))),
+    # The same; see `clients.socketio.test_session`.
+    ("GET", "/socket.io/"): Recipe(plain(done=(403,))),
+    ("POST", "/socket.io/"): Recipe(plain(done=(403,))),
     ("GET", "/api/client-protocols"): Recipe(plain()),
     ("PUT", "/api/client-protocols/{protocol}"): Recipe(
         plain(params={"protocol": "foxglove"}, json={"open": False}, done=(204,))

@@ -65,6 +65,8 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/enrol"): frozenset({404, 410, 429, 503}),
     # Its own token is asked for by the route, and counted.
     ("GET", "/metrics"): frozenset({401, 403, 429, 503}),
+    ("GET", "/socket.io/"): frozenset({400, 401, 403, 404, 429, 503}),
+    ("POST", "/socket.io/"): frozenset({400, 401, 403, 429, 503}),
     ("PUT", "/api/client-drivers"): frozenset({404}),
     ("POST", "/api/me/factor"): frozenset({409}),
     ("POST", "/api/me/factor/remove"): frozenset({409}),

@@ -13,6 +13,7 @@ __all__ = [
     "METRICS",
     "ROSBRIDGE",
     "SCRIPTS",
+    "SOCKETIO",
     "ClientProtocolInfo",
 ]
 
@@ -38,6 +39,7 @@ FOXGLOVE = "foxglove"
 METRICS = "metrics"
 ROSBRIDGE = "rosbridge"
 SCRIPTS = "scripts"
+SOCKETIO = "socketio"
 
 # By the short name, which stands in addresses, in the database and in the audit log.
 CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
@@ -55,5 +57,12 @@ CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
     ),
     SCRIPTS: ClientProtocolInfo(
         "Driving by scripts", "/clients/scripts/{site}", socket=True, tools="talaia.client"
+    ),
+    # The path under it, ``/socket.io/``, clients add by themselves.
+    SOCKETIO: ClientProtocolInfo(
+        "Socket.IO",
+        "/?site={site}",
+        socket=False,
+        tools="socketIO-client, python-socketio, socket.io-client",
     ),
 }

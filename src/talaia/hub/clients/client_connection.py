@@ -88,6 +88,7 @@ class ClientConnection:
         # Set as it is served; before that nothing is written.
         self._session: ClientSession | None = None
         self._browser: Browser = service.connect(self, who)
+        self._may_drive = may_drive
         self._driving = ClientDriving(live.name, ask=self.request, permits=may_drive)
         # Something about driving has changed, so it may be due at another time.
         self._drive_changed = asyncio.Event()
@@ -105,6 +106,10 @@ class ClientConnection:
     def has_right(self, right: Right, device: str) -> bool:
         """Tell whether the account has a right on a device."""
         return self.who.grants.has_right(right, self.live.name, device)
+
+    def may_drive(self, device: str) -> bool:
+        """Tell whether an admin lets the account drive a device by such clients, now."""
+        return self._may_drive(device)
 
     def request(self, message: FromBrowser) -> RequestError | None:
         """Ask the hub; give the refusal if the account may not.

@@ -5,5 +5,6 @@ import type { ClientProtocolShape } from "../../generated/api.js";
 /** @param origin of this page: the hub's own */
 export function clientAddress(row: Pick<ClientProtocolShape, "path" | "socket">, site: string, origin: string): string {
   const base = row.socket ? origin.replace(/^http/, "ws") : origin;
-  return `${base}${row.path.replace("{site}", encodeURIComponent(site))}?token=TOKEN`;
+  const path = row.path.replace("{site}", encodeURIComponent(site));
+  return `${base}${path}${path.includes("?") ? "&" : "?"}token=TOKEN`;
 }

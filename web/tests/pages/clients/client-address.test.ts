@@ -13,5 +13,6 @@ describe("the address of a client protocol", () => {
     expect(clientAddress({ path: "/clients/prometheus/{site}", socket: false }, "a b", "https://hub")).toBe(
       "https://hub/clients/prometheus/a%20b?token=TOKEN",
     );
+    expect(clientAddress({ path: "/?site={site}", socket: false }, "agv", "https://hub")).toBe("https://hub/?site=agv&token=TOKEN");
   });
 });

@@ -16,6 +16,7 @@ from talaia.hub.policy import AccessNeed, allows
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from contextlib import AbstractContextManager
 
     from starlette.requests import HTTPConnection, Request
     from starlette.websockets import WebSocket
@@ -98,6 +99,27 @@ class ClientAdmission:
         if live is None or not allows(AccessNeed.SEE, who.grants, live.description):
             raise ApiProblem(404, "unknown", "there is no such site")
         return live
+
+    def choose_site(self, who: Who, name: str) -> LiveSite:
+        """Give the named site, or without a name the only one that an account may see.
+
+        Raises:
+            ApiProblem: 404 as of `site_for`; 400 there are several.
+
+        """
+        if name:
+            return self.site_for(who, name)
+        seen = [
+            live for live in self._sites if allows(AccessNeed.SEE, who.grants, live.description)
+        ]
+        if len(seen) != 1:
+            names = ", ".join(live.name for live in seen) or "none"
+            raise ApiProblem(400, "site", f"put site=… into the address; there are: {names}")
+        return seen[0]
+
+    def count_connection(self, who: Who) -> AbstractContextManager[bool]:
+        """Count a connection while it is open, as a page's; gives False when it is too many."""
+        return self._limits.count_socket(who)
 
     @asynccontextmanager
     async def admit_client(

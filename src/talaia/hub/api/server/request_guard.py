@@ -24,7 +24,7 @@ __all__ = ["HIDDEN_TOKEN", "RequestGuard", "host_name", "same_origin"]
 _SAFE = frozenset({"GET", "HEAD", "OPTIONS"})
 _GATEWAY = "/gateway/"
 # Of other tools: cookies never count there, and each protocol has its own list of origins.
-_CLIENTS = "/clients/"
+_CLIENTS = ("/clients/", "/socket.io/")
 # Where the token of such a client stands that was in its address; nothing can log it there.
 HIDDEN_TOKEN = "talaia.token"  # noqa: S105
 _ENROL = "/api/enrol"

@@ -31,6 +31,7 @@ class ClientProtocolsFeature(Feature):
         protocols: what is open now.
         admission: lets clients in.
         connections: connects them like pages.
+        audit: keeps who came and went.
 
     """
 
@@ -42,7 +43,7 @@ class ClientProtocolsFeature(Feature):
         """Serve clients by ``service``, as pages are."""
         # How often the table is read again: another process may have changed it.
         self._check_s = core.settings.check_s
-        self._audit = audit
+        self.audit = audit
         # Two tables: what is open, and who drives.
         store = ClientProtocols(core.database, core.clock)
         # In memory, so that no connection waits for the database to be told yes or no.
@@ -70,7 +71,7 @@ class ClientProtocolsFeature(Feature):
             admission=self.admission,
             connections=self.connections,
             protocols=self.protocols,
-            audit=self._audit,
+            audit=self.audit,
         )
 
     async def open(self) -> None:

@@ -1,0 +1,244 @@
+"""``/socket.io/``: polled requests and WebSockets of Engine.IO, by which Socket.IO comes."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request, Response, WebSocket
+from starlette.websockets import WebSocketDisconnect
+
+from talaia.hub.api.access import deny_socket
+from talaia.hub.api.guarded_routes import GuardedRoute
+from talaia.hub.api.problems import STORE_DOWN, ApiProblem
+from talaia.hub.clients.catalog import SOCKETIO
+from talaia.hub.clients.socketio.engine_connection import LineGone
+from talaia.hub.errors import StoreDown
+from talaia.hub.live.first_completed import until_first
+from talaia.hub.live.pages.page_transport import GONE
+from talaia.wire.errors import PeerError
+from talaia.wire.socketio.engine_packets import (
+    EngineKind,
+    EnginePacket,
+    EngineRevision,
+    decode_body,
+    decode_frame,
+    encode_body,
+    encode_frame,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from talaia.hub.api.clients.client_admission import ClientAdmission
+    from talaia.hub.api.clients.engine_sessions import EngineSessions
+    from talaia.hub.clients.socketio.engine_connection import EngineConnection
+
+__all__ = ["SocketioRoutes"]
+
+_PATH = "/socket.io/"
+# So long a client's messages wait for their turn, if it does not fetch what it is answered (s).
+_TURN_S = 20.0
+
+
+class SocketioRoutes:
+    """The path at which every Socket.IO client looks for its server."""
+
+    def __init__(self, *, admission: ClientAdmission, sessions: EngineSessions) -> None:
+        """Hand what comes to ``sessions``; ``admission`` counts requests."""
+        self._admission = admission
+        self._sessions = sessions
+
+    def router(self) -> APIRouter:
+        """Give the routes of polled requests."""
+        router = APIRouter(route_class=GuardedRoute)
+        # No JSON: packets.
+        router.get(_PATH, response_class=Response)(self.poll)
+        router.post(_PATH, response_class=Response)(self.push)
+        return router
+
+    def socket_router(self) -> APIRouter:
+        """Give the socket's route."""
+        router = APIRouter()
+        router.websocket(_PATH)(self.serve)
+        return router
+
+    async def poll(self, request: Request) -> Response:
+        """Begin a session, or wait for what it has for the client."""
+        who = await self._admission.admit_request(request, SOCKETIO)
+        query = request.query_params
+        if query.get("transport") != "polling":
+            raise ApiProblem(400, "transport", "transport= is polling for a request")
+        if "sid" not in query:
+            line = self._sessions.begin_session(who, request)
+            return _answer_packets(request, line, [line.opening_packet(upgrades=True)])
+        line = self._sessions.find_session(who, query["sid"])
+        try:
+            with line.hold_poll():
+                packets, _ = await until_first(line.pull_packets(polling=True), _gone(request))
+        except PeerError as error:
+            await line.close_line(error.code)
+            raise ApiProblem(400, "session", error.problem) from error
+        if isinstance(packets, LineGone):
+            raise ApiProblem(400, "session", "the session has ended; connect anew")
+        if not isinstance(packets, list):
+            # The client has given up on this request, and would miss what it was to fetch.
+            await line.close_line()
+            return Response()
+        return _answer_packets(request, line, packets)
+
+    async def push(self, request: Request) -> Response:
+        """Take what a client sends."""
+        who = await self._admission.admit_request(request, SOCKETIO)
+        line = self._sessions.find_session(who, request.query_params.get("sid", ""))
+        try:
+            async with asyncio.timeout(_TURN_S):
+                for packet in decode_body(await request.body(), line.revision):
+                    await line.receive_packet(packet)
+        except PeerError as error:
+            await line.close_line(error.code)
+            raise ApiProblem(400, "invalid", error.problem) from error
+        except TimeoutError:
+            await line.close_line()
+            raise ApiProblem(400, "session", "answers wait and are not fetched") from None
+        return Response("ok", media_type="text/plain", headers=_cross_origin(request))
+
+    async def serve(self, socket: WebSocket) -> None:
+        """Serve a WebSocket, which begins a session or takes over one that was polled."""
+        try:
+            line = await self._admit_socket(socket)
+        except ApiProblem as no:
+            await deny_socket(
+                socket, status=no.status, code=no.code, message=no.message, retry_s=no.retry_s
+            )
+            return
+        except StoreDown:
+            await deny_socket(socket, status=503, code="store", message=STORE_DOWN, retry_s=2)
+            return
+        try:
+            await socket.accept()
+            if "sid" in socket.query_params:
+                await _take_over(socket, line)
+            else:
+                await line.end_upgrade(done=True)
+                await _send_packets(socket, line, [line.opening_packet(upgrades=False)])
+            if line.is_on_socket:
+                await _carry_line(socket, line)
+        finally:
+            # A polled session whose upgrade came to nothing goes on without.
+            if line.is_on_socket or "sid" not in socket.query_params:
+                await line.close_line()
+
+    async def _admit_socket(self, socket: WebSocket) -> EngineConnection:
+        """Give the line that a socket is to carry.
+
+        Raises:
+            ApiProblem: it is not let in.
+            StoreDown: it cannot be told whose token it is.
+
+        """
+        query = socket.query_params
+        who = await self._admission.identify_account(socket, SOCKETIO)
+        if query.get("transport") != "websocket":
+            raise ApiProblem(400, "transport", "transport= is websocket for a socket")
+        if "sid" in query:
+            return self._sessions.find_session(who, query["sid"])
+        return self._sessions.begin_session(who, socket)
+
+
+async def _carry_line(socket: WebSocket, line: EngineConnection) -> None:
+    results = await until_first(_read_socket(socket, line), _write_socket(socket, line))
+    for result in results:
+        if isinstance(result, PeerError):
+            await line.close_line(result.code)
+        elif isinstance(result, Exception) and not isinstance(result, GONE):
+            raise result
+    await _close_socket(socket, line.close_code)
+
+
+async def _take_over(socket: WebSocket, line: EngineConnection) -> None:
+    """Let a WebSocket carry a session that was polled, if it does as the protocol says."""
+    offered = done = False
+    try:
+        answer = await line.offer_upgrade(await _receive_packet(socket, line))
+        offered = True
+        await _send_packets(socket, line, [answer])
+        done = (await _receive_packet(socket, line)).kind is EngineKind.UPGRADE
+    except (PeerError, *GONE):
+        # The polled session is as good as before.
+        pass
+    finally:
+        if offered:
+            await line.end_upgrade(done=done)
+    if not done:
+        await _close_socket(socket, 1002)
+
+
+async def _read_socket(socket: WebSocket, line: EngineConnection) -> None:
+    while not line.is_closed:
+        await line.receive_packet(await _receive_packet(socket, line))
+
+
+async def _write_socket(socket: WebSocket, line: EngineConnection) -> None:
+    try:
+        while True:
+            await _send_packets(socket, line, await line.pull_packets())
+    except LineGone:
+        return
+
+
+async def _receive_packet(socket: WebSocket, line: EngineConnection) -> EnginePacket:
+    """Read one frame.
+
+    Raises:
+        WebSocketDisconnect: the client has gone.
+        PeerError: it is no packet.
+
+    """
+    event = await socket.receive()
+    if event["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect(event.get("code", 1005))
+    data = event.get("bytes")
+    return decode_frame(event.get("text", "") if data is None else data, line.revision)
+
+
+async def _send_packets(
+    socket: WebSocket, line: EngineConnection, packets: Iterable[EnginePacket]
+) -> None:
+    for packet in packets:
+        frame = encode_frame(packet, line.revision)
+        if isinstance(frame, str):
+            await socket.send_text(frame)
+        else:
+            await socket.send_bytes(frame)
+
+
+async def _close_socket(socket: WebSocket, code: int) -> None:
+    try:
+        await socket.close(code)
+    except GONE:
+        # The client was quicker.
+        return
+
+
+async def _gone(request: Request) -> None:
+    """Return when whoever asks has gone."""
+    while (await request.receive())["type"] != "http.disconnect":
+        pass
+
+
+def _answer_packets(
+    request: Request, line: EngineConnection, packets: list[EnginePacket]
+) -> Response:
+    binary = line.revision is EngineRevision.OLD and not line.as_text
+    return Response(
+        encode_body(packets, line.revision, as_text=line.as_text),
+        media_type="application/octet-stream" if binary else "text/plain; charset=UTF-8",
+        headers={"Cache-Control": "no-store", **_cross_origin(request)},
+    )
+
+
+def _cross_origin(request: Request) -> dict[str, str]:
+    """Let a page read the answer whose origin an admin lets in; others were refused."""
+    origin = request.headers.get("origin")
+    return {"Access-Control-Allow-Origin": origin, "Vary": "Origin"} if origin else {}
