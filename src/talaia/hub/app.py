@@ -14,6 +14,7 @@ from talaia.hub.features.audit import AuditFeature
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
 from talaia.hub.features.connections.foxglove import FoxgloveFeature
 from talaia.hub.features.connections.metrics import MetricsFeature
+from talaia.hub.features.connections.mqtt import MqttFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
 from talaia.hub.features.connections.rosbridge import RosbridgeFeature
 from talaia.hub.features.connections.scripts import ScriptsFeature
@@ -158,6 +159,9 @@ class Hub:
         )
         self.metrics = MetricsFeature(
             core, clients=self.client_protocols, alarms=self.alarms.engine
+        )
+        self.mqtt = MqttFeature(
+            core, clients=self.client_protocols, access=self.people.access, audit=log
         )
         self.rosbridge = RosbridgeFeature(core, clients=self.client_protocols)
         self.scripts = ScriptsFeature(clients=self.client_protocols)

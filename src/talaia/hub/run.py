@@ -249,7 +249,17 @@ def _read_options(argv: Sequence[str]) -> argparse.Namespace:
         help="web components of the administrator's own, a folder for each tile, that devices'"
         " pages show; read at the start",
     )
+    _add_neighbours(parser)
     return parser.parse_args(argv)
+
+
+def _add_neighbours(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--mqtt",
+        type=Path,
+        metavar="FILE",
+        help="names an MQTT broker and what is published there, once an admin opens it",
+    )
 
 
 def _make_settings(options: argparse.Namespace) -> Settings:
@@ -275,6 +285,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         sightings_days=max(0.0, options.sightings_days),
         sightings_most=max(1, options.sightings_most),
         extensions=options.extensions,
+        mqtt=options.mqtt,
     )
 
 

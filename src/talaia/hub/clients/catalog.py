@@ -11,6 +11,7 @@ __all__ = [
     "CLIENT_PROTOCOLS",
     "FOXGLOVE",
     "METRICS",
+    "MQTT",
     "ROSBRIDGE",
     "SCRIPTS",
     "SOCKETIO",
@@ -23,7 +24,8 @@ class ClientProtocolInfo(NamedTuple):
 
     Attributes:
         title: what people call it.
-        path: where it is served; ``{site}`` stands for the site's short name.
+        path: where it is served; ``{site}`` stands for the site's short name. Empty where the hub
+            connects, to what it was started with.
         socket: it is a WebSocket (``wss://``), else HTTP.
         tools: what speaks it.
 
@@ -37,6 +39,7 @@ class ClientProtocolInfo(NamedTuple):
 
 FOXGLOVE = "foxglove"
 METRICS = "metrics"
+MQTT = "mqtt"
 ROSBRIDGE = "rosbridge"
 SCRIPTS = "scripts"
 SOCKETIO = "socketio"
@@ -51,6 +54,9 @@ CLIENT_PROTOCOLS: Mapping[str, ClientProtocolInfo] = {
     ),
     METRICS: ClientProtocolInfo(
         "Prometheus metrics", "/metrics?site={site}", socket=False, tools="Prometheus, Grafana"
+    ),
+    MQTT: ClientProtocolInfo(
+        "MQTT broker", "", socket=False, tools="Home Assistant, Node-RED and others, by a broker"
     ),
     ROSBRIDGE: ClientProtocolInfo(
         "rosbridge 2", "/clients/rosbridge/{site}", socket=True, tools="roslibjs, roslibpy"

@@ -78,6 +78,7 @@ class ClientConnection:
         service: PageService,
         may_drive: Callable[[str], bool],
         clock: Clock,
+        via: str = "",
     ) -> None:
         """Connect through ``service``; ``may_drive`` says it of each device, at each message."""
         # A change of rights ends the connection, as a page's.
@@ -87,8 +88,8 @@ class ClientConnection:
         self._clock = clock
         # Set as it is served; before that nothing is written.
         self._session: ClientSession | None = None
-        self._browser: Browser = service.connect(self, who)
         self._may_drive = may_drive
+        self._browser: Browser = service.connect(self, who, via=via)
         self._driving = ClientDriving(live.name, ask=self.request, permits=may_drive)
         # Something about driving has changed, so it may be due at another time.
         self._drive_changed = asyncio.Event()
@@ -210,12 +211,13 @@ class ClientConnections:
         self._protocols = protocols
         self._clock = clock
 
-    def connect(self, live: LiveSite, who: Who) -> ClientConnection:
-        """Connect an account to a site."""
+    def connect(self, live: LiveSite, who: Who, *, via: str = "") -> ClientConnection:
+        """Connect an account to a site; ``via`` is what it is known by beside its name."""
         return ClientConnection(
             live,
             who,
             service=self._service,
             may_drive=lambda device: self._protocols.may_drive(who.user, live.name, device),
             clock=self._clock,
+            via=via,
         )

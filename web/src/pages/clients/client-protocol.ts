@@ -45,13 +45,16 @@ export class ClientProtocol extends LitElement {
       </div>
       ${row.open ? this.renderAddresses(row) : nothing}
       <div class="facts">
-        <span>${row.origins.length === 0 ? "No web page is let in; programs are." : `Web pages of ${row.origins.join(", ")} are let in.`}</span>
+        ${row.path === "" ? nothing : html`<span>${row.origins.length === 0 ? "No web page is let in; programs are." : `Web pages of ${row.origins.join(", ")} are let in.`}</span>`}
         ${row.changed_by === "" ? nothing : html`<span>last set by ${row.changed_by}</span>`}
       </div>
       ${this.form.isOpen ? this.renderOrigins(row) : this.renderActions(row)} ${renderAdvice(this.action.problem)}`;
   }
 
   private renderAddresses(row: ClientProtocolShape): TemplateResult {
+    if (row.path === "") {
+      return html`<p class="muted">The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.</p>`;
+    }
     return html`${map(
         this.sites,
         (site) => html`<t-copy label=${`Address for ${site}`} .text=${clientAddress(row, site, window.location.origin)}></t-copy>`,
@@ -67,7 +70,7 @@ export class ClientProtocol extends LitElement {
       <t-button kind=${row.open ? "plain" : "primary"} label=${`${row.open ? "Shut" : "Open"} ${row.title}`} ?busy=${this.action.busy} @click=${toggle}
         >${row.open ? "Shut it" : "Open it"}</t-button
       >
-      <t-button label=${`Web pages that may use ${row.title}`} @click=${this.form.opener("origins")}>Web pages…</t-button>
+      ${row.path === "" ? nothing : html`<t-button label=${`Web pages that may use ${row.title}`} @click=${this.form.opener("origins")}>Web pages…</t-button>`}
     </div>`;
   }
 

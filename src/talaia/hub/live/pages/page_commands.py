@@ -64,38 +64,38 @@ class PageCommands:
                 self._asked.setdefault(browser.key, set()).add((live.name, asked.device))
                 live.link.send(
                     frames.LeaseForceRequest(
-                        device=asked.device, session=browser.key, who=browser.who.name
+                        device=asked.device, session=browser.key, who=browser.signature
                     )
                 )
-                self._append_record(live, "lease force asked", browser.who.name, asked.device)
+                self._append_record(live, "lease force asked", browser.signature, asked.device)
             case page.PageDrive():
                 self._drive(browser, live, asked)
             case page.PageStop():
                 live.link.send(
-                    frames.StopRequest(device=asked.device, id=asked.id, who=browser.who.name)
+                    frames.StopRequest(device=asked.device, id=asked.id, who=browser.signature)
                 )
-                self._append_record(live, "stop pressed", browser.who.name, asked.device)
+                self._append_record(live, "stop pressed", browser.signature, asked.device)
             case page.PageReset():
                 live.link.send(
                     frames.ResetRequest(
                         device=asked.device,
                         session=browser.key,
                         epoch=asked.epoch,
-                        who=browser.who.name,
+                        who=browser.signature,
                         token=asked.token,
                     )
                 )
                 # A first request without a token only asks for one.
                 if asked.token:
-                    self._append_record(live, "stop reset asked", browser.who.name, asked.device)
+                    self._append_record(live, "stop reset asked", browser.signature, asked.device)
             case page.PageCommand():
                 self._command(browser, live, asked)
             case page.PageCommandCancel():
                 live.link.send(
-                    frames.CommandCancel(id=asked.id, device=asked.device, who=browser.who.name)
+                    frames.CommandCancel(id=asked.id, device=asked.device, who=browser.signature)
                 )
                 self._append_record(
-                    live, "cancel asked", browser.who.name, asked.device, message=asked.id
+                    live, "cancel asked", browser.signature, asked.device, message=asked.id
                 )
             case page.PageOverride():
                 self._override(browser, live, asked)
@@ -136,7 +136,7 @@ class PageCommands:
         if problem := _no_override(live, rule, asked):
             self._refuse(browser, asked, "invalid", problem)
             return
-        who = browser.who.name
+        who = browser.signature
         live.link.send(
             frames.OverrideRequest(
                 interlock=asked.interlock,
@@ -165,7 +165,7 @@ class PageCommands:
         if asked.id in live.current.pending or len(live.current.pending) >= _MOST_PENDING:
             self._refuse(browser, asked, "busy", "this command is under way already")
             return
-        who = browser.who.name
+        who = browser.signature
         # Before it is sent, so that an end that comes at once finds it.
         live.current.pending[asked.id] = Pending(asked.id, asked.device, asked.command, who)
         live.link.send(
@@ -198,14 +198,14 @@ class PageCommands:
                     id=asked.id,
                     phase=CommandPhase.REFUSED,
                     message=message,
-                    who=browser.who.name,
+                    who=browser.signature,
                 )
             )
         # Driving frames come many times a second: refusals of them would fill the log.
         if not isinstance(asked, page.PageDrive):
             self._audit.append_record(
                 f"{about} refused",
-                who=browser.who.name,
+                who=browser.signature,
                 site=asked.site,
                 device=asked.subject().device,
                 message=message,
@@ -219,7 +219,7 @@ class PageCommands:
 
 
 def _lease_ask(browser: Browser, device: str, op: LeaseOp) -> frames.LeaseRequest:
-    return frames.LeaseRequest(device=device, session=browser.key, who=browser.who.name, op=op)
+    return frames.LeaseRequest(device=device, session=browser.key, who=browser.signature, op=op)
 
 
 def _no_override(live: LiveSite, rule: Interlock, asked: page.PageOverride) -> str:

@@ -61,6 +61,8 @@ _FAREWELL_S = 0.3
 # While the hub cannot tell who may do what, this many subscriptions are kept for later, and it is
 # looked so often whether it can again (s).
 _MOST_WISHES = 256
+# Letters that a gateway and the log take as a name.
+_MOST_SIGNATURE = 200
 _WISH_S = 0.5
 
 
@@ -69,6 +71,7 @@ class Browser:
 
     Attributes:
         who: never replaced: a change of rights ends the connection, and the page loads anew.
+        signature: who asks, for robots, other people and the log: the person, and by what.
         key: names this connection to gateways: a lease is held by a page, not by a person.
         form: those of the same form can be sent what was written once.
         known: asked for the newest values of a subscription's channels, by their places in its
@@ -83,9 +86,11 @@ class Browser:
         gate: MessageAuthorizer,
         *,
         handle: Callable[[Browser, FromBrowser], None],
+        via: str = "",
     ) -> None:
         """Speak over ``transport``; what ``gate`` lets pass goes to ``handle``."""
         self.who = who
+        self.signature = f"{who.name} by {via}"[:_MOST_SIGNATURE] if via else who.name
         self.key = new_token()
         self.form = transport.form
         self.known: Callable[[Browser, int, list[int]], list[Values]] = lambda *_: []

@@ -120,9 +120,9 @@ class PageService:
         self._greeters = greeters
         self._messages = messages
 
-    def connect(self, transport: PageTransport, who: Who) -> Browser:
-        """Make the connection of a person; `serve` serves it."""
-        return Browser(transport, who, self._gate, handle=self._messages.receive)
+    def connect(self, transport: PageTransport, who: Who, *, via: str = "") -> Browser:
+        """Make the connection of a person; `serve` serves it. ``via`` names what they come by."""
+        return Browser(transport, who, self._gate, handle=self._messages.receive, via=via)
 
     async def serve(self, browser: Browser) -> None:
         """Greet, read and write until either side ends it."""

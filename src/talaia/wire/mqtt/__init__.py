@@ -1,0 +1,1 @@
+"""What is said by MQTT: names of topics, payloads, Home Assistant's discovery. No I/O here."""

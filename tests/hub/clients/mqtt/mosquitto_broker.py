@@ -1,0 +1,183 @@
+"""Mosquitto on a free port of loopback, and ears for what is published there."""
+
+# ruff: noqa: D107
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import datetime as dt
+import getpass
+import ipaddress
+import json
+import os
+import shutil
+import time
+
+import aiomqtt
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import NameOID
+from patience import PATIENCE_S
+from ports import free_port
+
+
+def mosquitto_program(name: str = "mosquitto") -> str:
+    """Find a program of Mosquitto, or skip."""
+    program = shutil.which(name) or shutil.which(name, path="/usr/sbin:/usr/bin")
+    if program is None:
+        said = f"{name} is missing (apt install mosquitto mosquitto-clients)"
+        if os.environ.get("TALAIA_REQUIRE_ALL") == "1":
+            pytest.fail(f"{said}, and TALAIA_REQUIRE_ALL=1")
+        pytest.skip(said)
+    return program
+
+
+class Broker:
+    """A broker that may be killed and begun anew at its port; it keeps nothing over that."""
+
+    def __init__(self, folder, *, certificates=None) -> None:
+        self.port = free_port()
+        self._conf = folder / "mosquitto.conf"
+        lines = [f"listener {self.port} 127.0.0.1", "allow_anonymous true", "persistence false"]
+        # As root it would become somebody who may not read the test's folder.
+        lines += [f"user {getpass.getuser()}"]
+        if certificates:
+            lines += [f"certfile {certificates.cert}", f"keyfile {certificates.key}"]
+        self._conf.write_text("\n".join(lines) + "\n")
+        self._process = None
+
+    async def __aenter__(self) -> Broker:
+        await self.start()
+        return self
+
+    async def __aexit__(self, *_exc: object) -> None:
+        await self.kill()
+
+    async def start(self) -> None:
+        quiet = asyncio.subprocess.DEVNULL
+        program = mosquitto_program()
+        self._process = await asyncio.create_subprocess_exec(
+            program, "-c", str(self._conf), stdout=quiet, stderr=quiet
+        )
+        async with asyncio.timeout(PATIENCE_S):
+            while True:
+                try:
+                    _, writer = await asyncio.open_connection("127.0.0.1", self.port)
+                except OSError:
+                    assert self._process.returncode is None, "mosquitto does not start"
+                    await asyncio.sleep(0.05)
+                    continue
+                writer.close()
+                return
+
+    async def kill(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            await self._process.wait()
+            self._process = None
+
+    def client(self, **options) -> aiomqtt.Client:
+        return aiomqtt.Client(
+            "127.0.0.1", self.port, protocol=aiomqtt.ProtocolVersion.V5, **options
+        )
+
+    @contextlib.asynccontextmanager
+    async def ear(self):
+        """Hear all that is published, and what is kept."""
+        async with self.client() as client:
+            await client.subscribe("#", qos=1)
+            ear = Ear(client)
+            reading = asyncio.create_task(ear.read())
+            try:
+                yield ear
+            finally:
+                reading.cancel()
+                await asyncio.gather(reading, return_exceptions=True)
+
+
+class Ear:
+    """What a consumer hears: every message, and what each topic holds by now."""
+
+    def __init__(self, client) -> None:
+        self.client = client
+        self.heard = []
+        self.holds = {}
+        self._news = asyncio.Condition()
+
+    async def read(self) -> None:
+        async for message in self.client.messages:
+            async with self._news:
+                topic = str(message.topic)
+                self.heard.append((topic, message.payload, message.properties))
+                self.holds[topic] = message.payload
+                self._news.notify_all()
+
+    async def until(self, where) -> None:
+        """Wait until something is true of what was heard."""
+        async with asyncio.timeout(PATIENCE_S), self._news:
+            await self._news.wait_for(where)
+
+    def topics(self) -> set[str]:
+        """Name the topics that hold something."""
+        return {topic for topic, payload in self.holds.items() if payload}
+
+    def value(self, topic) -> dict:
+        """Read what a topic holds; empty: nothing."""
+        return json.loads(self.holds.get(topic) or "{}")
+
+    async def answer(self, topic, phase):
+        """Wait for an answer; it and those before it are taken out."""
+
+        def found():
+            return [
+                at
+                for at, (name, payload, _) in enumerate(self.heard)
+                if name == topic and payload and json.loads(payload)["phase"] == phase
+            ]
+
+        await self.until(found)
+        _, payload, properties = self.heard[found()[0]]
+        del self.heard[: found()[0] + 1]
+        return json.loads(payload), getattr(properties, "CorrelationData", None)
+
+
+def asked_now(**more) -> str:
+    return json.dumps({"time": time.time(), **more})
+
+
+class Certificates:
+    """An authority, and a certificate of it for 127.0.0.1."""
+
+    def __init__(self, folder) -> None:
+        self.ca, self.cert, self.key = (folder / name for name in ("ca.pem", "c.pem", "k.pem"))
+        ca_key, key = (ec.generate_private_key(ec.SECP256R1()) for _ in range(2))
+        ca_name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "tests")])
+        ca = self._certificate(ca_name, ca_name, ca_key.public_key(), ca_key, ca=True)
+        name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "broker")])
+        cert = self._certificate(name, ca_name, key.public_key(), ca_key, ca=False)
+        pem = serialization.Encoding.PEM
+        self.ca.write_bytes(ca.public_bytes(pem))
+        self.cert.write_bytes(cert.public_bytes(pem))
+        self.key.write_bytes(
+            key.private_bytes(pem, serialization.PrivateFormat.PKCS8, serialization.NoEncryption())
+        )
+
+    def _certificate(self, name, issuer, public, signer, *, ca):
+        now = dt.datetime.now(dt.UTC)
+        return (
+            x509.CertificateBuilder()
+            .subject_name(name)
+            .issuer_name(issuer)
+            .public_key(public)
+            .serial_number(x509.random_serial_number())
+            .not_valid_before(now - dt.timedelta(days=1))
+            .not_valid_after(now + dt.timedelta(days=1))
+            .add_extension(x509.BasicConstraints(ca=ca, path_length=None), critical=True)
+            .add_extension(
+                x509.SubjectAlternativeName([x509.IPAddress(ipaddress.ip_address("127.0.0.1"))]),
+                critical=False,
+            )
+            .sign(signer, hashes.SHA256())
+        )
