@@ -220,8 +220,9 @@ class MqttBridge:
             # Only now is it known what is left of earlier runs and of other rights.
             self._complete = True
             self._clear_others()
-            self.set_payload(self._tree.hub_state, ONLINE)
             await subscribe_commands(client, self._command_filters())
+            # Last: whoever sees this may send a command.
+            self.set_payload(self._tree.hub_state, ONLINE)
             await until_first(
                 self._ending.wait(),
                 self._watch_sites(set(connections)),

@@ -21,7 +21,7 @@ __all__ = ["BrokerFeed"]
 
 _LOG = logging.getLogger(__name__)
 # Messages that wait for the broker's word at once.
-_AT_ONCE = 10
+_AT_ONCE = 8
 # Answers that wait; the oldest are left out.
 _MOST_ANSWERS = 200
 
