@@ -41,6 +41,7 @@ class Broker:
         self.port = free_port()
         self._conf = folder / "mosquitto.conf"
         lines = [f"listener {self.port} 127.0.0.1", "allow_anonymous true", "persistence false"]
+        lines += ["set_tcp_nodelay true"]
         # As root it would become somebody who may not read the test's folder.
         lines += [f"user {getpass.getuser()}"]
         if certificates:
@@ -91,6 +92,9 @@ class Broker:
             ear = Ear(client)
             reading = asyncio.create_task(ear.read())
             try:
+                # Behind all that is kept.
+                await client.publish("sync", b"", qos=1)
+                await ear.until(lambda: "sync" in ear.holds)
                 yield ear
             finally:
                 reading.cancel()
