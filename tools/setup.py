@@ -55,11 +55,7 @@ TESTED_WITH = {
 
 # Servers that tests judge by and that would run on for good where they are installed: only CI,
 # which wants every test, gets them. Without them these tests skip, and say so.
-JUDGES = {
-    "mosquitto": "/usr/sbin/mosquitto",
-    "mosquitto-clients": "/usr/bin/mosquitto_sub",
-    "prometheus": "/usr/bin/prometheus",
-}
+JUDGES = {"prometheus": "/usr/bin/prometheus"}
 
 
 def main(wanted: str) -> int:
