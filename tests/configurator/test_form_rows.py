@@ -21,7 +21,7 @@ from talaia.configurator.form_rows import (
 )
 from talaia.model.detection import Detect
 from talaia.model.site import Argument, Command, Device, Drive, Signal, Site, Stream
-from talaia.model.yaml_text.load import read_site
+from talaia.model.yaml_text.load import load_site, read_site
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/site.yaml"))
 
@@ -126,3 +126,28 @@ def test_what_is_no_value_is_told_with_what_was_expected(
 
 def test_a_decimal_comma_is_understood() -> None:
     assert parse_text(Row(("x",), "X", RowKind.NUMBER), "0,25") == 0.25
+
+
+def test_form_asks_for_what_the_connection_of_a_device_knows() -> None:
+    site = load_site("""
+talaia: 1
+site: test
+name: Test
+connections:
+  broker: {kind: mqtt, url: "mqtt://broker"}
+  station: {kind: http, url: "http://station"}
+devices:
+  a: {name: A, connection: broker, signals: {x: {name: X, source: {topic: a/b, path: c}}}}
+  b: {name: B, connection: station, signals: {x: {name: X, source: {get: /a, path: c}}}}
+  c: {name: C, connection: broker, signals: {x: {name: X, source: {expression: "{a/x} * 2"}}}}
+""")
+    own = {"source.topic", "source.path", "source.get", "source.run", "source.field"}
+    for device, expected in (
+        ("a", {"source.topic", "source.path"}),
+        ("b", {"source.get", "source.path"}),
+    ):
+        keys = {row.key for row in rows_at(site, ("devices", device, "signals", "x"))}
+        assert keys & own == expected
+        assert "source.expression" in keys
+    rows = {row.key: row for row in rows_at(site, ("devices", "c", "signals", "x"))}
+    assert value_of(site.devices["c"].signals["x"], rows["source.expression"]) == "{a/x} * 2"

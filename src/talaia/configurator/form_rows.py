@@ -117,6 +117,9 @@ _LABELS = {
     ("source", "stream"): "Counts on camera",
     ("source", "sees"): "Counts things of class",
     ("source", "device"): "INDI device",
+    ("source", "path"): "Field of the JSON",
+    ("source", "get"): "Asked for",
+    ("source", "expression"): "Worked out as",
     ("indi",): "INDI device",
     ("ttl",): "Refused after (s)",
     ("timeout",): "Unknown after (s)",
@@ -221,7 +224,7 @@ def _help_texts(shape: type) -> dict[str, str]:
 
 # By `Row.key`: the connections at which a key says something; a key that is missing fits all.
 _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
-    "source.topic": ROS_KINDS,
+    "source.topic": ROS_KINDS | {ConnectionKind.MQTT},
     "source.type": ROS_KINDS,
     "source.field": ROS_KINDS,
     "source.name": ROS_KINDS,
@@ -235,6 +238,8 @@ _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
     "source.run": frozenset({ConnectionKind.PROCESS}),
     "source.pattern": frozenset({ConnectionKind.PROCESS}),
     "source.messages": frozenset({ConnectionKind.PROCESS}),
+    "source.path": frozenset({ConnectionKind.MQTT, ConnectionKind.HTTP}),
+    "source.get": frozenset({ConnectionKind.HTTP}),
     "source.keys": frozenset({ConnectionKind.EXTENSION}),
 }
 # By `Row.key`: the types of signals that use it.
