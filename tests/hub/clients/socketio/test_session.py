@@ -333,6 +333,31 @@ async def test_nonsense_ends_the_session_and_nothing_else(shared_world, body) ->
         await raw.connect()
 
 
+async def test_account_that_is_disabled_ends_its_polled_session(
+    shared_world,
+) -> None:
+    hub = shared_world.hub
+    await open_protocol(hub, "socketio")
+    admin = await shared_world.admin()
+    person = (await hub.people.find_by_name("guest")).id
+    async with RawClient(hub, token=await token_of(hub, "guest")) as raw:
+        await raw.connect()
+        await raw.post("40/sensedData,")
+        try:
+            answer = await admin.patch(f"/api/people/{person}", json={"disabled": True})
+            assert answer.status_code == 200
+            sessions = hub.hub.socketio._sessions._lines
+
+            async def is_closed() -> bool:
+                line = sessions.get(raw.query["sid"])
+                return line is None or line.is_closed
+
+            await until(is_closed, bool)
+            assert (await raw.get()).status_code == 401
+        finally:
+            await admin.patch(f"/api/people/{person}", json={"disabled": False})
+
+
 async def test_client_of_a_protocol_that_is_shut_ends_and_is_told_why(shared_world) -> None:
     hub = shared_world.hub
     await open_protocol(hub, "socketio")
