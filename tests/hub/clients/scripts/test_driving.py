@@ -72,16 +72,20 @@ async def test_velocity_moves_once_within_half_the_limits_and_an_error_sends_zer
             with pytest.raises(BadSettings):
                 await drive.set_velocity(float("nan"))
             await drive.set_velocity(0.9, 0.2)
-            await gateway.hear(frames.DriveFrame, lambda frame: frame.linear > 0)
+            moved.append(await gateway.hear(frames.DriveFrame, lambda frame: frame.linear > 0))
             raise RuntimeError("of the script")
 
+    moved = []
     forget_frames(gateway)
     running = asyncio.create_task(script())
     lease = await grant_lease(gateway, 11)
     with pytest.raises(RuntimeError, match="of the script"):
         await running
     assert lease.who == "driver"
-    await gateway.hear(frames.DriveFrame, lambda frame: frame.linear == frame.angular == 0)
+    # Half of the description's 1 m/s.
+    assert (moved[0].linear, moved[0].angular) == (0.5, 0.2)
+    zero = await gateway.hear(frames.DriveFrame, lambda frame: frame.seq > moved[0].seq)
+    assert (zero.linear, zero.angular) == (0.0, 0.0)
     await gateway.hear(frames.LeaseRequest, lambda ask: ask.op is LeaseOp.FREE)
     await permit(shared_world, "driver", allowed=False)
 

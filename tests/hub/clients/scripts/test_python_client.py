@@ -169,6 +169,24 @@ async def test_commands_are_asked_once_and_told_with_what_became_of_them(shared_
     assert not [each for each in gateway.heard if isinstance(each, frames.CommandRequest)]
 
 
+async def test_command_whose_connection_is_lost_is_unknown_and_not_sent_again(
+    shared_world,
+) -> None:
+    gateway = shared_world.gateways["agv"]
+    client = await client_of(shared_world, "driver")
+    call = asyncio.create_task(client.call_command("agv/base/turn"))
+    asked = await gateway.hear(frames.CommandRequest)
+    for connection in list(shared_world.hub._server.server_state.connections):
+        if getattr(connection, "scope", {}).get("path") == "/ws":
+            connection.transport.abort()
+    result = await call
+    assert (result.phase, result.id) == ("unknown", asked.id)
+    assert "the connection to" in result.message
+    assert "look at the device before you ask again" in result.message
+    await end_command(gateway, asked, CommandPhase.SUCCEEDED)
+    assert not [each for each in gateway.heard if isinstance(each, frames.CommandRequest)]
+
+
 async def test_command_without_the_right_is_refused_with_the_right_that_it_takes(
     shared_world,
 ) -> None:
