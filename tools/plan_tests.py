@@ -40,6 +40,7 @@ WHOLE_SITES = ("tests/system",)
 SHARING = (
     "tests/system/test_accounts_in_browser.py",
     "tests/system/test_browser.py",
+    "tests/system/test_scripts.py",
     "tests/system/test_takeover.py",
 )
 # They run two sites side by side themselves: with what runs beside them some of a core stays free.
