@@ -11,14 +11,9 @@ from talaia.hub.features.alarms import AlarmsFeature
 from talaia.hub.features.anomalies import AnomaliesFeature
 from talaia.hub.features.archive import ArchiveFeature
 from talaia.hub.features.audit import AuditFeature
+from talaia.hub.features.connections.client_features import build_client_features
 from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
-from talaia.hub.features.connections.foxglove import FoxgloveFeature
-from talaia.hub.features.connections.metrics import MetricsFeature
-from talaia.hub.features.connections.mqtt import MqttFeature
 from talaia.hub.features.connections.page_service import ConnectionsFeature
-from talaia.hub.features.connections.rosbridge import RosbridgeFeature
-from talaia.hub.features.connections.scripts import ScriptsFeature
-from talaia.hub.features.connections.socketio import SocketioFeature
 from talaia.hub.features.connections.taps import TapsFeature
 from talaia.hub.features.descriptions import DescriptionsFeature
 from talaia.hub.features.detection import DetectionFeature
@@ -39,7 +34,7 @@ from talaia.hub.features.storage import StorageFeature
 from talaia.hub.lifecycle import open_features
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Iterable, Iterator
 
     from fastapi import FastAPI
     from starlette.types import ASGIApp
@@ -131,9 +126,7 @@ class Hub:
         self.storage = StorageFeature(core, history=store)
         self._add_connections()
         # In the order in which they are built above: no feature can be forgotten.
-        self.features = tuple(
-            feature for feature in vars(self).values() if isinstance(feature, Feature)
-        )
+        self.features = tuple(_features_among(vars(self).values()))
         # The guard goes first: the limits count by the person that it finds.
         guards = (self.people.access.guard_request, self.people.limits.check_request)
         self.app = web_application(self.features, guards, self.running)
@@ -154,19 +147,13 @@ class Hub:
         self.client_protocols = ClientProtocolsFeature(
             core, people=self.people, service=service, audit=log
         )
-        self.foxglove = FoxgloveFeature(
-            core, clients=self.client_protocols, streams=self.media.streams
-        )
-        self.metrics = MetricsFeature(
-            core, clients=self.client_protocols, alarms=self.alarms.engine
-        )
-        self.mqtt = MqttFeature(
-            core, clients=self.client_protocols, access=self.people.access, audit=log
-        )
-        self.rosbridge = RosbridgeFeature(core, clients=self.client_protocols)
-        self.scripts = ScriptsFeature(clients=self.client_protocols)
-        self.socketio = SocketioFeature(
-            core, clients=self.client_protocols, streams=self.media.streams
+        self.clients = build_client_features(
+            core,
+            clients=self.client_protocols,
+            media=self.media,
+            alarms=self.alarms,
+            access=self.people.access,
+            audit=log,
         )
         # Last: its route takes every path, so any route added after it would never be asked.
         self.pages = PagesFeature(
@@ -198,6 +185,16 @@ class Hub:
         # A lease with a session is held by somebody; one without is free.
         return any(
             state.session for live in self.core.sites for state, _ in live.current.leases.values()
+        )
+
+
+def _features_among(parts: Iterable[object]) -> Iterator[Feature]:
+    for part in parts:
+        # A table of them is one part.
+        yield from (
+            feature
+            for feature in (part if isinstance(part, tuple) else (part,))
+            if isinstance(feature, Feature)
         )
 
 

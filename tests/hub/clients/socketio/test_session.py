@@ -376,10 +376,9 @@ async def test_client_that_does_not_poll_costs_a_bounded_line_and_delays_nobody(
     async with RawClient(hub, token=await token_of(hub, "operator")) as slow:
         await slow.connect()
         await slow.post("40/sensedData,")
+        (feature,) = (feature for feature in hub.hub.clients if feature.name == "socketio")
         (line,) = [
-            line
-            for line in hub.hub.socketio._sessions._lines.values()
-            if line.sid == slow.query["sid"]
+            line for line in feature._sessions._lines.values() if line.sid == slow.query["sid"]
         ]
         async with await client_of(shared_world, "operator", PythonClient, "/sensedData") as quick:
             for turn in range(20):
