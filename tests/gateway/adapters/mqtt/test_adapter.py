@@ -9,6 +9,7 @@ import shutil
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
+import aiomqtt
 import pytest
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import addresses_of, running
@@ -16,8 +17,6 @@ from patience import PATIENCE_S
 from ports import free_port
 
 from talaia.wire.frames import DeviceState, Event, InterlockState
-
-aiomqtt = pytest.importorskip("aiomqtt", reason="needs aiomqtt: install talaia[gateway]")
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
