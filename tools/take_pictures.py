@@ -304,6 +304,14 @@ def people(browser: Browser, address: str, password: str) -> None:
         answer = page.request.post(f"{address}/api/{path}", data=body, headers={"Origin": address})
         if not answer.ok:
             print(path, answer.status, answer.text())
+    for protocol in ("foxglove", "metrics"):
+        answer = page.request.put(
+            f"{address}/api/client-protocols/{protocol}",
+            data={"open": True},
+            headers={"Origin": address},
+        )
+        if not answer.ok:
+            print(protocol, answer.status, answer.text())
     low = {"name": "Battery is not full", "kind": "limit", "signal": "power/charge", "below": 99.9,
            "severity": "warning", "advice": "Drive it to its charger."}  # fmt: skip
     answer = page.request.put(
@@ -402,6 +410,13 @@ def gateways(page: Page, address: str, _password: str) -> None:
     page.wait_for_timeout(500)
 
 
+def clients(page: Page, address: str, _password: str) -> None:
+    """Show which tools may connect, and who may drive by them."""
+    page.goto(f"{address}/admin/clients")
+    page.get_by_text("Foxglove").first.wait_for()
+    page.wait_for_timeout(500)
+
+
 def storage(page: Page, address: str, _password: str) -> None:
     """Show what each signal takes."""
     page.goto(f"{address}/admin/storage")
@@ -450,7 +465,7 @@ OBSERVATORY_PAGES = {"dome": dome, "telescope": telescope, "weather": weather, "
 ADMIN_PAGES = {
     "account": account, "people": people_page, "roles": roles, "gateways": gateways,
     "alarms": alarms, "logbook": logbook, "description": description, "storage": storage,
-    "audit": audit,
+    "audit": audit, "clients": clients,
 }  # fmt: skip
 # Of these the vehicle should have driven about before.
 MOVING = {"home", "live", "history", "devices", "device", "films"}

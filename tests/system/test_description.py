@@ -27,6 +27,7 @@ devices:
       count:  # ten times a second
         name: Count
         source: {topic: /count, type: std_msgs/msg/Float64, field: data}
+      wheel1: {name: Wheel 1, source: {topic: /metric, type: std_msgs/msg/String, name: wheel1}}
 """
 
 
@@ -102,6 +103,29 @@ def test_sensor_added_in_the_form_has_a_live_chart_without_reload_and_is_gone_af
     expect(live.get_by_role("heading", name="New signal")).to_have_count(0)
     assert (stack.folder / "site.yaml").read_text() == DESCRIPTION
     assert stack.gateway.said().count("linked to") == 1
+
+
+def test_sensor_that_the_robot_begins_to_say_is_offered_at_once_and_added_by_three_clicks(
+    stack: Stack, chrome: Browser
+) -> None:
+    page = visit(chrome, stack, "boss", path=f"/sites/{SITE}/logbook")
+    expect(page.get_by_role("heading", name="Logbook")).to_be_visible()
+    # The robot has said nothing of it before; the page is open already.
+    stack.robot.tell("metric {'name': 'wheel2', 'magnitude': 1.5}")
+    expect(page.get_by_text("/metric: wheel2 is not in the description")).to_be_visible()
+    picture(page, "new-sensor-logbook")
+    page.get_by_role("link", name="Add it").click()
+    expect(page.get_by_text("wheel2 of /metric is in the form")).to_be_visible()
+    picture(page, "new-sensor-form")
+    page.get_by_role("button", name="Review and apply").click()
+    expect(page.get_by_label("Preview of Base")).to_be_visible()
+    page.get_by_role("button", name="Apply", exact=True).click()
+    expect(page.get_by_text("version 2, since")).to_be_visible()
+    assert "{topic: /metric, type: std_msgs/msg/String, name: wheel2}" in " ".join(
+        (stack.folder / "site.yaml").read_text().split()
+    )
+    page.goto(f"{stack.address}/sites/{SITE}/live")
+    expect(page.get_by_role("heading", name="Wheel2")).to_be_visible()
 
 
 def test_mistake_in_the_text_is_listed_and_leads_to_its_line(stack: Stack, chrome: Browser) -> None:

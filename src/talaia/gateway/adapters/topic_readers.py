@@ -20,6 +20,7 @@ from talaia.gateway.samples.header_times import HeaderTimes
 from talaia.gateway.samples.rate_limit import Sampler, rule_of
 from talaia.gateway.samples.source_stamps import StampReader
 from talaia.model.connection import RosSource, source_as
+from talaia.model.connections.ros import DIAGNOSTICS
 from talaia.model.site import SignalType
 from talaia.wire.columns import Columns
 
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 __all__ = ["SampleBuffer", "TopicPlan", "file_in", "parameter_plans_of", "plans_of"]
 
 
+# Of one topic: names may be anything, and a robot that counts in them would fill the logbook.
+MOST_ANNOUNCED = 50
 # Fields of `UInt8MultiArray`; see `file_in`.
 _DATA, _OFFSET = compile_getter("data"), compile_getter("layout.data_offset")
 
@@ -104,6 +107,7 @@ class TopicPlan:
         by_name: Mapping[str, list[_Row]],
         latest: dict[str, ChannelReading],
         complain: Callable[[str, str], None],
+        announce: Callable[[str, str, str], None] | None = None,
         header_times: bool = False,
     ) -> None:
         """Take the rows by field and those by the name of a sensor.
@@ -115,6 +119,8 @@ class TopicPlan:
             by_name: signals of a topic that carries many sensors, see `named_sensors`.
             latest: where tapped readings go.
             complain: told once for each address that cannot be read, with the problem.
+            announce: told once of each sensor of such a topic that no signal is of: device, topic
+                and name.
             header_times: samples have the time of their message's stamp, see `HeaderTimes`.
 
         """
@@ -124,6 +130,8 @@ class TopicPlan:
         self._by_name = by_name  # By the name of a sensor.
         self._latest = latest  # Shared by all plans of the adapter.
         self._complain = complain
+        self._announce = announce
+        self._announced: set[str] = set()  # Names of sensors, at most `MOST_ANNOUNCED`.
         self._bad: set[str] = set()  # Addresses (and the topic) that were told as unreadable.
         # None where samples have the time of arrival.
         self._header_times = HeaderTimes() if header_times else None
@@ -161,6 +169,7 @@ class TopicPlan:
         self._by_name = {name: [mended(row) for row in of] for name, of in self._by_name.items()}
         rows = self._all_rows()
         self._thinned = [row for row in rows if row.sampler is not None]
+        self._announced = before._announced
         same = {row.address: row.signal for row in before._all_rows()}
         # What was told of a signal that is described as before is not told again.
         self._bad = {row.address for row in rows if same.get(row.address) == row.signal}
@@ -200,8 +209,11 @@ class TopicPlan:
     def _read_named(self, message: object, time_us: int, mono_ns: int, into: SampleBuffer) -> None:
         try:
             for reading in readings_in(message, self.type_name):
-                # None of a name that no signal asks for: the topic carries all sensors.
-                for row in self._by_name.get(reading.name, ()):
+                rows = self._by_name.get(reading.name)
+                if rows is None:
+                    self._announce_sensor(reading.name)
+                    continue
+                for row in rows:
                     if row.signal.type is SignalType.TEXT and reading.text is not None:
                         into.add_text(row.channel, time_us, text_of(reading.text))
                         continue
@@ -211,6 +223,15 @@ class TopicPlan:
                     self._add(row, (value,), time_us, into)
         except FieldError as error:
             self._report_unreadable(self.topic, error)
+
+    def _announce_sensor(self, name: str) -> None:
+        # Of diagnostics people choose some on purpose: nobody waits for the others.
+        if self._announce is None or self.type_name == DIAGNOSTICS:
+            return
+        if name not in self._announced and len(self._announced) < MOST_ANNOUNCED:
+            self._announced.add(name)
+            row = next(row for rows in self._by_name.values() for row in rows)
+            self._announce(row.address.split("/", 1)[0], self.topic, name)
 
     def _report_unreadable(self, address: str, error: FieldError) -> None:
         if address not in self._bad:
@@ -288,6 +309,7 @@ def plans_of(
     latest: dict[str, ChannelReading],
     complain: Callable[[str, str], None],
     *,
+    announce: Callable[[str, str, str], None] | None = None,
     header_times: bool = False,
 ) -> list[TopicPlan]:
     """Make the plans of a scope; signals of one topic and type share one.
@@ -321,6 +343,7 @@ def plans_of(
             by_name=names[topic, type_name],
             latest=latest,
             complain=complain,
+            announce=announce,
             header_times=header_times,
         )
         for (topic, type_name), read in rows.items()

@@ -1,4 +1,4 @@
-"""What a robot says and nobody can read: told in the log, and as an event of the site."""
+"""What a robot says and nobody reads: told in the log, and as an event of the site."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ log = logging.getLogger(__name__)
 
 
 class UnreadableReports:
-    """Reports what cannot be read; any thread."""
+    """Reports what cannot be read, and what nobody asks for; any thread."""
 
     def __init__(self, events: EventSink) -> None:
         """Report to ``events``."""
@@ -27,6 +27,12 @@ class UnreadableReports:
         log.warning("%s: %s", address, problem)
         device = address.split("/", 1)[0]
         self._events.report_event("unreadable", f"{address}: {problem}", device=device)
+
+    def report_new_sensor(self, device: str, topic: str, name: str) -> None:
+        """Report a sensor that no signal is of; the page offers to add it by this very sentence."""
+        sentence = f"{topic}: {name[:100]} is not in the description"
+        log.info(sentence)
+        self._events.report_event("new_sensor", sentence, device=device)
 
     def report_once(self, about: str, problem: str) -> None:
         """Report a topic, or what else is no device's, the first time."""

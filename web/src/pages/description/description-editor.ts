@@ -15,6 +15,7 @@ import { DescriptionsApi, type Schema } from "../../wire/descriptions-api.js";
 import type { ChangeAnswer, CheckAnswer, DescriptionList, FindingShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { changedAt, isObject, movedAt, pathOf, renamedAt, type JsonObject } from "./json-schema.js";
+import { withSensor, type NewSensor } from "./new-sensor.js";
 import { refusalAdvice } from "./refusal-advice.js";
 import type { FormEdit } from "./schema-form.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -82,6 +83,9 @@ export class DescriptionEditor extends LitElement {
   @property() site = "";
   @property({ attribute: false }) known: DescriptionList | null = null;
 
+  /** A sensor of the robot to begin with a signal for; null for none. */
+  @property({ attribute: false }) sensor: NewSensor | null = null;
+
   @state() private view = "form";
   @state() private edits: EditHistory | null = null;
   @state() private checked: CheckAnswer | null = null;
@@ -136,7 +140,7 @@ export class DescriptionEditor extends LitElement {
             <t-button kind="primary" ?disabled=${!this.canApply()} @click=${this.openReview}>Review and apply</t-button>
           </div>
         </div>
-        ${this.renderStatus()}
+        ${this.renderStatus()} ${this.renderSensor()}
         ${this.view === "text"
           ? html`<textarea
               aria-label="The description as YAML"
@@ -148,6 +152,12 @@ export class DescriptionEditor extends LitElement {
           : this.renderForm()}
       </section>
       ${this.renderConfirm()}`;
+  }
+
+  private renderSensor(): unknown {
+    const { sensor } = this;
+    if (sensor === null || this.described === null || withSensor(this.described, sensor) !== this.described) return nothing;
+    return html`<p class="muted">A signal for ${sensor.name} of ${sensor.topic} is in the form. It counts once you have applied it.</p>`;
   }
 
   private renderStatus(): TemplateResult {
@@ -214,6 +224,8 @@ export class DescriptionEditor extends LitElement {
       this.failed = null;
       this.edits = new EditHistory(found.text);
       await this.checkText();
+      // Into the form only: what it changes is reviewed as any other edit.
+      if (this.sensor?.site === site && this.described !== null) this.changeForm(withSensor(this.described, this.sensor));
     } catch (error) {
       this.failed = adviceFor(error, "the description");
     }
@@ -238,22 +250,26 @@ export class DescriptionEditor extends LitElement {
 
   private readonly onFormEdit = (event: CustomEvent<FormEdit>): void => {
     event.stopPropagation();
-    const { described, edits } = this;
-    if (described === null || edits === null) return;
+    const { described } = this;
+    if (described === null) return;
     const edit = event.detail;
-    const wanted =
+    this.changeForm(
       edit.what === "set"
         ? changedAt(described, edit.path, edit.value)
         : edit.what === "rename"
           ? renamedAt(described, edit.path, edit.name)
-          : movedAt(described, edit.path, edit.by);
-    if (wanted === described) return;
+          : movedAt(described, edit.path, edit.by),
+    );
+  };
+
+  private changeForm(wanted: JsonObject): void {
+    if (wanted === this.described || this.edits === null) return;
     // What the hub says of the text before must not take this back.
     this.abort?.abort();
     this.described = wanted;
     this.checked = null;
-    void this.writeFormToText(edits, wanted);
-  };
+    void this.writeFormToText(this.edits, wanted);
+  }
 
   /** Puts what the form says into the text; the hub keeps comments and order. */
   private async writeFormToText(edits: EditHistory, wanted: JsonObject): Promise<void> {

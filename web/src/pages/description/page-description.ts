@@ -14,7 +14,7 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { control } from "../../elements/forms/input-style.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
-import { apiContext, sitesContext } from "../../state/contexts.js";
+import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
 import { DescriptionsApi } from "../../wire/descriptions-api.js";
 import type { ChangeAnswer, DescriptionList, DifferenceAnswer, VersionShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
@@ -27,6 +27,7 @@ import "../../elements/feedback/problem.js";
 import "../../elements/feedback/status.js";
 import "../../elements/values/time.js";
 import "../admin-tabs.js";
+import { readNewSensor, type NewSensor } from "./new-sensor.js";
 import { refusalAdvice } from "./refusal-advice.js";
 import "./description-diff.js";
 import "./description-editor.js";
@@ -75,6 +76,9 @@ export class PageDescription extends LitElement {
   /** Set by the frame for every page; this one is of no single site. */
   @property() site = "";
 
+  /** What the address asks to add, and the address that was read. */
+  private sensor: NewSensor | null = null;
+  private search = "";
   @state() private chosen = "";
   @state() private page = "versions";
   @state() private shown: VersionShape | null = null;
@@ -82,6 +86,7 @@ export class PageDescription extends LitElement {
   @state() private older: readonly VersionShape[] = [];
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
+  private readonly router = new ContextStoreController(this, routerContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly known = new LoadController<DescriptionList>(this);
   private readonly difference = new LoadController<DifferenceAnswer>(this);
@@ -95,6 +100,15 @@ export class PageDescription extends LitElement {
   }
 
   override willUpdate(): void {
+    const search = this.router.store?.search ?? "";
+    if (search !== this.search) {
+      this.search = search;
+      this.sensor = readNewSensor(search);
+      if (this.sensor !== null) {
+        this.chosen = this.sensor.site;
+        this.page = "edit";
+      }
+    }
     const site = this.siteId;
     if (site === "") return;
     const edition = `${site} ${this.sites.store?.catalogueOf(site) ?? ""} ${String(this.sites.store?.siteRow(site)?.online ?? false)}`;
@@ -141,7 +155,7 @@ export class PageDescription extends LitElement {
       </section>
       <t-choice label="What to do" .options=${PAGES} chosen=${this.page} @t-choose=${this.onTabChange}></t-choice>
       ${this.page === "edit"
-        ? html`<t-description-editor .site=${this.siteId} .known=${known} @t-applied=${this.known.invalidate}></t-description-editor>`
+        ? html`<t-description-editor .site=${this.siteId} .known=${known} .sensor=${this.sensor} @t-applied=${this.known.invalidate}></t-description-editor>`
         : this.renderVersions(known)}`;
   }
 

@@ -15,13 +15,14 @@ import { settled } from "../../elements/base/stable-field.js";
 import { renderPageHead } from "../../elements/layout/page-head.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formTexts } from "../../format/filter-query.js";
-import { apiContext, routerContext, sitesContext } from "../../state/contexts.js";
+import { apiContext, routerContext, sessionContext, sitesContext } from "../../state/contexts.js";
 import { sitePath, withQuery } from "../../state/router.js";
 import { AlarmsApi } from "../../wire/alarms-api.js";
 import type { EventShape, RecordingShape, SiteShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { RecordingsApi } from "../../wire/recordings-api.js";
 import { sightingPicturePath } from "../../wire/sightings-api.js";
+import { newSensorOf, newSensorPath } from "../description/new-sensor.js";
 import { renderInfiniteList } from "../infinite-list-view.js";
 import { historyQuery } from "../sightings/sightings-query.js";
 import {
@@ -70,6 +71,7 @@ export class PageLogbook extends LitElement {
 
   @consume({ context: apiContext }) private readonly api!: HubApi;
   private readonly router = new ContextStoreController(this, routerContext);
+  private readonly session = new ContextStoreController(this, sessionContext);
   private readonly sites = new ContextStoreController(this, sitesContext);
   private readonly detail = new LoadController<SiteShape>(this);
   private readonly recordings = new LoadController<readonly RecordingShape[]>(this);
@@ -156,6 +158,7 @@ export class PageLogbook extends LitElement {
     const device = this.detail.value?.devices.find(({ id }) => id === row.device);
     const signals = device?.signals.filter(({ primary }) => primary) ?? [];
     const channels = (signals.length > 0 ? signals : (device?.signals ?? [])).flatMap((signal) => signal.channels);
+    const added = newSensorOf(this.site, row);
     const recording = recordingAt(this.recordings.value ?? [], row.time_us);
     return html`<li>
       <div>
@@ -174,6 +177,7 @@ export class PageLogbook extends LitElement {
         <a href=${`${sitePath(this.site, "history")}?${seen === null ? momentQuery(row.time_us, channels) : historyQuery(seen, undefined)}`}>Chart</a>
         ${recording === undefined ? nothing : html`<a href=${`${sitePath(this.site, "recordings")}?at=${String(row.time_us)}`}>Recording</a>`}
         ${row.kind.startsWith("sighting") ? html`<a href=${sitePath(this.site, "sightings")}>Sightings</a>` : nothing}
+        ${added === null || this.session.store?.person?.admin !== true ? nothing : html`<a href=${newSensorPath(added)}>Add it</a>`}
         ${row.kind.startsWith("alarm") ? html`<a href="/alarms">Alarms</a>` : nothing}
       </div>
     </li>`;

@@ -74,7 +74,13 @@ class NumberedTopics:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # A plan's number is its place here.
-        self._plans = plans_of(scope, self.latest, unreadable.report_unreadable, header_times=True)
+        self._plans = plans_of(
+            scope,
+            self.latest,
+            unreadable.report_unreadable,
+            announce=unreadable.report_new_sensor,
+            header_times=True,
+        )
         self._parameters = parameter_plans_of(scope, self.latest, unreadable.report_unreadable)
         self._topics: dict[int, _Topic] = {}
         # By address: cameras, which are listened to only while somebody looks at them.

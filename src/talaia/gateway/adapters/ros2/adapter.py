@@ -313,7 +313,13 @@ class Ros2Adapter:
         self._update_subscriptions()
 
     def _plans_of(self, scope: ConnectionScope) -> list[TopicPlan]:
-        return plans_of(scope, self._latest, self._unreadable.report_unreadable, header_times=True)
+        return plans_of(
+            scope,
+            self._latest,
+            self._unreadable.report_unreadable,
+            announce=self._unreadable.report_new_sensor,
+            header_times=True,
+        )
 
     def _tell_missing(self, error: TypeMissing) -> None:
         if str(error) not in self._missing:

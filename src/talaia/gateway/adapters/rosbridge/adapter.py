@@ -80,7 +80,11 @@ class RosbridgeAdapter:
         self._gathered = SampleBuffer()
         # One for each topic and type.
         self._plans = plans_of(
-            scope, self._latest, self._unreadable.report_unreadable, header_times=True
+            scope,
+            self._latest,
+            self._unreadable.report_unreadable,
+            announce=self._unreadable.report_new_sensor,
+            header_times=True,
         )
         # Messages come without their type: of two types for one topic the later one is read.
         self._by_topic = {plan.topic: plan for plan in self._plans}
