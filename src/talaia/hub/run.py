@@ -26,6 +26,7 @@ from talaia.allocator import keep_little_free_memory
 from talaia.clock import SystemClock
 from talaia.hub.accounts import make_data_folder
 from talaia.hub.api.server.accept_queue import QUEUE, AcceptQueue
+from talaia.hub.api.server.dead_peers import drop_dead_peers
 from talaia.hub.api.server.http_limits import HubProtocol
 from talaia.hub.app import build_hub
 from talaia.hub.auth.tokens import mask_tokens
@@ -390,7 +391,9 @@ def _listen_socket(settings: Settings) -> socket.socket:
     # Only an IPv6 address has colons; a name is taken as IPv4.
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
-        return socket.create_server((settings.host, settings.port), family=family, backlog=QUEUE)
+        listener = socket.create_server(
+            (settings.host, settings.port), family=family, backlog=QUEUE
+        )
     except (OSError, OverflowError) as error:
         # OverflowError: a port above 65535.
         reason = getattr(error, "strerror", None) or str(error)
@@ -398,6 +401,8 @@ def _listen_socket(settings: Settings) -> socket.socket:
             f"cannot listen on {settings.host}:{settings.port}: {reason}",
             "choose another with --port or --host",
         ) from error
+    drop_dead_peers(listener)
+    return listener
 
 
 def _announce_hub(hub: Hub, port: int, manager: ServiceManager) -> None:
