@@ -179,6 +179,8 @@ async def boxed(page: BrowserPage, label: str) -> float:
         const box = boxes.shadowRoot.querySelector(`.box[data-label='${label}']`);
         if (!box) return -1;
         const [part, all] = [box.getBoundingClientRect(), boxes.getBoundingClientRect()];
+        // Not laid out yet.
+        if (all.width === 0) return -1;
         return (part.x + part.width / 2 - all.x) / all.width;
     }"""
     deadline = time.monotonic() + PATIENCE_S
