@@ -7,7 +7,6 @@ gateway's detector looks at them, Chromium shows them, and a mail server takes t
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import email
 import email.policy
 import os
@@ -18,12 +17,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import httpx
-import psutil
 import pytest
 from aiosmtpd.controller import Controller
 from patience import PATIENCE_MS, PATIENCE_S
 from playwright.async_api import Browser, Page as BrowserPage, async_playwright, expect
 from ports import free_port
+from priority import let_children_run
 
 from talaia.objects.worker import OWN_FILE
 from talaia.wire import browser as wire
@@ -142,14 +141,6 @@ async def signed_in(chrome: Browser, seeing: Seeing) -> BrowserPage:
     return page
 
 
-def let_run(process: psutil.Process) -> None:
-    """Give all threads of a process the priority of this one, where one may."""
-    with contextlib.suppress(PermissionError, ProcessLookupError, psutil.NoSuchProcess):
-        for thread in process.threads():
-            os.sched_setscheduler(thread.id, os.SCHED_OTHER, os.sched_param(0))
-            os.setpriority(os.PRIO_PROCESS, thread.id, os.getpriority(os.PRIO_PROCESS, 0))
-
-
 async def let_camera_and_detector_run(seeing: Seeing) -> None:
     """Give what draws and what looks the priority of all others here, whenever they start.
 
@@ -157,8 +148,7 @@ async def let_camera_and_detector_run(seeing: Seeing) -> None:
     """
     while True:
         for part in (seeing.robot, seeing.gateway):
-            for child in psutil.Process(part.popen.pid).children():
-                let_run(child)
+            let_children_run(part.popen.pid)
         await asyncio.sleep(1.0)
 
 
