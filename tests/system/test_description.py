@@ -121,9 +121,8 @@ def test_sensor_that_the_robot_begins_to_say_is_offered_at_once_and_added_by_thr
     expect(page.get_by_label("Preview of Base")).to_be_visible()
     page.get_by_role("button", name="Apply", exact=True).click()
     expect(page.get_by_text("version 2, since")).to_be_visible()
-    assert "{topic: /metric, type: std_msgs/msg/String, name: wheel2}" in " ".join(
-        (stack.folder / "site.yaml").read_text().split()
-    )
+    written = " ".join((stack.folder / "site.yaml").read_text().split())
+    assert "source: topic: /metric type: std_msgs/msg/String name: wheel2" in written
     page.goto(f"{stack.address}/sites/{SITE}/live")
     expect(page.get_by_role("heading", name="Wheel2")).to_be_visible()
 

@@ -19,7 +19,7 @@ describe("A sensor that no signal is of", () => {
   });
 
   it("becomes a signal beside those of its topic, with their type", () => {
-    const made = withSensor(SITE, SENSOR) as typeof SITE;
+    const made = withSensor(SITE, SENSOR);
     expect(made).toEqual({
       ...SITE,
       devices: {
