@@ -32,7 +32,7 @@ class UnreadableReports:
         """Report a sensor that no signal is of; the page offers to add it by this very sentence."""
         sentence = f"{topic}: {name[:100]} is not in the description"
         log.info(sentence)
-        self._events.report_event("new_sensor", sentence, device=device)
+        self._events.report_event("new_sensor", sentence, device=device, good=True)
 
     def report_once(self, about: str, problem: str) -> None:
         """Report a topic, or what else is no device's, the first time."""
