@@ -158,6 +158,9 @@ class DerivedValues:
     def put_samples(self, columns: Columns) -> None:
         """Pass samples on, and note those that are inputs; any thread."""
         self._sink.put_samples(columns)
+        # Most sites derive nothing.
+        if not self._derived:
+            return
         # One look at a table for each sample: most of a robot's are no inputs.
         places = np.flatnonzero(self._wanted[columns.channel])
         if not len(places):
