@@ -28,9 +28,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.unreadable_reports import UnreadableReports
     from talaia.model.site import Signal
 
-__all__ = ["SampleBuffer", "TopicPlan", "file_in", "parameter_plans_of", "plans_of"]
+__all__ = [
+    "SampleBuffer",
+    "TopicPlan",
+    "file_in",
+    "make_live_plans",
+    "parameter_plans_of",
+    "plans_of",
+]
 
 
 # Of one topic: names may be anything, and a robot that counts in them would fill the logbook.
@@ -348,6 +356,19 @@ def plans_of(
         )
         for (topic, type_name), read in rows.items()
     ]
+
+
+def make_live_plans(
+    scope: ConnectionScope, latest: dict[str, ChannelReading], reports: UnreadableReports
+) -> list[TopicPlan]:
+    """Make the plans of a robot that is heard now: timed by its stamps, its news reported."""
+    return plans_of(
+        scope,
+        latest,
+        reports.report_unreadable,
+        announce=reports.report_new_sensor,
+        header_times=True,
+    )
 
 
 def parameter_plans_of(

@@ -14,10 +14,9 @@ import { EditHistory } from "../../state/edit-history.js";
 import { DescriptionsApi, type Schema } from "../../wire/descriptions-api.js";
 import type { ChangeAnswer, CheckAnswer, DescriptionList, FindingShape } from "../../generated/api.js";
 import type { HubApi } from "../../wire/hub-api.js";
-import { changedAt, isObject, movedAt, pathOf, renamedAt, type JsonObject } from "./json-schema.js";
+import { applyEdit, changedDevices, isObject, type FormEdit, type JsonObject } from "./json-schema.js";
 import { withSensor, type NewSensor } from "./new-sensor.js";
 import { refusalAdvice } from "./refusal-advice.js";
-import type { FormEdit } from "./schema-form.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/choice.js";
@@ -155,8 +154,8 @@ export class DescriptionEditor extends LitElement {
   }
 
   private renderSensor(): unknown {
-    const { sensor } = this;
-    if (sensor === null || this.described === null || withSensor(this.described, sensor) !== this.described) return nothing;
+    const { sensor, described } = this;
+    if (sensor === null || described === null || withSensor(described, sensor) !== described) return nothing;
     return html`<p class="muted">A signal for ${sensor.name} of ${sensor.topic} is in the form. It counts once you have applied it.</p>`;
   }
 
@@ -195,7 +194,7 @@ export class DescriptionEditor extends LitElement {
       problem: refusalAdvice(answer),
       text: html`<t-difference .parts=${checked?.parts ?? []} .lines=${checked?.lines ?? []}></t-difference>
         <h3>Preview</h3>
-        <t-description-preview .described=${this.described ?? {}} .devices=${this.devices()}></t-description-preview>
+        <t-description-preview .described=${this.described ?? {}} .devices=${changedDevices(checked?.parts ?? [])}></t-description-preview>
         <p>The gateway applies it at once. A device that changes is stopped first, and its driver loses control.</p>
         ${answer === null || answer.findings.length === 0 ? nothing : html`<t-findings .findings=${answer.findings}></t-findings>`}`,
     }));
@@ -204,12 +203,6 @@ export class DescriptionEditor extends LitElement {
   private canApply(): boolean {
     const changed = this.edits !== null && this.edits.text !== this.from.text;
     return changed && this.checked !== null && this.checked.findings.length === 0 && this.known?.editable === true;
-  }
-
-  /** The devices that a change touches. */
-  private devices(): string[] {
-    const paths = (this.checked?.parts ?? []).map((part) => pathOf(part.path));
-    return [...new Set(paths.flatMap(([first, device]) => (first === "devices" && device !== undefined ? [device] : [])))];
   }
 
   private async load(number: number): Promise<void> {
@@ -250,16 +243,7 @@ export class DescriptionEditor extends LitElement {
 
   private readonly onFormEdit = (event: CustomEvent<FormEdit>): void => {
     event.stopPropagation();
-    const { described } = this;
-    if (described === null) return;
-    const edit = event.detail;
-    this.changeForm(
-      edit.what === "set"
-        ? changedAt(described, edit.path, edit.value)
-        : edit.what === "rename"
-          ? renamedAt(described, edit.path, edit.name)
-          : movedAt(described, edit.path, edit.by),
-    );
+    if (this.described !== null) this.changeForm(applyEdit(this.described, event.detail));
   };
 
   private changeForm(wanted: JsonObject): void {

@@ -113,6 +113,24 @@ export function movedAt(value: JsonObject, path: JsonPath, by: -1 | 1): JsonObje
   return changedAt(value, path.slice(0, -1), Object.fromEntries(entries));
 }
 
+/** What a form wants: `set` a value (undefined takes it away), give a part another name or place. */
+export type FormEdit =
+  | { readonly what: "set"; readonly path: JsonPath; readonly value: Json | undefined }
+  | { readonly what: "rename"; readonly path: JsonPath; readonly name: string }
+  | { readonly what: "move"; readonly path: JsonPath; readonly by: -1 | 1 };
+
+/** A copy in which an edit is made; the same object where it changes nothing. */
+export function applyEdit(value: JsonObject, edit: FormEdit): JsonObject {
+  if (edit.what === "set") return changedAt(value, edit.path, edit.value);
+  return edit.what === "rename" ? renamedAt(value, edit.path, edit.name) : movedAt(value, edit.path, edit.by);
+}
+
+/** The devices that changed parts of a description belong to. */
+export function changedDevices(parts: readonly { readonly path: string }[]): string[] {
+  const paths = parts.map((part) => pathOf(part.path));
+  return [...new Set(paths.flatMap(([first, device]) => (first === "devices" && device !== undefined ? [device] : [])))];
+}
+
 /** A name for a new part that none of the others has. */
 export function freeName(taken: JsonObject | undefined, wish: string): string {
   if (taken === undefined || !(wish in taken)) return wish;

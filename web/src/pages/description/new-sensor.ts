@@ -38,7 +38,7 @@ export function withSensor(described: JsonObject, { device, topic, name }: NewSe
   const sources = Object.values(signals).map((signal) => valueAt(signal, ["source"]));
   const beside = sources.filter(isObject).filter((source) => source["topic"] === topic);
   const [source] = beside;
-  if (source === undefined || beside.some((each) => each["name"] === name)) return described;
+  if (source === undefined || beside.some((other) => other["name"] === name)) return described;
   const word = freeName(signals, wordOf(name));
   const made: Json = { name: keyLabel(name), source: { topic, type: source["type"] ?? "", name } };
   return changedAt(described, ["devices", device, "signals", word], made);

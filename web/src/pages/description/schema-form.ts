@@ -7,15 +7,9 @@ import { renderOptions } from "../../elements/forms/form-parts.js";
 import { UNITS } from "../../generated/units.js";
 import type { Schema } from "../../wire/descriptions-api.js";
 import type { FindingShape } from "../../generated/api.js";
-import { emptyOf, schemaFields, freeName, isObject, pathOf, type SchemaField, type Json, type JsonObject, type JsonPath } from "./json-schema.js";
+import { emptyOf, schemaFields, freeName, isObject, pathOf, type FormEdit, type SchemaField, type Json, type JsonObject, type JsonPath } from "./json-schema.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/field.js";
-
-/** What a form wants: `set` a value (undefined takes it away), give a part another name or place. */
-export type FormEdit =
-  | { readonly what: "set"; readonly path: JsonPath; readonly value: Json | undefined }
-  | { readonly what: "rename"; readonly path: JsonPath; readonly name: string }
-  | { readonly what: "move"; readonly path: JsonPath; readonly by: -1 | 1 };
 
 /**
  * The form of one part of a description: its own lines, and the forms of its parts below it.

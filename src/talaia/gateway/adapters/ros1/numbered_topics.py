@@ -14,8 +14,8 @@ from talaia.gateway.adapters.ros1.decode import decoder_of, full_name
 from talaia.gateway.adapters.topic_readers import (
     SampleBuffer,
     file_in,
+    make_live_plans,
     parameter_plans_of,
-    plans_of,
 )
 from talaia.gateway.errors import FieldError
 from talaia.gateway.video.camera import PictureStream
@@ -74,13 +74,7 @@ class NumberedTopics:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # A plan's number is its place here.
-        self._plans = plans_of(
-            scope,
-            self.latest,
-            unreadable.report_unreadable,
-            announce=unreadable.report_new_sensor,
-            header_times=True,
-        )
+        self._plans = make_live_plans(scope, self.latest, unreadable)
         self._parameters = parameter_plans_of(scope, self.latest, unreadable.report_unreadable)
         self._topics: dict[int, _Topic] = {}
         # By address: cameras, which are listened to only while somebody looks at them.

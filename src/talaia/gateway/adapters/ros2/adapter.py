@@ -35,7 +35,7 @@ from talaia.gateway.adapters.ros2.taps import Ros2TopicSource
 from talaia.gateway.adapters.ros2.topic_types import TopicTypes
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import RobotDescriptions
 from talaia.gateway.adapters.ros2.waitset import WaitThread
-from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, make_live_plans
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
@@ -313,13 +313,7 @@ class Ros2Adapter:
         self._update_subscriptions()
 
     def _plans_of(self, scope: ConnectionScope) -> list[TopicPlan]:
-        return plans_of(
-            scope,
-            self._latest,
-            self._unreadable.report_unreadable,
-            announce=self._unreadable.report_new_sensor,
-            header_times=True,
-        )
+        return make_live_plans(scope, self._latest, self._unreadable)
 
     def _tell_missing(self, error: TypeMissing) -> None:
         if str(error) not in self._missing:

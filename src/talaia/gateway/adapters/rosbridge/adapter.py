@@ -21,7 +21,7 @@ from talaia.gateway.adapters.rosbridge.credentials import read_credentials
 from talaia.gateway.adapters.rosbridge.outgoing_frames import OutgoingFrames, ServerTopics
 from talaia.gateway.adapters.rosbridge.pending_calls import PendingCalls
 from talaia.gateway.adapters.rosbridge.protocol import nest_fields, read_message, write_frame
-from talaia.gateway.adapters.topic_readers import SampleBuffer, plans_of
+from talaia.gateway.adapters.topic_readers import SampleBuffer, make_live_plans
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.adapters.velocity import velocity_fields
 from talaia.gateway.errors import AdapterLost, FieldError
@@ -79,13 +79,7 @@ class RosbridgeAdapter:
         # What was read and is not given out yet.
         self._gathered = SampleBuffer()
         # One for each topic and type.
-        self._plans = plans_of(
-            scope,
-            self._latest,
-            self._unreadable.report_unreadable,
-            announce=self._unreadable.report_new_sensor,
-            header_times=True,
-        )
+        self._plans = make_live_plans(scope, self._latest, self._unreadable)
         # Messages come without their type: of two types for one topic the later one is read.
         self._by_topic = {plan.topic: plan for plan in self._plans}
         # Decodes pictures beside the event loop, in each run.
