@@ -393,7 +393,7 @@ def roles(page: Page, address: str, _password: str) -> None:
     page.goto(f"{address}/admin/roles")
     crew = page.get_by_role("radio", name="battery crew")
     page.get_by_role("heading", name="Roles").wait_for()
-    page.get_by_text("Every site").wait_for()
+    page.get_by_text("Every site", exact=True).first.wait_for()
     if crew.is_visible():
         crew.check(force=True)
     page.get_by_label(re.compile("^battery crew on Camera")).select_option("use")
