@@ -9,8 +9,8 @@ import struct
 from pathlib import Path
 
 import websockets
-from patience import PATIENCE_S
 
+from ..heard_events import HeardEvents
 from ..tokens import open_protocol, token_of
 
 SCRIPT = Path(__file__).with_name("ws_protocol_client.mjs")
@@ -22,34 +22,7 @@ def address_of(hub, site: str, token: str) -> str:
     return f"ws://127.0.0.1:{hub.port}/clients/foxglove/{site}?token={token}"
 
 
-class _Heard:
-    """Events in their order, and a wait for one of them."""
-
-    def __init__(self) -> None:
-        self.events = []
-        self._news = asyncio.Condition()
-
-    async def note(self, event, data) -> None:
-        async with self._news:
-            self.events.append((event, data))
-            self._news.notify_all()
-
-    async def hear(self, event, where=lambda _data: True):
-        """Wait for an event, of those heard already or still to come; it is taken out."""
-        async with asyncio.timeout(PATIENCE_S), self._news:
-            seen = 0
-            while True:
-                # Only what is new: a flood would be gone through again with each message.
-                for at in range(seen, len(self.events)):
-                    found = self.events[at]
-                    if found[0] == event and where(found[1]):
-                        del self.events[at]
-                        return found[1]
-                seen = len(self.events)
-                await self._news.wait()
-
-
-class NodeClient(_Heard):
+class NodeClient(HeardEvents):
     """`FoxgloveClient` of npm's @foxglove/ws-protocol, in a process of its own."""
 
     async def __aenter__(self):
@@ -91,7 +64,7 @@ class NodeClient(_Heard):
 _KINDS = {1: "data", 2: "time", 3: "response", 4: "asset"}
 
 
-class RawClient(_Heard):
+class RawClient(HeardEvents):
     """A client that may say anything; JSON is heard by its ``op``, binary messages by kind."""
 
     async def connect(self, address: str, *, subprotocol=SDK, **options):

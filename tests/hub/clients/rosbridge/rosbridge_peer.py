@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 
 import websockets
-from patience import PATIENCE_S
+
+from ..heard_events import HeardEvents
 
 HERE = Path(__file__).parent
 WEB = HERE.parents[3] / "web"
@@ -44,30 +45,7 @@ def bundle_roslib(folder: Path) -> str:
     return target.read_text()
 
 
-class _Heard:
-    """Events in their order, and a wait for one of them."""
-
-    def __init__(self) -> None:
-        self.events = []
-        self._news = asyncio.Condition()
-
-    async def note(self, event, data) -> None:
-        async with self._news:
-            self.events.append((event, data))
-            self._news.notify_all()
-
-    async def hear(self, event, where=lambda _data: True):
-        """Wait for an event, of those heard already or still to come; it is taken out."""
-        async with asyncio.timeout(PATIENCE_S), self._news:
-            while True:
-                for found in self.events:
-                    if found[0] == event and where(found[1]):
-                        self.events.remove(found)
-                        return found[1]
-                await self._news.wait()
-
-
-class RoslibpyClient(_Heard):
+class RoslibpyClient(HeardEvents):
     """PyPI's roslibpy, in a process of its own."""
 
     async def connect(self, hub, site: str, token: str):
@@ -105,7 +83,7 @@ class RoslibpyClient(_Heard):
             await self.note(*json.loads(line))
 
 
-class RawClient(_Heard):
+class RawClient(HeardEvents):
     """A client that may say anything; JSON is heard by its ``op``, binary messages as such."""
 
     async def connect(self, address: str, **options):

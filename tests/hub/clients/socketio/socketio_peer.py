@@ -13,33 +13,15 @@ import httpx
 import socketio
 from patience import PATIENCE_S
 
+from ..heard_events import HeardEvents
 from ..tokens import open_protocol, token_of
 
 HERE = Path(__file__).parent
 MODULES = HERE.parents[3] / "web" / "package.json"
 
 
-class _Heard:
-    """Events in their order, with their namespaces, and a wait for one of them."""
-
-    def __init__(self) -> None:
-        self.events = []
-        self._news = asyncio.Condition()
-
-    async def note(self, event, namespace, data) -> None:
-        async with self._news:
-            self.events.append((event, namespace, data))
-            self._news.notify_all()
-
-    async def hear(self, event, where=lambda _data: True):
-        """Wait for an event, of those heard already or still to come; it is taken out."""
-        async with asyncio.timeout(PATIENCE_S), self._news:
-            while True:
-                for found in self.events:
-                    if found[0] == event and where(found[2]):
-                        self.events.remove(found)
-                        return found[2]
-                await self._news.wait()
+class _Heard(HeardEvents):
+    """Events with their namespaces; used as a context."""
 
     async def __aenter__(self):
         return self
