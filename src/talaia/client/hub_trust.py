@@ -12,8 +12,8 @@ import ssl
 import threading
 from typing import TYPE_CHECKING
 
+from talaia.certificate_pin import has_fingerprint, trust_only
 from talaia.client.errors import BadSettings, HubNotReached, HubUntrusted
-from talaia.wire.certificate_der import public_key_of
 
 if TYPE_CHECKING:
     from talaia.client.hub_location import HubLocation
@@ -70,25 +70,10 @@ class CertificateTrust:
             raise HubNotReached(f"{self._hub.page} cannot be reached: {error}") from error
         shown = ssl.PEM_cert_to_DER_cert(text)
         found = hashlib.sha256(shown).hexdigest()
-        # Either hash: a hub that renews its certificate keeps its key.
-        if self._hub.fingerprint not in {found, _hash_key(shown)}:
+        if not has_fingerprint(shown, self._hub.fingerprint):
             raise HubUntrusted(
                 f"{self._hub.page} shows the certificate {found}, which is not the one that is"
                 f" known ({self._hub.fingerprint}); if the hub was set up anew, ask its admin for"
                 " the new fingerprint, else somebody stands between"
             )
-        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-        # The name is not compared: the certificate itself is known, whatever name it bears.
-        context.check_hostname = False
-        # It need not be signed by a root that we know.
-        context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
-        context.load_verify_locations(cadata=shown)
-        return context
-
-
-def _hash_key(certificate: bytes) -> str:
-    try:
-        return hashlib.sha256(public_key_of(certificate)).hexdigest()
-    # No certificate that we can read; then it must be known by its own hash.
-    except ValueError:
-        return ""
+        return trust_only(shown)

@@ -8,8 +8,8 @@ import ssl
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
+from talaia.certificate_pin import has_fingerprint, trust_only
 from talaia.gateway.errors import LinkLost, SettingsError
-from talaia.wire.certificate_der import public_key_of
 
 if TYPE_CHECKING:
     from talaia.gateway.settings import HubAddress
@@ -56,20 +56,13 @@ class HubTrust:
     async def _pinned(self) -> ssl.SSLContext:
         shown = await self.shown()
         found = hashlib.sha256(shown).hexdigest()
-        # Either hash: a hub that renews its certificate keeps its key.
-        if self._hub.fingerprint not in {found, _key_hash(shown)}:
+        if not has_fingerprint(shown, self._hub.fingerprint):
             raise LinkLost(
                 f"{self._hub.url} shows the certificate {found}, which is not the one that this "
                 f"gateway knows ({self._hub.fingerprint}); if the hub was set up anew, enrol this "
                 "gateway again with a code from its page, else somebody stands between"
             )
-        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-        # The name is not compared: the certificate itself is known, whatever name it bears.
-        context.check_hostname = False
-        # The pinned certificate need not be signed by a root that we know.
-        context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
-        context.load_verify_locations(cadata=shown)
-        return context
+        return trust_only(shown)
 
     async def shown(self) -> bytes:
         """Fetch the certificate (DER) that the hub shows, without telling it anything.
@@ -101,11 +94,3 @@ class HubTrust:
     def forget(self) -> None:
         """Look again next time: the hub's certificate may have been renewed to the pinned one."""
         self._context = None
-
-
-def _key_hash(certificate: bytes) -> str:
-    try:
-        return hashlib.sha256(public_key_of(certificate)).hexdigest()
-    # No certificate that we can read; then it must be known by its own hash.
-    except ValueError:
-        return ""

@@ -15,20 +15,19 @@ from talaia import __version__
 from talaia.gateway.adapters.credentials import read_authorities, read_secret
 from talaia.gateway.adapters.http.fetching import FetchFailed, HttpQuestion, HttpServer
 from talaia.gateway.adapters.json_signals import JsonSignals
-from talaia.gateway.adapters.undriven_adapter import UndrivenAdapter
+from talaia.gateway.adapters.undriven_adapter import JsonAdapter
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.ports import CommandOutcome
 from talaia.model.connection import HttpConnection, HttpSource, source_as
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable
     from pathlib import Path
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
-    from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
+    from talaia.gateway.ports import AdapterContext, AdapterStatus
     from talaia.model.site import Signal
-    from talaia.wire.frames import Scalar
 
 __all__ = ["HttpAdapter"]
 
@@ -38,7 +37,7 @@ _AT_ONCE = 4
 _TURN_S = 0.1
 
 
-class HttpAdapter(UndrivenAdapter):
+class HttpAdapter(JsonAdapter):
     """An `Adapter` for a server that is asked; see `talaia.gateway.ports`."""
 
     def __init__(
@@ -54,10 +53,11 @@ class HttpAdapter(UndrivenAdapter):
         assert isinstance(settings, HttpConnection)  # noqa: S101 - the catalog has seen to it
         self._poll_s = settings.poll
         self._status = status
-        self._clock, self._samples = context.clock, context.samples
+        self._clock = context.clock
         self._server = _server_of(settings, context.folder)
         unreadable = UnreadableReports(context.events)
-        self._signals = JsonSignals(scope, _place_of, unreadable.report_unreadable)
+        signals = JsonSignals(scope, _place_of, unreadable.report_unreadable)
+        super().__init__(signals, context.samples, "http")
         # By what is asked for: what was wrong with the last answer, empty for a good one; none
         # before the first.
         self._wrong: dict[str, str] = {}
@@ -135,29 +135,6 @@ class HttpAdapter(UndrivenAdapter):
             # Not while one has yet to answer for the first time: that is no silence.
             elif None not in states:
                 self._status.device(device, there=False, why=self._wrong[get][:200])
-
-    def _publish_samples(self) -> None:
-        columns = self._signals.take_columns()
-        if columns is not None:
-            self._samples.put_samples(columns)
-
-    def watch(self, streams: Collection[str]) -> None:
-        """Take no pictures: answers are none."""
-
-    def latest(self, address: str) -> ChannelReading | None:
-        """See `ReadingSource.latest`."""
-        return self._signals.latest.get(address)
-
-    def act(
-        self,
-        device: str,
-        command: str,
-        fields: dict[str, Scalar],
-        done: Callable[[CommandOutcome], None],
-    ) -> Callable[[], None] | None:
-        """Refuse: nothing is changed at a server."""
-        done(CommandOutcome(CommandPhase.REFUSED, "a connection of kind http has no commands"))
-        return None
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Say how the newest answers were: there is no connection to be made anew."""

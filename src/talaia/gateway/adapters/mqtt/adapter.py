@@ -18,7 +18,7 @@ from paho.mqtt.properties import Properties
 
 from talaia.gateway.adapters.credentials import read_authorities, read_secret
 from talaia.gateway.adapters.json_signals import JsonSignals
-from talaia.gateway.adapters.undriven_adapter import UndrivenAdapter
+from talaia.gateway.adapters.undriven_adapter import JsonAdapter
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost
 from talaia.gateway.ports import CommandOutcome
@@ -26,12 +26,11 @@ from talaia.model.connection import MqttConnection, MqttSource, source_as
 from talaia.wire.frames import CommandPhase
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
-    from talaia.gateway.ports import AdapterContext, AdapterStatus, ChannelReading
+    from talaia.gateway.ports import AdapterContext, AdapterStatus
     from talaia.model.site import Signal
-    from talaia.wire.frames import Scalar
 
 __all__ = ["MqttAdapter"]
 
@@ -51,7 +50,7 @@ _REFUSED = 0x80
 _PORTS = {"mqtt": 1883, "mqtts": 8883}
 
 
-class MqttAdapter(UndrivenAdapter):
+class MqttAdapter(JsonAdapter):
     """An `Adapter` for an MQTT broker; see `talaia.gateway.ports`."""
 
     def __init__(
@@ -67,7 +66,7 @@ class MqttAdapter(UndrivenAdapter):
         assert isinstance(settings, MqttConnection)  # noqa: S101 - the catalog has seen to it
         self._settings = settings
         self._status = status
-        self._clock, self._samples = context.clock, context.samples
+        self._clock = context.clock
         self._unreadable = UnreadableReports(context.events)
         self._password = read_secret(
             "password",
@@ -77,7 +76,8 @@ class MqttAdapter(UndrivenAdapter):
         )
         secure = settings.url.startswith("mqtts:")
         self._tls = read_authorities(context.folder, settings.ca) if secure else None
-        self._signals = JsonSignals(scope, _place_of, self._unreadable.report_unreadable)
+        signals = JsonSignals(scope, _place_of, self._unreadable.report_unreadable)
+        super().__init__(signals, context.samples, "mqtt")
         # By topic: of the newest message a hash, so that a broker which keeps it does not make
         # news of it with each new connection.
         self._newest: dict[str, bytes] = {}
@@ -182,29 +182,6 @@ class MqttAdapter(UndrivenAdapter):
             await asyncio.sleep(_TURN_S)
             self._signals.gather_due(self._clock.wall_ns() // 1000)
             self._publish_samples()
-
-    def _publish_samples(self) -> None:
-        columns = self._signals.take_columns()
-        if columns is not None:
-            self._samples.put_samples(columns)
-
-    def watch(self, streams: Collection[str]) -> None:
-        """Take no pictures: a broker's messages are none."""
-
-    def latest(self, address: str) -> ChannelReading | None:
-        """See `ReadingSource.latest`."""
-        return self._signals.latest.get(address)
-
-    def act(
-        self,
-        device: str,
-        command: str,
-        fields: dict[str, Scalar],
-        done: Callable[[CommandOutcome], None],
-    ) -> Callable[[], None] | None:
-        """Refuse: nothing is published."""
-        done(CommandOutcome(CommandPhase.REFUSED, "a connection of kind mqtt has no commands"))
-        return None
 
     def reconnect(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
         """Connect anew, for all its devices."""
