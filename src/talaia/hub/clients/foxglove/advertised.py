@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.clients.foxglove.offer import FoxgloveOffer, OfferedCamera, OfferedSignal
+from talaia.hub.clients.foxglove.offer import CameraChannel, FoxgloveOffer, SignalChannel
 from talaia.wire.foxglove.server_messages import (
     AdvertiseChannels,
     AdvertiseServices,
@@ -20,7 +20,7 @@ from talaia.wire.foxglove.server_messages import (
 )
 
 if TYPE_CHECKING:
-    from talaia.hub.clients.foxglove.offer import OfferedService, OfferedTopic
+    from talaia.hub.clients.foxglove.offer import CommandService, TopicChannel
     from talaia.hub.clients.foxglove.schemas import NamedSchema
     from talaia.wire.foxglove.server_messages import ServerMessage
 
@@ -120,7 +120,7 @@ class AdvertisedThings:
         """Give the client's number of its subscription to a topic."""
         return self._subscription_of.get(topic)
 
-    def service(self, number: int) -> OfferedService | None:
+    def service(self, number: int) -> CommandService | None:
         """Find a service by its number."""
         return self.offer.services.get(self._services.get(number, ""))
 
@@ -151,11 +151,11 @@ class AdvertisedThings:
         return numbers.setdefault((name, schema.text), len(numbers) + 1)
 
 
-def _publisher_of(offered: OfferedSignal | OfferedCamera | OfferedTopic) -> str:
+def _publisher_of(offered: SignalChannel | CameraChannel | TopicChannel) -> str:
     match offered:
-        case OfferedSignal():
+        case SignalChannel():
             return offered.device
-        case OfferedCamera():
+        case CameraChannel():
             return offered.stream.partition("/")[0]
         case _:
             # Which node publishes a raw topic is the robot's matter.

@@ -14,7 +14,7 @@ import msgspec
 from talaia import __version__
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
-from talaia.hub.clients.foxglove.offer import FoxgloveOffer, make_offer
+from talaia.hub.clients.foxglove.offer import FoxgloveOffer, make_foxglove_offer
 from talaia.hub.clients.foxglove.schemas import encode_answer, encode_picture
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.hub.clients.foxglove.tapped_channels import TappedChannels
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.clients.client_cameras import ClientCameras
     from talaia.hub.clients.client_connection import ClientConnection
-    from talaia.hub.clients.foxglove.offer import OfferedService
+    from talaia.hub.clients.foxglove.offer import CommandService
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.live.taps.tapped import TappedMessage
     from talaia.wire.browser import CameraPicture, ToBrowser
@@ -280,7 +280,7 @@ class FoxgloveSession:
         if why:
             await self._send_json(_call_failure(message.service_id, message.call_id, why))
 
-    def _request_command(self, service: OfferedService, message: said.FoxgloveCall) -> str:
+    def _request_command(self, service: CommandService, message: said.FoxgloveCall) -> str:
         args = _read_arguments(message)
         if isinstance(args, str):
             return args
@@ -341,7 +341,9 @@ class FoxgloveSession:
     async def _advertise_now(self) -> None:
         live, before = self._connection.live, self._things.offer
         self._edition = live.edition
-        offer = make_offer(live.description, self._connection.who.grants, self._tapped.offered)
+        offer = make_foxglove_offer(
+            live.description, self._connection.who.grants, self._tapped.offered
+        )
         change = self._things.update_offer(offer)
         # By the addresses of before.
         self._forget_topics(change.gone)

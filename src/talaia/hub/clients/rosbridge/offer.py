@@ -1,7 +1,6 @@
 """What one account is offered of a site as ROS topics, services and actions. Pure.
 
-What an account may not see is not in it, so nothing that is listed has to be hidden later. Raw
-topics of the robot come beside it, from those who tap them.
+Raw topics of the robot come beside it, from those who tap them.
 """
 
 from __future__ import annotations
@@ -9,19 +8,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.auth.permissions import Right, sees_device, sees_signal
-from talaia.model.site import ArgumentType, CommandKind, SignalType, parts_of
+from talaia.hub.clients.account_offer import make_account_offer
+from talaia.model.site import ArgumentType, CommandKind, SignalType
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
+    from talaia.hub.clients.account_offer import AccountOffer, DrivenTopic
     from talaia.model.site import Command, Signal, Site
 
 __all__ = [
     "NUMBER_TYPE",
     "TEXT_TYPE",
-    "TWIST_TYPE",
-    "DrivenTopic",
-    "OfferedCommand",
+    "RosService",
     "RosbridgeOffer",
     "SignalTopic",
     "full_type",
@@ -29,7 +27,6 @@ __all__ = [
 ]
 
 NUMBER_TYPE, TEXT_TYPE = "std_msgs/msg/Float64", "std_msgs/msg/String"
-TWIST_TYPE = "geometry_msgs/msg/Twist"
 _TRIGGER_TYPE = "std_srvs/srv/Trigger"
 # What is ours and no topic of the robot begins with it.
 _PREFIX = "/talaia"
@@ -56,7 +53,7 @@ class SignalTopic(NamedTuple):
     states: tuple[str, ...] = ()
 
 
-class OfferedCommand(NamedTuple):
+class RosService(NamedTuple):
     """A service that is a command of a device, or STOP when ``command`` is empty.
 
     Attributes:
@@ -82,13 +79,6 @@ class OfferedCommand(NamedTuple):
         return f"talaia/action/{self.device}_{self.command}"
 
 
-class DrivenTopic(NamedTuple):
-    """A topic to which a velocity may be published, and of which type it is there."""
-
-    device: str
-    type: str
-
-
 @dataclass(frozen=True, slots=True)
 class RosbridgeOffer:
     """All of it, by the name of topic, service or parameter.
@@ -104,7 +94,7 @@ class RosbridgeOffer:
 
     signals: dict[str, SignalTopic] = field(default_factory=dict)
     addresses: dict[str, str] = field(default_factory=dict)
-    services: dict[str, OfferedCommand] = field(default_factory=dict)
+    services: dict[str, RosService] = field(default_factory=dict)
     driven: dict[str, DrivenTopic] = field(default_factory=dict)
     parameters: dict[str, str | float] = field(default_factory=dict)
 
@@ -117,24 +107,24 @@ def full_type(name: str) -> str:
 
 def make_rosbridge_offer(site: Site, grants: Grants) -> RosbridgeOffer:
     """Offer an account what it may see and do at a site now."""
-    offer = RosbridgeOffer()
-    offer.parameters.update({"/site": site.site, "/name": site.name, "/zone": site.zone})
-    for device in site.devices:
-        if sees_device(grants, site, device):
-            _offer_signals(offer, site, grants, device)
-            _offer_actions(offer, site, grants, device)
+    account = make_account_offer(site, grants)
+    offer = RosbridgeOffer(driven=account.driven_topics(_PREFIX), parameters=account.facts)
+    _offer_signals(offer, account)
+    for device, name, command in account.commands:
+        offer.services[f"{_PREFIX}/{device}/{name}"] = _offer_command(device, name, command)
+    for drive in account.drives:
+        stop = RosService(drive.device, "", _TRIGGER_TYPE)
+        offer.services[f"{_PREFIX}/{drive.device}/drive/stop"] = stop
     return offer
 
 
-def _offer_signals(offer: RosbridgeOffer, site: Site, grants: Grants, device: str) -> None:
-    for name, signal in site.devices[device].signals.items():
-        if not sees_signal(grants, site, device, name):
-            continue
-        for part in parts_of(signal):
-            address = f"{device}/{name}.{part}" if part else f"{device}/{name}"
-            topic = f"{_PREFIX}/{device}/{name}/{part}" if part else f"{_PREFIX}/{device}/{name}"
+def _offer_signals(offer: RosbridgeOffer, account: AccountOffer) -> None:
+    for seen in account.signals:
+        whole = f"{_PREFIX}/{seen.address}"
+        for part, address in seen.addresses().items():
+            topic = f"{whole}/{part}" if part else whole
             offer.signals[topic] = SignalTopic(
-                f"{_PREFIX}/{device}", _type_of(signal), signal.states
+                f"{_PREFIX}/{seen.device}", _type_of(seen.signal), seen.signal.states
             )
             offer.addresses[address] = topic
 
@@ -144,27 +134,10 @@ def _type_of(signal: Signal) -> str:
     return TEXT_TYPE if worded else NUMBER_TYPE
 
 
-def _offer_actions(offer: RosbridgeOffer, site: Site, grants: Grants, device: str) -> None:
-    described = site.devices[device]
-    if grants.has_right(Right.USE, site.site, device):
-        for name, command in described.commands.items():
-            offer.services[f"{_PREFIX}/{device}/{name}"] = _offer_command(device, name, command)
-    rule = described.drive
-    # Whoever may look at a driven device may stop it.
-    if rule is not None and grants.has_right(Right.VIEW, site.site, device):
-        stop = OfferedCommand(device, "", _TRIGGER_TYPE)
-        offer.services[f"{_PREFIX}/{device}/drive/stop"] = stop
-        # Of two devices that listen to one topic, the first; the other has its own name.
-        offer.driven.setdefault(rule.topic, DrivenTopic(device, rule.message.value))
-        offer.driven[f"{_PREFIX}/{device}/drive"] = DrivenTopic(device, TWIST_TYPE)
-        offer.parameters[f"/{device}/drive/max_speed"] = rule.max_speed
-        offer.parameters[f"/{device}/drive/max_turn"] = rule.max_turn
-
-
-def _offer_command(device: str, name: str, command: Command) -> OfferedCommand:
+def _offer_command(device: str, name: str, command: Command) -> RosService:
     fields = tuple(
         (argument, _FIELD_TYPES[described.type])
         for argument, described in command.arguments.items()
     )
     kind = f"talaia/srv/{device}_{name}" if fields else _TRIGGER_TYPE
-    return OfferedCommand(device, name, kind, fields, command.kind is CommandKind.ACTION)
+    return RosService(device, name, kind, fields, command.kind is CommandKind.ACTION)

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.hub.clients.client_connection import ClientConnection
-    from talaia.hub.clients.rosbridge.offer import OfferedCommand
+    from talaia.hub.clients.rosbridge.offer import RosService
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.wire.browser import ToBrowser
 
@@ -223,7 +223,7 @@ class RosbridgeSession:
             await self._output.end_goal(message, why, CommandPhase.REFUSED)
 
     def _ask_command(
-        self, offered: OfferedCommand, message: said.RosbridgeCall | said.RosbridgeGoal
+        self, offered: RosService, message: said.RosbridgeCall | said.RosbridgeGoal
     ) -> str:
         """Ask the hub for a command or STOP; say why not, if so."""
         if len(self._waiting) >= _MOST_CALLS:
@@ -345,7 +345,7 @@ def _read_fields(args: bytes) -> dict[str, object]:
     )
 
 
-def _read_arguments(args: bytes, offered: OfferedCommand) -> dict[str, Scalar]:
+def _read_arguments(args: bytes, offered: RosService) -> dict[str, Scalar]:
     """Read the arguments of a command: an object, or a list in the order of its fields.
 
     Raises:

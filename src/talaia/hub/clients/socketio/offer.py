@@ -1,7 +1,4 @@
-"""What one account is offered of a site in the words of the founding vehicle. Pure.
-
-What an account may not see is not in it, so nothing that is listed has to be hidden later.
-"""
+"""What one account is offered of a site in the words of the founding vehicle. Pure."""
 
 from __future__ import annotations
 
@@ -10,9 +7,9 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
-from talaia.hub.auth.permissions import Right, sees_signal, sees_stream
+from talaia.hub.clients.account_offer import make_account_offer
 from talaia.model.connections.ros import DIAGNOSTICS, RosSource
-from talaia.model.site import SignalType, parts_of
+from talaia.model.site import SignalType
 
 if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Grants
@@ -69,32 +66,22 @@ class SocketioOffer:
 
 def make_socketio_offer(site: Site, grants: Grants) -> SocketioOffer:
     """Offer an account what it may see and drive at a site now."""
-    seen = [
-        (f"{device}/{name}", signal)
-        for device, described in site.devices.items()
-        for name, signal in described.signals.items()
-        if sees_signal(grants, site, device, name)
-    ]
+    account = make_account_offer(site, grants)
     # Two devices may have signals of one name: both then go by their address.
-    times = Counter(_own_name(address, signal) for address, signal in seen)
+    times = Counter(_own_name(seen.name, seen.signal) for seen in account.signals)
     sensors = {}
-    for address, signal in seen:
-        own = _own_name(address, signal)
-        name = own if times[own] == 1 else address
-        for part in parts_of(signal):
-            suffix = f".{part}" if part else ""
-            sensors[address + suffix] = OfferedSensor(name + suffix, signal.unit, _words_of(signal))
-    driven = [name for name, device in site.devices.items() if device.drive is not None]
+    for seen in account.signals:
+        own = _own_name(seen.name, seen.signal)
+        name = own if times[own] == 1 else seen.address
+        for part, address in seen.addresses().items():
+            sensors[address] = OfferedSensor(
+                f"{name}.{part}" if part else name, seen.signal.unit, _words_of(seen.signal)
+            )
     return SocketioOffer(
         sensors=sensors,
-        cameras=tuple(
-            f"{device}/{stream}"
-            for device, described in site.devices.items()
-            for stream in described.streams
-            if sees_stream(grants, site, device, stream)
-        ),
-        driven=tuple(name for name in driven if grants.has_right(Right.USE, site.site, name)),
-        stopped=tuple(name for name in driven if grants.has_right(Right.VIEW, site.site, name)),
+        cameras=tuple(camera.address for camera in account.cameras),
+        driven=tuple(drive.device for drive in account.drives if drive.usable),
+        stopped=tuple(drive.device for drive in account.drives),
     )
 
 
@@ -110,12 +97,12 @@ def sensor_magnitude(sensor: OfferedSensor, sample: ClientSample) -> float | str
     return sample.value
 
 
-def _own_name(address: str, signal: Signal) -> str:
+def _own_name(name: str, signal: Signal) -> str:
     source = signal.source
     # A level of ROS's diagnostics has a name, too, but that is no sensor's of CloudConnect.
     if isinstance(source, RosSource) and source.name and source.type != DIAGNOSTICS:
         return source.name
-    return address.partition("/")[2]
+    return name
 
 
 def _words_of(signal: Signal) -> tuple[str, ...]:
