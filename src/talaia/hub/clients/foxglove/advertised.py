@@ -20,7 +20,7 @@ from talaia.wire.foxglove.server_messages import (
 )
 
 if TYPE_CHECKING:
-    from talaia.hub.clients.foxglove.offer import CommandService, TopicChannel
+    from talaia.hub.clients.foxglove.offer import ServiceEntry, TopicChannel
     from talaia.hub.clients.foxglove.schemas import NamedSchema
     from talaia.wire.foxglove.server_messages import ServerMessage
 
@@ -120,7 +120,7 @@ class AdvertisedThings:
         """Give the client's number of its subscription to a topic."""
         return self._subscription_of.get(topic)
 
-    def service(self, number: int) -> CommandService | None:
+    def service(self, number: int) -> ServiceEntry | None:
         """Find a service by its number."""
         return self.offer.services.get(self._services.get(number, ""))
 

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CameraChannel",
-    "CommandService",
     "FoxgloveOffer",
+    "ServiceEntry",
     "SignalChannel",
     "TopicChannel",
     "make_foxglove_offer",
@@ -66,7 +66,7 @@ class TopicChannel(NamedTuple):
     schema: NamedSchema
 
 
-class CommandService(NamedTuple):
+class ServiceEntry(NamedTuple):
     """A service that is a command of a device, or STOP when ``command`` is empty."""
 
     device: str
@@ -92,7 +92,7 @@ class FoxgloveOffer:
     signals: dict[str, SignalChannel] = field(default_factory=dict)
     cameras: dict[str, CameraChannel] = field(default_factory=dict)
     topics: dict[str, TopicChannel] = field(default_factory=dict)
-    services: dict[str, CommandService] = field(default_factory=dict)
+    services: dict[str, ServiceEntry] = field(default_factory=dict)
     driven: dict[str, str] = field(default_factory=dict)
     parameters: dict[str, str | float] = field(default_factory=dict)
 
@@ -138,7 +138,7 @@ def _offer_views(offer: FoxgloveOffer, site: Site, account: AccountOffer) -> Non
 def _offer_services(offer: FoxgloveOffer, account: AccountOffer) -> None:
     for device, name, command in account.commands:
         request = arguments_schema(f"{device}/{name}", command)
-        offer.services[f"/{device}/{name}"] = CommandService(device, name, request, ANSWER_SCHEMA)
+        offer.services[f"/{device}/{name}"] = ServiceEntry(device, name, request, ANSWER_SCHEMA)
     for drive in account.drives:
-        service = CommandService(drive.device, "", EMPTY_SCHEMA, ANSWER_SCHEMA)
+        service = ServiceEntry(drive.device, "", EMPTY_SCHEMA, ANSWER_SCHEMA)
         offer.services[f"/{drive.device}/{STOP}"] = service

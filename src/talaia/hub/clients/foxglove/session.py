@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
     from talaia.hub.clients.client_cameras import ClientCameras
     from talaia.hub.clients.client_connection import ClientConnection
-    from talaia.hub.clients.foxglove.offer import CommandService
+    from talaia.hub.clients.foxglove.offer import ServiceEntry
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.live.taps.tapped import TappedMessage
     from talaia.wire.browser import CameraPicture, ToBrowser
@@ -280,7 +280,7 @@ class FoxgloveSession:
         if why:
             await self._send_json(_call_failure(message.service_id, message.call_id, why))
 
-    def _request_command(self, service: CommandService, message: said.FoxgloveCall) -> str:
+    def _request_command(self, service: ServiceEntry, message: said.FoxgloveCall) -> str:
         args = _read_arguments(message)
         if isinstance(args, str):
             return args
