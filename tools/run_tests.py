@@ -323,6 +323,8 @@ def main(arguments: list[str]) -> int:
     groups = make_groups(files, costs)
     if not chosen.quick and not chosen.only:
         groups.append(pages_group(costs))
+    # A shell's background job ignores it, and so would the programs that tests interrupt.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     # A run that is ended from outside tidies up, too.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     if not os.environ.get("XDG_RUNTIME_DIR"):

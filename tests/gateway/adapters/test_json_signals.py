@@ -130,7 +130,9 @@ def test_a_path_is_steps_or_an_error_that_says_how_it_is_written(path: str) -> N
         assert all(step != "" for step in steps)
 
 
-keys = st.text(st.characters(blacklist_characters="'\"[]\n"), min_size=1, max_size=20)
+# Half of a surrogate pair is no text, and no JSON of ours has it.
+characters = st.characters(exclude_characters="'\"[]\n", exclude_categories=["Cs"])
+keys = st.text(characters, min_size=1, max_size=20)
 
 
 @given(st.lists(st.one_of(keys, st.integers(0, 5)), min_size=1, max_size=6), st.floats(-1e9, 1e9))
