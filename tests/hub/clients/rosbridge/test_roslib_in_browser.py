@@ -10,9 +10,11 @@ import threading
 import pytest
 
 from talaia.wire import frames
+from talaia.wire.browser import PageCommand
 from talaia.wire.frames import CommandPhase, LeaseOp
 
 from ...everyone.world import NOW
+from ..sent_messages import sent_for
 from ..tokens import open_protocol, token_of
 from .rosbridge_peer import address_of, bundle_roslib
 
@@ -36,6 +38,19 @@ function drive(linear) {
   const topic = new ROSLIB.Topic({ros, name: "/v", messageType: "geometry_msgs/Twist"});
   const zero = {x: 0, y: 0, z: 0};
   setInterval(() => topic.publish({linear: {...zero, x: linear}, angular: zero}), 50);
+}
+async function everything(devices) {
+  const zero = {x: 0, y: 0, z: 0};
+  for (const name of ["/v", ...devices.map((device) => `/talaia/${device}/drive`)]) {
+    const topic = new ROSLIB.Topic({ros, name, messageType: "geometry_msgs/Twist"});
+    topic.publish({linear: {...zero, x: 1}, angular: zero});
+  }
+  for (const device of devices) {
+    void call(`/talaia/${device}/turn`).catch(() => undefined);
+    void call(`/talaia/${device}/drive/stop`).catch(() => undefined);
+  }
+  // Answered after all of it.
+  await list();
 }
 </script>"""
 HEARD = "([name, value]) => told.some((each) => each[0] === name && each[1]?.data === value)"
@@ -122,6 +137,32 @@ async def test_page_lists_subscribes_and_calls_with_the_rights_of_its_token(
     assert await called == {"success": True, "message": "turned"}
     refused = await guest.evaluate("call('/talaia/base/turn').catch((why) => String(why))")
     assert "there is no service /talaia/base/turn" in refused
+
+
+async def test_page_that_tries_everything_moves_what_its_token_may_and_nothing_else(
+    chromium,
+    world,
+    origin,
+) -> None:
+    await open_protocol(world.hub, "rosbridge", origin)
+    gateway, devices = world.gateways["agv"], ["base", "power", "camera"]
+    # An admin lets nobody drive anything here; STOP takes no more than being allowed to look.
+    expected = {
+        "guest": set(),
+        "driver": {("call", "base"), ("stop", "base")},
+        "admin": {(what, device) for what in ("call", "stop") for device in devices},
+    }
+    for name, sent in expected.items():
+        page = await connected_page(chromium, world, origin, name)
+        await page.evaluate("(devices) => everything(devices)", devices)
+        # What a page of ours asks for now reaches the gateway after all of that.
+        ours = await world.page("operator")
+        mark = {"site": "agv", "device": "camera", "command": "turn", "args": {}}
+        await ours.say(PageCommand(id=f"mark-{name}", **mark))
+        await gateway.hear(frames.CommandRequest, lambda asked: asked.who == "operator")
+        assert sent_for(gateway, name) == sent
+        await ours.close()
+        await page.close()
 
 
 async def test_page_drives_at_half_speed_and_gives_the_vehicle_back_when_it_is_closed(
