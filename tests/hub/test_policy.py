@@ -67,6 +67,8 @@ MEETS = {
     ),
     AccessNeed.ADMIN: ({"admin"}, {"admin"}, {"admin"}, {"admin"}),
     AccessNeed.GATEWAY: (set(), set(), set(), set()),
+    # By a token of a client, which is asked for where the protocols are known.
+    AccessNeed.CLIENT: (set(), set(), set(), set()),
     AccessNeed.NEVER: (set(), set(), set(), set()),
 }
 OBJECTS = ((SITE, "gate"), (SITE, "barn"), (SITE, ""), (None, ""))

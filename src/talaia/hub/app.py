@@ -127,8 +127,12 @@ class Hub:
         self._add_connections()
         # In the order in which they are built above: no feature can be forgotten.
         self.features = tuple(_features_among(vars(self).values()))
-        # The guard goes first: the limits count by the person that it finds.
-        guards = (self.people.access.guard_request, self.people.limits.check_request)
+        # The limits go last: they count by the person that one of the others finds.
+        guards = (
+            self.people.access.guard_request,
+            self.client_protocols.admission.guard_request,
+            self.people.limits.check_request,
+        )
         self.app = web_application(self.features, guards, self.running)
         self.asgi: ASGIApp = RequestGuard(self.app, settings)
 
@@ -152,6 +156,7 @@ class Hub:
             clients=self.client_protocols,
             media=self.media,
             alarms=self.alarms,
+            history=self.history.store,
             access=self.people.access,
             audit=log,
         )

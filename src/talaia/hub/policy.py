@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BY_SCRIPT",
+    "CLIENT_ROUTES",
     "CLIENT_SOCKETS",
     "FROM_BROWSER",
     "FROM_GATEWAY",
@@ -54,6 +55,8 @@ class AccessNeed(Enum):
     VIEW = auto()
     USE = auto()
     ADMIN = auto()
+    # An access token, while an admin has opened the route's client protocol; cookies do not count.
+    CLIENT = auto()
     # The key of a gateway.
     GATEWAY = auto()
     # Cannot be met.
@@ -197,13 +200,14 @@ ROUTES_OF: Mapping[str, Mapping[tuple[str, str], AccessNeed]] = {
         ("GET", "/extensions/{tile}/{path:path}"): AccessNeed.SESSION,
     },
     "metrics": {
-        # Its own token is asked for by the route, and the right `metrics`; cookies do not count.
-        ("GET", "/metrics"): AccessNeed.OPEN,
+        # The right `metrics` is asked for besides, site by site, and each signal is looked at.
+        ("GET", "/metrics"): AccessNeed.CLIENT,
+        ("POST", "/clients/prometheus/read"): AccessNeed.CLIENT,
     },
     "socketio": {
-        # A token is asked for by the routes, by the same table as the socket's below.
-        ("GET", "/socket.io/"): AccessNeed.OPEN,
-        ("POST", "/socket.io/"): AccessNeed.OPEN,
+        # The site is looked at besides, as for the socket below.
+        ("GET", "/socket.io/"): AccessNeed.CLIENT,
+        ("POST", "/socket.io/"): AccessNeed.CLIENT,
     },
     "client_protocols": {
         ("GET", "/api/client-protocols"): AccessNeed.ADMIN,
@@ -240,6 +244,13 @@ SOCKETS: Mapping[str, AccessNeed] = {
     "/gateway/link": AccessNeed.GATEWAY,
     "/gateway/media": AccessNeed.GATEWAY,
     "/gateway/files": AccessNeed.GATEWAY,
+}
+
+# Which client protocol (`clients.catalog`) an admin has to have opened for a route.
+CLIENT_ROUTES: Mapping[str, str] = {
+    "/metrics": "metrics",
+    "/clients/prometheus/read": "metrics",
+    "/socket.io/": "socketio",
 }
 
 # Of other tools, while an admin has opened their protocol, by token alone; each message over them
@@ -373,7 +384,14 @@ TO_GATEWAY: Mapping[type[Message], AccessNeed] = dict.fromkeys(
 
 # What a token may be used for; the rest a person must do.
 BY_SCRIPT = frozenset(
-    {AccessNeed.OPEN, AccessNeed.SESSION, AccessNeed.SEE, AccessNeed.VIEW, AccessNeed.USE}
+    {
+        AccessNeed.OPEN,
+        AccessNeed.SESSION,
+        AccessNeed.SEE,
+        AccessNeed.VIEW,
+        AccessNeed.USE,
+        AccessNeed.CLIENT,
+    }
 )
 
 # What no script says over a page's socket, whatever its token may: it drives by its own, as a tool.
@@ -410,7 +428,8 @@ def allows(
     if need is AccessNeed.OPEN:
         return True
     # No person is a gateway, whatever rights they have.
-    if grants is None or need in {AccessNeed.NEVER, AccessNeed.GATEWAY}:
+    # Nor are clients' tokens asked for here: that is where their protocols are known.
+    if grants is None or need in {AccessNeed.NEVER, AccessNeed.GATEWAY, AccessNeed.CLIENT}:
         return False
     if need in {AccessNeed.SESSION, AccessNeed.OWN}:
         return True

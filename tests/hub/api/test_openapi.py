@@ -32,6 +32,8 @@ def test_token_is_named_where_it_is_taken_and_nowhere_else(said) -> None:
         need = ROUTES[route]
         if need is AccessNeed.OPEN:
             assert not taken, route
+        elif need is AccessNeed.CLIENT:
+            assert taken == {"token"}, route
         else:
             assert taken == ({"session", "token"} if need in BY_SCRIPT else {"session"}), route
 

@@ -332,6 +332,22 @@ async def _client_driver(world: World, _client: httpx.AsyncClient, _about: str) 
     return Ask(json=asked, done=(204,))
 
 
+def _opened(protocol: str, **ask: object) -> Callable[..., Awaitable[Ask]]:
+    """Open a client protocol for pages of the hub's own origin, and ask the same of everyone."""
+
+    async def make(world: World, _client: httpx.AsyncClient, _about: str) -> Ask:
+        opened = {"open": True, "origins": [world.hub.origin]}
+        answer = await (await world.admin()).put(f"/api/client-protocols/{protocol}", json=opened)
+        assert answer.status_code == 204, answer.text
+        return Ask(**ask)
+
+    return make
+
+
+def _nobody(_actor: str, _about: str) -> bool:
+    return False
+
+
 RECIPES: Mapping[tuple[str, str], Recipe] = {
     ("GET", "/api/health"): Recipe(plain()),
     ("POST", "/api/login"): Recipe(plain(json={"name": "guest", "password": PASSWORD})),
@@ -375,11 +391,12 @@ RECIPES: Mapping[tuple[str, str], Recipe] = {
         json={"text": "talaia: 1", "site": {}}
     ),
     ("GET", "/api/description-schema"): Recipe(plain()),
-    # Shut until an admin opens it, for everybody; see `test_metrics_route`.
-    ("GET", "/metrics"): Recipe(plain(done=(403,))),
-    # The same; see `clients.socketio.test_session`.
-    ("GET", "/socket.io/"): Recipe(plain(done=(403,))),
-    ("POST", "/socket.io/"): Recipe(plain(done=(403,))),
+    # With the right to metrics: see `test_metrics_route` and `test_remote_read_route`.
+    ("GET", "/metrics"): Recipe(_opened("metrics"), meets=_nobody),
+    ("POST", "/clients/prometheus/read"): Recipe(_opened("metrics"), meets=_nobody),
+    # What is no packet is answered as such; see `clients.socketio.test_session`.
+    ("GET", "/socket.io/"): Recipe(_opened("socketio", done=(400,))),
+    ("POST", "/socket.io/"): Recipe(_opened("socketio", done=(400,))),
     ("GET", "/api/client-protocols"): Recipe(plain()),
     ("PUT", "/api/client-protocols/{protocol}"): Recipe(
         plain(params={"protocol": "foxglove"}, json={"open": False}, done=(204,))
@@ -483,6 +500,8 @@ def meets(need: AccessNeed, actor: str, about: str) -> bool:
         return False
     if need is AccessNeed.SESSION:
         return True
+    if need is AccessNeed.CLIENT:
+        return actor == "token"
     if need is AccessNeed.OWN:
         return actor != "token"
     return holds(actor, need.name.lower(), about)

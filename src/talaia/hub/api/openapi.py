@@ -39,6 +39,7 @@ _NEEDS: Mapping[AccessNeed, str] = {
     AccessNeed.VIEW: "The right to view the site.",
     AccessNeed.USE: "The right to use the site.",
     AccessNeed.ADMIN: "The right to manage the whole hub.",
+    AccessNeed.CLIENT: "A token, while an admin has opened the client protocol; no session.",
 }
 # What each status means here, whatever route says it.
 _SAID: Mapping[int, str] = {
@@ -63,10 +64,9 @@ _BESIDES: Mapping[tuple[str, str], frozenset[int]] = {
     ("POST", "/api/login"): frozenset({401, 429, 503}),
     ("POST", "/api/setup"): frozenset({429, 503}),
     ("POST", "/api/enrol"): frozenset({404, 410, 429, 503}),
-    # Its own token is asked for by the route, and counted.
-    ("GET", "/metrics"): frozenset({401, 403, 429, 503}),
-    ("GET", "/socket.io/"): frozenset({400, 401, 403, 404, 429, 503}),
-    ("POST", "/socket.io/"): frozenset({400, 401, 403, 429, 503}),
+    ("POST", "/clients/prometheus/read"): frozenset({400}),
+    ("GET", "/socket.io/"): frozenset({400, 404}),
+    ("POST", "/socket.io/"): frozenset({400}),
     ("PUT", "/api/client-drivers"): frozenset({404}),
     ("POST", "/api/me/factor"): frozenset({409}),
     ("POST", "/api/me/factor/remove"): frozenset({409}),
@@ -151,6 +151,8 @@ def _complete_operation(operation: dict[str, Any], method: str, path: str) -> No
     )
     if need is AccessNeed.OPEN:
         operation["security"] = []
+    elif need is AccessNeed.CLIENT:
+        operation["security"] = [{_TOKEN: []}]
     else:
         schemes = [_SESSION, _TOKEN] if need in BY_SCRIPT else [_SESSION]
         operation["security"] = [{scheme: []} for scheme in schemes]

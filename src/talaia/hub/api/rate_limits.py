@@ -45,6 +45,8 @@ RATES: Mapping[str, Rate] = {
     "/api/sites/{site}/outliers": OUTLIERS,
     "/api/sites/{site}/stored": HISTORY,
     "/api/sites/{site}/export": HEAVY,
+    # A dashboard of many panels asks for each of them.
+    "/clients/prometheus/read": HISTORY,
     "/api/storage": HEAVY,
     "/api/audit/export": HEAVY,
     # Each is a message that goes out, and a process.

@@ -3,58 +3,29 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import json
-import os
-import shutil
-import subprocess
 from typing import TYPE_CHECKING
 
 import httpx
 import pytest
 from patience import PATIENCE_S
-from ports import free_port
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
 from talaia.clock import SystemClock
 
+from .prometheus_server import (
+    EVERYWHERE,
+    OPENMETRICS,
+    VIEW_BASE,
+    open_protocol,
+    query,
+    serving,
+    token,
+)
+
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
     from pathlib import Path
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-OPENMETRICS = {"Accept": "application/openmetrics-text; version=1.0.0"}
-EVERYWHERE = {"right": "metrics", "site": "*", "device": "*"}
-VIEW_BASE = {"right": "view", "site": "agv", "device": "base"}
-
-
-@pytest.fixture(scope="module")
-def prometheus() -> str:
-    program = shutil.which("prometheus")
-    if program is None:
-        pytest.skip("Prometheus is missing (apt install prometheus)")
-    return program
-
-
-async def open_protocol(hub, *, is_open: bool = True) -> None:
-    admin = await hub.client("admin")
-    asked = {"open": is_open, "origins": []}
-    answer = await admin.put("/api/client-protocols/metrics", json=asked)
-    assert answer.status_code == 204, answer.text
-
-
-async def token(hub, *permissions: dict[str, str], name: str = "admin") -> dict[str, str]:
-    """Give the header of a new token with these permissions."""
-    client = await hub.client(name)
-    asked = {
-        "name": "scrape",
-        "ends_us": SystemClock().wall_ns() // 1000 + 3_600_000_000,
-        "permissions": list(permissions),
-    }
-    answer = await client.post("/api/me/tokens", json=asked)
-    assert answer.status_code == 200, answer.text
-    return {"Authorization": f"Bearer {answer.json()['token']}"}
 
 
 async def scrape(hub, headers: dict[str, str], query: str = "") -> dict[str, dict]:
@@ -152,21 +123,15 @@ async def test_a_stale_value_is_left_out_and_its_age_goes_on(shared_hub, shared_
     assert any(("signal", "speed") in labels and age > 59 for labels, age in ages.items())
 
 
-async def test_a_real_prometheus_scrapes_it(
-    shared_hub, shared_gateway, prometheus: str, tmp_path: Path
-) -> None:
+async def test_a_real_prometheus_scrapes_it(shared_hub, shared_gateway, tmp_path: Path) -> None:
     await open_protocol(shared_hub)
     now_us = SystemClock().wall_ns() // 1000
     await shared_gateway.samples(("base/speed", now_us, 1.25))
     headers = await token(shared_hub, EVERYWHERE, {"right": "view", "site": "*", "device": "*"})
-    async with serving(prometheus, tmp_path, shared_hub.port, headers) as client:
-        query = 'talaia_signal_value{device="base",signal="speed"}'
+    async with serving(tmp_path, shared_hub.port, headers) as client:
+        speed = 'talaia_signal_value{device="base",signal="speed"}'
         async with asyncio.timeout(PATIENCE_S):
-            while True:
-                with contextlib.suppress(httpx.TransportError):
-                    answer = await client.get("/api/v1/query", params={"query": query})
-                    if answer.is_success and (rows := answer.json()["data"]["result"]):
-                        break
+            while not (rows := await query(client, speed)):
                 # A value that is older than its limit is not scraped; the robot speaks again.
                 now_us = SystemClock().wall_ns() // 1000
                 await shared_gateway.samples(("base/speed", now_us, 1.25))
@@ -175,38 +140,3 @@ async def test_a_real_prometheus_scrapes_it(
         assert rows[0]["metric"]["unit"] == "m/s"
         targets = (await client.get("/api/v1/targets")).json()["data"]["activeTargets"]
         assert [(target["health"], target["lastError"]) for target in targets] == [("up", "")]
-
-
-@contextlib.asynccontextmanager
-async def serving(
-    program: str, folder: Path, port: int, headers: dict[str, str]
-) -> AsyncIterator[httpx.AsyncClient]:
-    """Run Prometheus until the block ends; it scrapes the hub each second."""
-    own = free_port()
-    config = {
-        "global": {"scrape_interval": "1s", "scrape_timeout": "1s"},
-        "scrape_configs": [
-            {
-                "job_name": "talaia",
-                "authorization": {"credentials": headers["Authorization"].split()[1]},
-                "static_configs": [{"targets": [f"127.0.0.1:{port}"]}],
-            }
-        ],
-    }
-    # JSON is YAML, too.
-    (folder / "prometheus.yml").write_text(json.dumps(config))
-    process = await asyncio.create_subprocess_exec(
-        program,
-        f"--config.file={folder / 'prometheus.yml'}",
-        f"--storage.tsdb.path={folder / 'data'}",
-        f"--web.listen-address=127.0.0.1:{own}",
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        env={**os.environ, "GOMAXPROCS": "1"},
-    )
-    try:
-        async with httpx.AsyncClient(base_url=f"http://127.0.0.1:{own}") as client:
-            yield client
-    finally:
-        process.terminate()
-        await process.wait()

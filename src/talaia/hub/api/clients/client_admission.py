@@ -12,7 +12,7 @@ from talaia.hub.api.problems import STORE_DOWN, ApiProblem
 from talaia.hub.api.rate_limits import MOST_SOCKETS
 from talaia.hub.api.server.request_guard import HIDDEN_TOKEN
 from talaia.hub.errors import StoreDown
-from talaia.hub.policy import AccessNeed, allows
+from talaia.hub.policy import CLIENT_ROUTES, AccessNeed, allows, need_of_route
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from talaia.hub.auth.permissions import Who
     from talaia.hub.clients.open_protocols import OpenProtocols
     from talaia.hub.live.sites import LiveSite, Sites
+    from talaia.hub.store.accounts.sessions import LiveSession
 
 __all__ = ["AdmittedClient", "ClientAdmission", "token_of"]
 
@@ -56,6 +57,16 @@ class ClientAdmission:
         """Give the account of a request or socket of a protocol.
 
         Raises:
+            ApiProblem: as of `find_session`.
+            StoreDown: it cannot be told whose token it is.
+
+        """
+        return (await self.find_session(connection, protocol)).who
+
+    async def find_session(self, connection: HTTPConnection, protocol: str) -> LiveSession:
+        """Give what a token stands for in a request or socket of a protocol.
+
+        Raises:
             ApiProblem: 403 the protocol is shut or the page's origin is not let in, 401 there is
                 no good token.
             StoreDown: it cannot be told whose token it is.
@@ -74,19 +85,21 @@ class ClientAdmission:
         alive = await self._access.who_of_token(token_of(connection))
         if alive is None:
             raise ApiProblem(401, "unauthorized", "no token, or one that is not good; see Account")
-        return alive.who
+        return alive
 
-    async def admit_request(self, request: Request, protocol: str) -> Who:
-        """Give the account of a request of a protocol that keeps no connection, and count it.
+    async def guard_request(self, request: Request) -> None:
+        """Let a request pass that is none of a client's, or that brings a client's good token.
 
         Raises:
-            ApiProblem: as of `identify_account`, and 429 too much was asked lately.
+            ApiProblem: as of `find_session`.
             StoreDown: it cannot be told whose token it is.
 
         """
-        who = await self.identify_account(request, protocol)
-        self._limits.count_request(request.scope["route"].path, who.user)
-        return who
+        path = request.scope["route"].path
+        if need_of_route(request.method, path) is AccessNeed.CLIENT:
+            # For the route and for the limits, as `Access.guard_request` leaves it.
+            alive = await self.find_session(request, CLIENT_ROUTES[path])
+            request.state.alive, request.state.who = alive, alive.who
 
     def site_for(self, who: Who, name: str) -> LiveSite:
         """Give a site that an account may see something of.

@@ -9,10 +9,11 @@ from prometheus_client import CollectorRegistry, ProcessCollector
 from prometheus_client.exposition import choose_encoder
 
 from talaia import __version__
+from talaia.hub.api.access import who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.auth.permissions import ANY, Right
-from talaia.hub.clients.catalog import CLIENT_PROTOCOLS, METRICS
+from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
 from talaia.hub.clients.site_metrics import HubFigures, ScrapeRequest, collect_metrics
 
 if TYPE_CHECKING:
@@ -21,16 +22,28 @@ if TYPE_CHECKING:
     from prometheus_client.core import Metric
 
     from talaia.clock import Clock
-    from talaia.hub.api.clients.client_admission import ClientAdmission
+    from talaia.hub.auth.permissions import Grants
     from talaia.hub.clients.open_protocols import OpenProtocols
     from talaia.hub.live.alarms.alarm_state import LiveAlarm
     from talaia.hub.live.pages.page_connections import Browsers
-    from talaia.hub.live.sites import Sites
+    from talaia.hub.live.sites import LiveSite, Sites
 
-__all__ = ["MetricsRoute"]
+__all__ = ["MetricsRoute", "check_metrics_right"]
 
 # A scrape that names more is a mistake, and each is held against every signal.
 _MOST_PATTERNS = 50
+
+
+def check_metrics_right(grants: Grants, sites: Iterable[LiveSite], site: str) -> None:
+    """Let an account pass that may have the metrics of a site, or (empty) of any.
+
+    Raises:
+        ApiProblem: 403 it may not.
+
+    """
+    names = [site] if site else [ANY, *(live.name for live in sites)]
+    if not any(grants.has_right(Right.METRICS, name) for name in names):
+        raise ApiProblem(403, "forbidden", "this account has no right `metrics`; see Admin")
 
 
 class _Figures:
@@ -50,15 +63,13 @@ class MetricsRoute:
     def __init__(
         self,
         *,
-        admission: ClientAdmission,
         protocols: OpenProtocols,
         sites: Sites,
         browsers: Browsers,
         alarms_of: Callable[[str], Iterable[LiveAlarm]],
         clock: Clock,
     ) -> None:
-        """Admit by ``admission``; the rest is where figures come from."""
-        self._admission = admission
+        """All of it is where figures come from."""
         self._protocols = protocols
         self._sites = sites
         self._browsers = browsers
@@ -83,12 +94,8 @@ class MetricsRoute:
         ``signal`` is a pattern of addresses (``base/*``), once for each; without it the signals of
         the first page are given.
         """
-        who = await self._admission.admit_request(request, METRICS)
-        names = [live.name for live in self._sites] if not site else [site]
-        if not who.grants.has_right(Right.METRICS, ANY) and not any(
-            who.grants.has_right(Right.METRICS, name) for name in names
-        ):
-            raise ApiProblem(403, "forbidden", "this account has no right `metrics`; see Admin")
+        who = who_of(request)
+        check_metrics_right(who.grants, self._sites, site)
         registry = CollectorRegistry()
         if who.grants.has_right(Right.METRICS, ANY):
             # Memory, processor time and descriptors of the hub, by their usual names.

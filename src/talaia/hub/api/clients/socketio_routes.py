@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request, Response, WebSocket
 from starlette.websockets import WebSocketDisconnect
 
-from talaia.hub.api.access import deny_socket
+from talaia.hub.api.access import deny_socket, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import STORE_DOWN, ApiProblem
 from talaia.hub.clients.catalog import SOCKETIO
@@ -45,7 +45,7 @@ class SocketioRoutes:
     """The path at which every Socket.IO client looks for its server."""
 
     def __init__(self, *, admission: ClientAdmission, sessions: EngineSessions) -> None:
-        """Hand what comes to ``sessions``; ``admission`` counts requests."""
+        """Hand what comes to ``sessions``; ``admission`` lets sockets in."""
         self._admission = admission
         self._sessions = sessions
 
@@ -65,7 +65,7 @@ class SocketioRoutes:
 
     async def poll(self, request: Request) -> Response:
         """Begin a session, or wait for what it has for the client."""
-        who = await self._admission.admit_request(request, SOCKETIO)
+        who = who_of(request)
         query = request.query_params
         if query.get("transport") != "polling":
             raise ApiProblem(400, "transport", "transport= is polling for a request")
@@ -89,7 +89,7 @@ class SocketioRoutes:
 
     async def push(self, request: Request) -> Response:
         """Take what a client sends."""
-        who = await self._admission.admit_request(request, SOCKETIO)
+        who = who_of(request)
         line = self._sessions.find_session(who, request.query_params.get("sid", ""))
         try:
             async with asyncio.timeout(_TURN_S):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
     from talaia.hub.features.feature import Core, Feature
     from talaia.hub.features.media import MediaFeature
+    from talaia.hub.ports import History
     from talaia.hub.store.audit import Audit
 
 __all__ = ["build_client_features"]
@@ -28,6 +29,7 @@ def build_client_features(
     clients: ClientProtocolsFeature,
     media: MediaFeature,
     alarms: AlarmsFeature,
+    history: History,
     access: Access,
     audit: Audit,
 ) -> tuple[Feature, ...]:
@@ -38,6 +40,7 @@ def build_client_features(
         clients: lets clients of every protocol in, and ends them.
         media: has the pictures of cameras.
         alarms: has the alarms that are counted.
+        history: has past values.
         access: finds the account of a token.
         audit: where it is written who did what.
 
@@ -47,7 +50,7 @@ def build_client_features(
     """
     return (
         FoxgloveFeature(core, clients=clients, streams=media.streams),
-        MetricsFeature(core, clients=clients, alarms=alarms.engine),
+        MetricsFeature(core, clients=clients, alarms=alarms.engine, history=history),
         MqttFeature(core, clients=clients, access=access, audit=audit),
         RosbridgeFeature(core, clients=clients),
         ScriptsFeature(clients=clients),
