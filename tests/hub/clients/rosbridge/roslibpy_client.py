@@ -20,6 +20,18 @@ def note(event: str, data: object) -> None:
         sys.stdout.flush()
 
 
+def send_goal(ros, name: str, kind: str, args: dict) -> roslibpy.ActionClient:
+    client = roslibpy.ActionClient(ros, name, kind)
+    goal = client.send_goal(
+        roslibpy.Goal(args),
+        lambda found: note("result", {**found, "status": found["status"].value}),
+        lambda found: note("feedback", dict(found)),
+        lambda found: note("failed", str(found)),
+    )
+    note("sent", goal)
+    return client
+
+
 def main(address: str) -> None:
     ros = roslibpy.Ros(host=address)
     ros.run(timeout=60)
@@ -38,6 +50,12 @@ def main(address: str) -> None:
                 callback=lambda found: note("called", dict(found)),
                 errback=lambda why: note("failed", str(why)),
             )
+        elif what == "goal":
+            kept.append(send_goal(ros, *rest))
+        elif what == "cancel":
+            roslibpy.ActionClient(ros, rest[0], "").cancel_goal(rest[1])
+        elif what == "action_servers":
+            ros.get_action_servers(lambda found: note("servers", found["action_servers"]))
         elif what == "publish":
             topic = roslibpy.Topic(ros, rest[0], rest[1])
             topic.publish(roslibpy.Message(rest[2]))

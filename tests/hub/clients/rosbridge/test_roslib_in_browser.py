@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import functools
-import http.server
-import threading
 
 import pytest
 
@@ -15,17 +12,22 @@ from talaia.wire.frames import CommandPhase, LeaseOp
 
 from ...everyone.world import NOW
 from ..sent_messages import sent_for
-from ..tokens import open_protocol, token_of
-from .rosbridge_peer import address_of, bundle_roslib
+from ..tokens import open_protocol
+from .page_with_roslib import connected_page, open_page, serve_page
 
-PAGE = """<!doctype html><title>A page with roslib</title><script src="roslib.js"></script>
-<script>
-const ros = new ROSLIB.Ros();
-const told = [];
-for (const event of ["connection", "close"]) ros.on(event, () => told.push([event, null]));
+PAGE = """
 function subscribe(name, messageType, compression) {
   const topic = new ROSLIB.Topic({ros, name, messageType, compression});
   topic.subscribe((message) => told.push([name, message]));
+}
+function subscribeAs(fields) {
+  // What `Topic` has no option for is asked for by the message itself.
+  ros.on(fields.topic, (message) => told.push([fields.topic, message.msg]));
+  ros.callOnConnection({op: "subscribe", ...fields});
+}
+function param(name) {
+  const one = new ROSLIB.Param({ros, name});
+  return new Promise((good, bad) => one.get(good, (why) => bad(Error(why))));
 }
 function call(name) {
   const service = new ROSLIB.Service({ros, name, serviceType: "std_srvs/Trigger"});
@@ -52,42 +54,15 @@ async function everything(devices) {
   // Answered after all of it.
   await list();
 }
-</script>"""
+"""
 HEARD = "([name, value]) => told.some((each) => each[0] === name && each[1]?.data === value)"
-
-
-class Quiet(http.server.SimpleHTTPRequestHandler):
-    """Serves a folder and prints nothing."""
-
-    def log_message(self, *_about: object) -> None:
-        """Print nothing."""
 
 
 @pytest.fixture(scope="module")
 def origin(tmp_path_factory):
     """Where the page is served from, which is not the hub."""
-    folder = tmp_path_factory.mktemp("page")
-    bundle_roslib(folder)
-    (folder / "index.html").write_text(PAGE)
-    handler = functools.partial(Quiet, directory=folder)
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_address[1]}"
-        server.shutdown()
-
-
-async def open_page(chromium, world, origin, name):
-    page = await chromium.new_page()
-    await page.goto(origin)
-    address = address_of(world.hub, "agv", await token_of(world.hub, name))
-    await page.evaluate("(address) => void ros.connect(address)", address)
-    return page
-
-
-async def connected_page(chromium, world, origin, name):
-    page = await open_page(chromium, world, origin, name)
-    await page.wait_for_function("told.some(([event]) => event === 'connection')")
-    return page
+    with serve_page(tmp_path_factory.mktemp("page"), PAGE) as origin:
+        yield origin
 
 
 async def test_page_that_an_admin_has_not_named_gets_no_connection(chromium, world, origin) -> None:
@@ -137,6 +112,46 @@ async def test_page_lists_subscribes_and_calls_with_the_rights_of_its_token(
     assert await called == {"success": True, "message": "turned"}
     refused = await guest.evaluate("call('/talaia/base/turn').catch((why) => String(why))")
     assert "there is no service /talaia/base/turn" in refused
+
+
+async def test_page_reads_fragments_bytes_throttled_topics_and_parameters(
+    chromium,
+    world,
+    origin,
+) -> None:
+    await open_protocol(world.hub, "rosbridge", origin)
+    gateway = world.gateways["agv"]
+    page = await connected_page(chromium, world, origin, "driver")
+    words, raw, slow = (f"/talaia/base/{name}" for name in ("words", "shut", "open"))
+    number = {"type": "std_msgs/Float64"}
+    for fields in (
+        {"topic": words, "type": "std_msgs/String", "fragment_size": 300},
+        {"topic": raw, "compression": "cbor-raw", **number},
+        {"topic": slow, "throttle_rate": 60_000, "queue_length": 2, **number},
+    ):
+        await page.evaluate("(fields) => subscribeAs(fields)", fields)
+    assert await page.evaluate("param('/base/drive/max_speed')") == 1
+    assert "no parameter" in await page.evaluate("param('/nothing').catch((why) => String(why))")
+    # Answered after the subscriptions.
+    await page.evaluate("list()")
+    long = "word " * 300
+    await gateway.samples(*(("base/open", NOW + at, at + 0.5) for at in range(1, 6)))
+    await gateway.samples(("base/words", NOW + 7, long), ("base/shut", NOW + 7, 0.25))
+    await page.wait_for_function(HEARD, arg=[words, long])
+    # As roslib gives it: the serialized message, whose number stands after a head of four bytes.
+    read = """(name) => {
+      const found = told.find((each) => each[0] === name);
+      if (found === undefined) return false;
+      const {secs, nsecs, bytes} = found[1];
+      const data = Uint8Array.from(bytes).buffer;
+      return {secs, nsecs, value: new DataView(data).getFloat64(4, true)};
+    }"""
+    found = await (await page.wait_for_function(read, arg=raw)).json_value()
+    assert found == {"secs": NOW // 10**6, "nsecs": 7000, "value": 0.25}
+    # One went at once; the others wait for a minute.
+    passed = "(name) => told.filter((each) => each[0] === name).map(([, value]) => value.data)"
+    assert await page.evaluate(passed, slow) == [1.5]
+    await page.close()
 
 
 async def test_page_that_tries_everything_moves_what_its_token_may_and_nothing_else(

@@ -190,8 +190,13 @@ def _answer_parameters(
             return {"exists": name in parameters}
         case "get_param":
             value = parameters.get(name, args.get("default_value", args.get("default", "")))
-            # Values are JSON in a text.
-            return {"value": msgspec.json.encode(value).decode()}
+            found = name in parameters
+            # Values are JSON in a text. The rest is ROS 2's; who knows it not gets the default.
+            return {
+                "value": msgspec.json.encode(value).decode(),
+                "successful": found,
+                "reason": "" if found else f"there is no parameter {name}",
+            }
         case _:
             raise NoSuchThing(f"there is no service {ROSAPI + service[:200]!r}")
 
