@@ -28,7 +28,7 @@ class NodeClient(HeardEvents):
     async def __aenter__(self):
         return self
 
-    async def connect(self, address: str, subprotocol: str = V1):
+    async def connect(self, address: str, subprotocol: str = V1, coding: str = "utf8"):
         self._process = await asyncio.create_subprocess_exec(
             shutil.which("node"),
             "--experimental-websocket",
@@ -36,6 +36,7 @@ class NodeClient(HeardEvents):
             str(MODULES),
             address,
             subprotocol,
+            coding,
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,

@@ -1,15 +1,16 @@
 // The client of npm's @foxglove/ws-protocol, unchanged: events go out as lines of JSON, and each
-// line that comes in is a call of one of its methods: [name, ...arguments].
+// line that comes in is a call of one of its methods: [name, ...arguments]. Bytes go out as text, or in
+// another coding that the last argument names, such as "hex".
 import { createInterface } from "node:readline";
 import { createRequire } from "node:module";
 
 const require = createRequire(process.argv[2]);
 const { FoxgloveClient } = require("@foxglove/ws-protocol");
-const [, , , address, subprotocol] = process.argv;
+const [, , , address, subprotocol, coding = "utf8"] = process.argv;
 
 const plain = (_key, value) => {
   if (typeof value === "bigint") return value.toString();
-  if (ArrayBuffer.isView(value)) return Buffer.from(value.buffer, value.byteOffset, value.byteLength).toString("utf8");
+  if (ArrayBuffer.isView(value)) return Buffer.from(value.buffer, value.byteOffset, value.byteLength).toString(coding);
   return value;
 };
 const say = (event, data) => process.stdout.write(`${JSON.stringify([event, data ?? null], plain)}\n`);
