@@ -141,9 +141,10 @@ def python_packages(wanted: str) -> int:
     """Install the locked packages into .venv, and this tree as an editable package."""
     lock = ROOT / "requirements" / f"{wanted}.txt"
     stamp = VENV / f".talaia-{wanted}"
-    state = digest(lock, ROOT / "pyproject.toml")
+    judging = ROOT / "requirements" / "judges.txt"
+    state = digest(lock, judging, ROOT / "pyproject.toml")
     others = [VENV / ".talaia-dev"] if wanted == "demo" else []
-    dev_state = digest(ROOT / "requirements" / "dev.txt", ROOT / "pyproject.toml")
+    dev_state = digest(ROOT / "requirements" / "dev.txt", judging, ROOT / "pyproject.toml")
     if stamp.exists() and stamp.read_text() == state:
         return 0
     if any(each.exists() and each.read_text() == dev_state for each in others):
@@ -163,6 +164,9 @@ def python_packages(wanted: str) -> int:
     ]
     if subprocess.run([*pip, "--require-hashes", "-r", str(lock)], check=False).returncode:
         return fail("the locked packages could not be installed", "see pip's message above")
+    judged = [*pip, "--no-deps", "--require-hashes", "-r", str(judging)]
+    if wanted == "dev" and subprocess.run(judged, check=False).returncode:
+        return fail("what tests judge by could not be installed", "see pip's message above")
     editable = [*pip, "--no-deps", "--no-build-isolation", "-e", str(ROOT)]
     if subprocess.run(editable, check=False).returncode:
         return fail("this tree could not be installed into .venv", "see pip's message above")

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import getpass
-import os
-import shutil
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +10,7 @@ import aiomqtt
 import pytest
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import addresses_of, running
-from patience import PATIENCE_S
-from ports import free_port
+from mosquitto_broker import Broker, mosquitto_program
 
 from talaia.wire.frames import DeviceState, Event, InterlockState
 
@@ -47,62 +43,16 @@ interlocks:
 SECRET, WRONG = "a secret", "quite another"
 
 
-def program(name: str) -> str:
-    """Find a program of Mosquitto, or skip."""
-    found = shutil.which(name) or shutil.which(name, path="/usr/sbin:/usr/bin")
-    if found is None:
-        said = f"{name} is missing (apt install mosquitto mosquitto-clients)"
-        if os.environ.get("TALAIA_REQUIRE_ALL") == "1":
-            pytest.fail(f"{said}, and TALAIA_REQUIRE_ALL=1")
-        pytest.skip(said)
-    return found
-
-
-class Broker:
-    """Mosquitto with a password; may be killed and begun anew at its port."""
+class Devices(Broker):
+    """A broker with a password for the gateway, and devices of another make that publish there."""
 
     def __init__(self, folder: Path) -> None:  # noqa: D107
-        self.port, self._folder = free_port(), folder
-        self._process: asyncio.subprocess.Process | None = None
-
-    async def start(self) -> None:
-        passwords, conf = self._folder / "passwords", self._folder / "mosquitto.conf"
-        made = await asyncio.create_subprocess_exec(
-            program("mosquitto_passwd"), "-c", "-b", str(passwords), "gateway", "a secret"
-        )
-        assert await made.wait() == 0
-        lines = [f"listener {self.port} 127.0.0.1", "allow_anonymous false"]
-        # What it keeps outlives it.
-        lines += ["persistence true", f"persistence_location {self._folder}/"]
-        # As root it would become somebody who may not read the test's folder.
-        lines += [f"user {getpass.getuser()}", f"password_file {passwords}"]
-        conf.write_text("\n".join(lines) + "\n")
-        quiet = asyncio.subprocess.DEVNULL
-        self._process = await asyncio.create_subprocess_exec(
-            program("mosquitto"), "-c", str(conf), stdout=quiet, stderr=quiet
-        )
-        async with asyncio.timeout(PATIENCE_S):
-            while True:
-                try:
-                    _, writer = await asyncio.open_connection("127.0.0.1", self.port)
-                except OSError:
-                    assert self._process.returncode is None, "mosquitto does not start"
-                    await asyncio.sleep(0.05)
-                    continue
-                writer.close()
-                return
-
-    async def end(self) -> None:
-        if self._process is not None:
-            self._process.terminate()
-            await self._process.wait()
-            self._process = None
+        super().__init__(folder, accounts={"gateway": SECRET}, keeps=True)
 
     async def publish(self, topic: str, said: str, *more: str) -> None:
-        """Publish as a device of another make does."""
-        words = ["-h", "127.0.0.1", "-p", str(self.port), "-u", "gateway", "-P", "a secret"]
+        words = ["-h", "127.0.0.1", "-p", str(self.port), "-u", "gateway", "-P", SECRET]
         sent = await asyncio.create_subprocess_exec(
-            program("mosquitto_pub"), *words, "-q", "1", "-t", topic, "-m", said, *more
+            mosquitto_program("mosquitto_pub"), *words, "-q", "1", "-t", topic, "-m", said, *more
         )
         assert await sent.wait() == 0
 
@@ -111,8 +61,8 @@ class Broker:
 
 
 @pytest.fixture
-async def broker(tmp_path: Path) -> AsyncIterator[Broker]:
-    one = Broker(tmp_path)
+async def broker(tmp_path: Path) -> AsyncIterator[Devices]:
+    one = Devices(tmp_path)
     await one.start()
     yield one
     await one.end()
@@ -120,7 +70,7 @@ async def broker(tmp_path: Path) -> AsyncIterator[Broker]:
 
 @asynccontextmanager
 async def reading(
-    broker: Broker, tmp_path: Path, text: str = SITE, secret: str = SECRET
+    broker: Devices, tmp_path: Path, text: str = SITE, secret: str = SECRET
 ) -> AsyncIterator[FakeHub]:
     (tmp_path / "secret").write_text(secret + "\n")
     text = text.replace("PORT", str(broker.port)).replace(": secret", f": {tmp_path / 'secret'}")
@@ -130,7 +80,7 @@ async def reading(
 
 
 async def test_topics_become_signals_and_a_broker_that_vanishes_is_told(
-    broker: Broker, tmp_path: Path
+    broker: Devices, tmp_path: Path
 ) -> None:
     await broker.publish("roof/said", "kept by the broker", "-r")
     await broker.publish("roof/rain", "dry", "-r")
@@ -165,14 +115,14 @@ async def test_topics_become_signals_and_a_broker_that_vanishes_is_told(
         assert hub.values("roof/said") == ["kept by the broker", "again"]
 
 
-async def test_wrong_password_is_told_and_never_shown(broker: Broker, tmp_path: Path) -> None:
+async def test_wrong_password_is_told_and_never_shown(broker: Devices, tmp_path: Path) -> None:
     async with reading(broker, tmp_path, secret=WRONG) as hub:
         lost = await hub.next(DeviceState, lambda state: state.device == "roof")
         assert "takes us" in lost.why
         assert WRONG not in lost.why
 
 
-async def test_a_thousand_topics_are_all_heard(broker: Broker, tmp_path: Path) -> None:
+async def test_a_thousand_topics_are_all_heard(broker: Devices, tmp_path: Path) -> None:
     many = 1000
     lines = "".join(
         f"      s{n}: {{name: S, source: {{topic: plant/{n}/state, path: value}}}}\n"

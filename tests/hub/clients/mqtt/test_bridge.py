@@ -14,6 +14,7 @@ import aiomqtt
 import pytest
 import pytest_asyncio
 import yaml
+from mosquitto_broker import Broker, Certificates, asked_now, mosquitto_program
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 from patience import PATIENCE_S, stays
@@ -28,7 +29,6 @@ from talaia.wire.mqtt.topic_tree import TopicTree
 from ...conftest import begun
 from ...everyone.world import DESCRIPTIONS, NOW
 from ..tokens import open_protocol, token_of
-from .mosquitto_broker import Broker, Certificates, asked_now, mosquitto_program
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -305,13 +305,14 @@ async def test_token_that_is_revoked_ends_publishing(at) -> None:
 async def test_dead_hub_is_told_by_the_broker_over_tls_that_is_checked(tmp_path) -> None:
     certificates = Certificates(tmp_path)
     tree = TopicTree("t")
+    said = {"will": (tree.hub_state, b"offline", True), "report_refusal": print}
     async with Broker(tmp_path, certificates=certificates) as broker:
         address = BrokerAddress(host="127.0.0.1", port=broker.port, ca=str(certificates.ca))
         stranger = BrokerAddress(host="127.0.0.1", port=broker.port)
         with pytest.raises(Exception, match="certificate verify failed"):
-            async with connect_broker(stranger, tree):
+            async with connect_broker(stranger, **said):
                 pass
-        client = connect_broker(address, tree)
+        client = connect_broker(address, **said)
         await client.__aenter__()
         await client.publish(tree.hub_state, b"online", qos=1, retain=True)
         heard = await asyncio.create_subprocess_exec(

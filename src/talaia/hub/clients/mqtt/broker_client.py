@@ -8,13 +8,18 @@ from typing import TYPE_CHECKING
 import aiomqtt
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
+from paho.mqtt.reasoncodes import ReasonCode
 from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from talaia.hub.clients.mqtt.asked_commands import InboundMessage
 from talaia.hub.clients.mqtt.broker_settings import read_secret
-from talaia.wire.mqtt.payloads import MOST_COMMAND_BYTES, OFFLINE
+from talaia.wire.mqtt.payloads import MOST_COMMAND_BYTES
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from paho.mqtt.client import Client
+
     from talaia.hub.clients.mqtt.broker_settings import BrokerAddress
     from talaia.wire.mqtt.topic_tree import TopicTree
 
@@ -30,8 +35,40 @@ _MOST_INCOMING = 100
 _MOST_PACKET = MOST_COMMAND_BYTES + 8192
 
 
-def connect_broker(address: BrokerAddress, tree: TopicTree) -> aiomqtt.Client:
+class _BrokerClient(aiomqtt.Client):
+    """A client that tells what the broker refuses; aiomqtt passes over the reasons of PUBACK."""
+
+    report_refusal: Callable[[str], None]
+
+    def _on_publish(
+        self,
+        client: Client,
+        userdata: object,
+        mid: int,
+        reason_code: ReasonCode,
+        properties: Properties,
+    ) -> None:
+        if reason_code.is_failure:
+            # Which message it was is not known here; its number is the client's own.
+            self.report_refusal(f"publishing ({reason_code})")
+        super()._on_publish(client, userdata, mid, reason_code, properties)
+
+
+def connect_broker(
+    address: BrokerAddress,
+    *,
+    will: tuple[str, bytes, bool],
+    report_refusal: Callable[[str], None],
+    more_id: str = "",
+) -> aiomqtt.Client:
     """Make a client; entering it connects.
+
+    Args:
+        address: of the broker.
+        will: topic and payload that the broker publishes when it has lost the hub, and whether it
+            keeps it.
+        report_refusal: is told what the broker does not let the hub do.
+        more_id: is added to the client's name at the broker.
 
     Raises:
         OSError: a file of certificates, or of the password, cannot be read.
@@ -42,24 +79,28 @@ def connect_broker(address: BrokerAddress, tree: TopicTree) -> aiomqtt.Client:
     # Nothing waits at the broker for a hub that is away: old commands must not move anything.
     asked.SessionExpiryInterval = 0
     asked.MaximumPacketSize = _MOST_PACKET
-    return aiomqtt.Client(
+    client = _BrokerClient(
         address.host,
         address.number,
         username=address.username or None,
         password=password,
-        identifier=address.client_id,
+        identifier=address.client_id + more_id,
         protocol=aiomqtt.ProtocolVersion.V5,
         clean_start=True,
         properties=asked,
-        will=aiomqtt.Will(tree.hub_state, OFFLINE, qos=1, retain=True),
+        will=aiomqtt.Will(will[0], will[1], qos=1, retain=will[2]),
         timeout=_ANSWER_S,
         keepalive=_KEEPALIVE_S,
         max_queued_incoming_messages=_MOST_INCOMING,
         tls_context=_make_context(address),
     )
+    client.report_refusal = report_refusal
+    return client
 
 
-async def subscribe_commands(client: aiomqtt.Client, filters: list[str]) -> None:
+async def subscribe_commands(
+    client: aiomqtt.Client, filters: list[str], *, report_refusal: Callable[[str], None]
+) -> None:
     """Listen to topics, at most once for each message, and to nothing that was kept."""
     options = SubscribeOptions(
         qos=0,
@@ -69,7 +110,9 @@ async def subscribe_commands(client: aiomqtt.Client, filters: list[str]) -> None
         retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND,
     )
     for name in filters:
-        await client.subscribe(name, options=options)
+        for code in await client.subscribe(name, options=options):
+            if isinstance(code, ReasonCode) and code.is_failure:
+                report_refusal(f"listening to {name} ({code})")
 
 
 def read_message(message: aiomqtt.Message, tree: TopicTree) -> InboundMessage | None:

@@ -16,12 +16,20 @@ from talaia.hub.settings import is_loopback
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["BrokerAddress", "BrokerSettings", "SiteChoice", "read_broker_settings", "read_secret"]
+__all__ = [
+    "BrokerAddress",
+    "BrokerSettings",
+    "SiteChoice",
+    "SparkplugChoice",
+    "read_broker_settings",
+    "read_secret",
+]
 
 # One or more levels of a topic: no wildcards, nothing empty, none of the broker's own ($SYS).
 _LEVELS = r"[^+#/$\x00]+(/[^+#/$\x00]+)*"
 _Levels = Annotated[str, Meta(pattern=rf"^{_LEVELS}\Z", max_length=200)]
 _LevelsOrNone = Annotated[str, Meta(pattern=rf"^({_LEVELS})?\Z", max_length=200)]
+_Level = Annotated[str, Meta(pattern=r"^[^+#/$\x00]+\Z", max_length=100)]
 _Pattern = Annotated[str, Meta(min_length=1, max_length=200)]
 _Host = Annotated[str, Meta(pattern=r"^[A-Za-z0-9._:\-]{1,150}\Z")]
 _ID = Annotated[str, Meta(pattern=r"^[A-Za-z0-9._\-]{1,64}\Z")]
@@ -82,6 +90,19 @@ class SiteChoice(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         return _matches(name, self.commands)
 
 
+class SparkplugChoice(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The hub as an edge node of Sparkplug B, beside the topics under the prefix.
+
+    Attributes:
+        group: of the edge node.
+        node: its name; one hub of each name in a group.
+
+    """
+
+    group: _Level
+    node: _Level = "talaia"
+
+
 class BrokerSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """All of the file.
 
@@ -91,6 +112,7 @@ class BrokerSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         prefix: of all topics.
         every_s: a channel is published at most so often.
         home_assistant: prefix of its discovery topics; empty: no discovery.
+        sparkplug: how the same is said in Sparkplug B; left out: it is not.
         sites: by short name; a site that is not named stays out.
 
     """
@@ -100,6 +122,7 @@ class BrokerSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     prefix: _Levels = "talaia"
     every_s: Annotated[float, Meta(ge=0.1, le=3600)] = 1.0
     home_assistant: _LevelsOrNone = ""
+    sparkplug: SparkplugChoice | None = None
     sites: Annotated[dict[str, SiteChoice], Meta(max_length=1000)] = {}
 
 

@@ -8,6 +8,7 @@ from talaia.hub.api.clients.client_admission import ClientAdmission
 from talaia.hub.api.clients.client_protocols import ClientProtocolPages
 from talaia.hub.api.clients.client_sockets import ClientSockets
 from talaia.hub.clients.client_connection import ClientConnections
+from talaia.hub.clients.mqtt.broker_presence import BrokerPresence
 from talaia.hub.clients.open_protocols import OpenProtocols
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.hub.store.clients.protocols import ClientProtocols
@@ -54,6 +55,7 @@ class ClientProtocolsFeature(Feature):
         self.connections = ClientConnections(
             service=service, protocols=self.protocols, clock=core.clock
         )
+        self._brokers: list[BrokerPresence] = []
         pages = ClientProtocolPages(
             store=store, protocols=self.protocols, sites=core.sites, audit=audit
         )
@@ -73,6 +75,13 @@ class ClientProtocolsFeature(Feature):
             protocols=self.protocols,
             audit=self.audit,
         )
+
+    def name_broker(self, address: str) -> BrokerPresence:
+        """Have the page tell of a broker that the hub connects to."""
+        presence = BrokerPresence()
+        presence.name_broker(address)
+        self._brokers.append(presence)
+        return presence
 
     async def open(self) -> None:
         """Read which protocols are open."""

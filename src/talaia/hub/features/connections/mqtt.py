@@ -5,19 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from talaia import __version__
-from talaia.hub.clients.mqtt.bridge import BridgeParts, MqttBridge
+from talaia.hub.clients.mqtt.bridge import MqttBridge
 from talaia.hub.clients.mqtt.broker_feed import BrokerFeed
+from talaia.hub.clients.mqtt.broker_keeper import BridgeParts
 from talaia.hub.clients.mqtt.broker_settings import read_broker_settings
 from talaia.hub.clients.mqtt.known_topics import KnownTopics
+from talaia.hub.clients.sparkplug.birth_numbers import BirthNumbers
+from talaia.hub.clients.sparkplug.edge_node import SparkplugNode
 from talaia.hub.features.feature import BackgroundTask, Feature
 from talaia.wire.mqtt.home_assistant import DiscoveryWriter
 from talaia.wire.mqtt.topic_tree import TopicTree
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from talaia.hub.api.access import Access
     from talaia.hub.auth.permissions import Who
+    from talaia.hub.clients.mqtt.broker_settings import BrokerSettings
     from talaia.hub.features.connections.client_protocols import ClientProtocolsFeature
     from talaia.hub.features.feature import Core
     from talaia.hub.store.audit import Audit
@@ -25,10 +27,11 @@ if TYPE_CHECKING:
 __all__ = ["MqttFeature"]
 
 _KNOWN_FILE = "mqtt-topics.json"
+_BIRTHS_FILE = "sparkplug-birth"
 
 
 class MqttFeature(Feature):
-    """One task, where the hub was started with a file that names a broker."""
+    """A task, where the hub was started with a file that names a broker; two with Sparkplug."""
 
     name = "mqtt"
 
@@ -44,6 +47,8 @@ class MqttFeature(Feature):
         if core.settings.mqtt is None:
             return
 
+        settings = read_broker_settings(core.settings.mqtt)
+
         async def who_of_token(token: str) -> Who | None:
             alive = await access.who_of_token(token)
             return alive.who if alive is not None else None
@@ -51,18 +56,29 @@ class MqttFeature(Feature):
         parts = BridgeParts(
             connections=clients.connections,
             protocols=clients.protocols,
+            presence=clients.name_broker(str(settings.broker)),
             sites=core.sites,
             audit=audit,
             clock=core.clock,
             who_of_token=who_of_token,
         )
-        bridge = _make_bridge(core, core.settings.mqtt, parts)
-        task = BackgroundTask(name="publish", run=bridge.run, stop=bridge.stop_bridge)
-        self.tasks = [task]
+        bridge = _make_bridge(core, settings, parts)
+        self.tasks = [BackgroundTask(name="publish", run=bridge.run, stop=bridge.stop_bridge)]
+        if settings.sparkplug is not None:
+            presence = clients.name_broker(f"{settings.broker} (Sparkplug)")
+            births = BirthNumbers(core.settings.data / _BIRTHS_FILE)
+            node = SparkplugNode(
+                settings,
+                settings.sparkplug,
+                parts._replace(presence=presence),
+                births=births,
+                check_s=core.settings.check_s,
+            )
+            task = BackgroundTask(name="publish Sparkplug", run=node.run, stop=node.stop_node)
+            self.tasks.append(task)
 
 
-def _make_bridge(core: Core, path: Path, parts: BridgeParts) -> MqttBridge:
-    settings = read_broker_settings(path)
+def _make_bridge(core: Core, settings: BrokerSettings, parts: BridgeParts) -> MqttBridge:
     tree = TopicTree(settings.prefix)
     known = KnownTopics(core.settings.data / _KNOWN_FILE)
     discovery = None

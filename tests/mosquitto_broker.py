@@ -35,12 +35,32 @@ def mosquitto_program(name: str = "mosquitto") -> str:
 
 
 class Broker:
-    """A broker that may be killed and begun anew at its port; it keeps nothing over that."""
+    """A broker that may be killed and begun anew at its port; it keeps nothing over that.
 
-    def __init__(self, folder, *, certificates=None) -> None:
+    Args:
+        folder: holds its files.
+        certificates: it speaks TLS by them.
+        accounts: passwords by user; without them everybody is let in.
+        rules: lines of its access list.
+        keeps: what is retained outlives it.
+
+    """
+
+    def __init__(self, folder, *, certificates=None, accounts=None, rules=(), keeps=False) -> None:
         self.port = free_port()
+        self._accounts = accounts or {}
         self._conf = folder / "mosquitto.conf"
-        lines = [f"listener {self.port} 127.0.0.1", "allow_anonymous true", "persistence false"]
+        self._passwords = folder / "passwords"
+        lines = [f"listener {self.port} 127.0.0.1"]
+        lines += [f"allow_anonymous {'false' if self._accounts else 'true'}"]
+        lines += [f"persistence {'true' if keeps else 'false'}"]
+        lines += [f"persistence_location {folder}/"] if keeps else []
+        if self._accounts:
+            lines += [f"password_file {self._passwords}"]
+        if rules:
+            (folder / "acl").write_text("\n".join(rules) + "\n")
+            (folder / "acl").chmod(0o600)
+            lines += [f"acl_file {folder / 'acl'}"]
         lines += ["set_tcp_nodelay true"]
         # As root it would become somebody who may not read the test's folder.
         lines += [f"user {getpass.getuser()}"]
@@ -58,6 +78,13 @@ class Broker:
 
     async def start(self) -> None:
         quiet = asyncio.subprocess.DEVNULL
+        for at, (user, password) in enumerate(self._accounts.items()):
+            words = ["-c"] if not at else []
+            said = [*words, "-b", str(self._passwords), user, password]
+            made = await asyncio.create_subprocess_exec(
+                mosquitto_program("mosquitto_passwd"), *said
+            )
+            assert await made.wait() == 0
         program = mosquitto_program()
         self._process = await asyncio.create_subprocess_exec(
             program, "-c", str(self._conf), stdout=quiet, stderr=quiet
@@ -74,8 +101,16 @@ class Broker:
                 return
 
     async def kill(self) -> None:
+        """End it without farewell; what it was to keep may be lost."""
+        await self._end(lambda process: process.kill())
+
+    async def end(self) -> None:
+        """End it as its machine does that is shut down."""
+        await self._end(lambda process: process.terminate())
+
+    async def _end(self, how) -> None:
         if self._process is not None:
-            self._process.kill()
+            how(self._process)
             await self._process.wait()
             self._process = None
 

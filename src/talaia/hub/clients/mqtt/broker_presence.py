@@ -1,0 +1,68 @@
+"""Whether the broker is reached, since when, and what it refuses: told to admins on their page."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+__all__ = ["BrokerPresence", "BrokerState"]
+
+# Refusals that are kept, each of another kind.
+_MOST_REFUSALS = 20
+
+
+class BrokerState(NamedTuple):
+    """How it stands.
+
+    Attributes:
+        address: host and port; empty: the hub was started without a broker.
+        connected: it is reached now.
+        since_us: so it is since then (µs since the epoch, UTC); 0: it was not tried yet.
+        why: it is lost; empty while it is reached, and while nothing is to be published.
+        refused: what it does not let the account do.
+
+    """
+
+    address: str = ""
+    connected: bool = False
+    since_us: int = 0
+    why: str = ""
+    refused: tuple[str, ...] = ()
+
+
+class BrokerPresence:
+    """Written by the bridge, read by the page."""
+
+    def __init__(self) -> None:
+        """Begin without a broker."""
+        self._state = BrokerState()
+
+    @property
+    def state(self) -> BrokerState:
+        """How it stands now."""
+        return self._state
+
+    def name_broker(self, address: str) -> None:
+        """Say which broker it is."""
+        self._state = BrokerState(address)
+
+    def report_connected(self, now_us: int) -> None:
+        """Say that it is reached; what it refused on an earlier connection is forgotten."""
+        self._state = BrokerState(self._state.address, connected=True, since_us=now_us)
+
+    def report_lost(self, now_us: int, why: str) -> None:
+        """Say that it is not reached; the first loss counts, however often it is tried again."""
+        if self._state.connected or not self._state.why:
+            self._state = BrokerState(self._state.address, since_us=now_us, why=why)
+
+    def report_left(self, now_us: int) -> None:
+        """Say that the hub has left it, since nothing is to be published."""
+        if self._state.connected or self._state.why:
+            self._state = BrokerState(self._state.address, since_us=now_us)
+
+    def report_refusal(self, text: str) -> bool:
+        """Keep what it refused; False if that is known."""
+        refused = self._state.refused
+        if text in refused or len(refused) >= _MOST_REFUSALS:
+            return False
+        self._state = self._state._replace(refused=(*refused, text))
+        return True
