@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ssl
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import aiomqtt
 from paho.mqtt.packettypes import PacketTypes
@@ -17,8 +17,6 @@ from talaia.wire.mqtt.payloads import MOST_COMMAND_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from paho.mqtt.client import Client
 
     from talaia.hub.clients.mqtt.broker_settings import BrokerAddress
     from talaia.wire.mqtt.topic_tree import TopicTree
@@ -40,18 +38,12 @@ class _BrokerClient(aiomqtt.Client):
 
     report_refusal: Callable[[str], None]
 
-    def _on_publish(
-        self,
-        client: Client,
-        userdata: object,
-        mid: int,
-        reason_code: ReasonCode,
-        properties: Properties,
-    ) -> None:
-        if reason_code.is_failure:
-            # Which message it was is not known here; its number is the client's own.
-            self.report_refusal(f"publishing ({reason_code})")
-        super()._on_publish(client, userdata, mid, reason_code, properties)
+    def _on_publish(self, *about: Any) -> None:  # noqa: ANN401 - paho's own, in its order
+        # Which message it was is not known here: its number is the client's own.
+        for said in about:
+            if isinstance(said, ReasonCode) and said.is_failure:
+                self.report_refusal(f"publishing ({said})")
+        super()._on_publish(*about)
 
 
 def connect_broker(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["BrokerPresence", "BrokerState"]
+__all__ = ["BrokerContact", "BrokerPresence"]
 
 # Refusals that are kept, each of another kind.
 _MOST_REFUSALS = 20
 
 
-class BrokerState(NamedTuple):
+class BrokerContact(NamedTuple):
     """How it stands.
 
     Attributes:
@@ -34,30 +34,30 @@ class BrokerPresence:
 
     def __init__(self) -> None:
         """Begin without a broker."""
-        self._state = BrokerState()
+        self._state = BrokerContact()
 
     @property
-    def state(self) -> BrokerState:
+    def state(self) -> BrokerContact:
         """How it stands now."""
         return self._state
 
     def name_broker(self, address: str) -> None:
         """Say which broker it is."""
-        self._state = BrokerState(address)
+        self._state = BrokerContact(address)
 
     def report_connected(self, now_us: int) -> None:
         """Say that it is reached; what it refused on an earlier connection is forgotten."""
-        self._state = BrokerState(self._state.address, connected=True, since_us=now_us)
+        self._state = BrokerContact(self._state.address, connected=True, since_us=now_us)
 
     def report_lost(self, now_us: int, why: str) -> None:
         """Say that it is not reached; the first loss counts, however often it is tried again."""
         if self._state.connected or not self._state.why:
-            self._state = BrokerState(self._state.address, since_us=now_us, why=why)
+            self._state = BrokerContact(self._state.address, since_us=now_us, why=why)
 
     def report_left(self, now_us: int) -> None:
         """Say that the hub has left it, since nothing is to be published."""
         if self._state.connected or self._state.why:
-            self._state = BrokerState(self._state.address, since_us=now_us)
+            self._state = BrokerContact(self._state.address, since_us=now_us)
 
     def report_refusal(self, text: str) -> bool:
         """Keep what it refused; False if that is known."""
