@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from talaia.hub.clients.mqtt.publication import PublishedChannel
     from talaia.hub.live.sites import LiveSite
 
-__all__ = ["ChannelReading", "is_reached", "read_channel", "reading_mark"]
+__all__ = ["BrokerReading", "is_reached", "read_channel", "reading_mark"]
 
 
-class ChannelReading(NamedTuple):
+class BrokerReading(NamedTuple):
     """A value: a state as its word, where it has one."""
 
     value: float | str
@@ -40,9 +40,7 @@ def reading_mark(
     return arrived_ns, ValueQuality.STALE if stale else ValueQuality.GOOD
 
 
-def read_channel(
-    live: LiveSite, channel: PublishedChannel, quality: ValueQuality
-) -> ChannelReading:
+def read_channel(live: LiveSite, channel: PublishedChannel, quality: ValueQuality) -> BrokerReading:
     """Read a channel's newest value."""
     latest = live.latest
     value: float | str
@@ -50,7 +48,7 @@ def read_channel(
         value = latest.texts.get(channel.at, "")
     else:
         value = _word_of(float(latest.value[channel.at]), channel.states)
-    return ChannelReading(value, int(latest.time_us[channel.at]), quality)
+    return BrokerReading(value, int(latest.time_us[channel.at]), quality)
 
 
 def _word_of(value: float, states: tuple[str, ...]) -> float | str:
