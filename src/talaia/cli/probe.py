@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 import msgspec
 
 from talaia.cli.errors import CliError, PartMissing
+from talaia.cli.probe_servers import add_server_options, look_at_broker, look_at_server
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,8 +43,8 @@ def main(argv: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(
         "talaia probe",
         description="List what a live robot offers: topics of ROS 2 or ROS 1 with fields and "
-        "rates, services, actions; or the devices and properties of an INDI server. It only "
-        "listens.",
+        "rates, services, actions; the devices and properties of an INDI server; the topics of an "
+        "MQTT broker; the fields that an HTTP address answers with. It only listens, or asks once.",
     )
     add_options(parser)
     parser.add_argument("--fields", action="store_true", help="list every field and property, too")
@@ -84,6 +85,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="HOST[:PORT]",
         help="look at an INDI server (default: 127.0.0.1:7624)",
     )
+    which.add_argument(
+        "--mqtt", metavar="URL", help="look at an MQTT broker: mqtt://HOST or mqtts://HOST[:PORT]"
+    )
+    which.add_argument(
+        "--http", metavar="URL", help="look at an address that answers with JSON, asked for once"
+    )
+    add_server_options(parser)
     parser.add_argument("--domain", type=int, help="ROS 2 domain (default: ROS_DOMAIN_ID, or 0)")
     parser.add_argument(
         "--connect",
@@ -111,6 +119,12 @@ def probe_robot(options: argparse.Namespace) -> Found:
     """
     if options.connect and options.indi is None:
         raise CliError("--connect is for --indi; ROS needs no such step")
+    if options.mqtt is not None:
+        return look_at_broker(options, options.seconds or SECONDS)
+    if options.http is not None:
+        return look_at_server(options)
+    if options.user or options.password_file or options.token_file or options.ca:
+        raise CliError("--user, --password-file, --token-file and --ca are for --mqtt and --http")
     if options.indi is not None:
         return _look_at_indi(options.indi, options.seconds or INDI_SECONDS, options.connect)
     seconds = options.seconds or SECONDS
@@ -217,6 +231,8 @@ def _as_text(found: Found, *, fields: bool) -> str:
         lines += ["", "of these"]
         lines += [f"  {title:<12} {', '.join(topics)}" for title, topics in known if topics]
     if not found.topics and not found.services:
+        if found.url:
+            return "\n".join([*lines, "", "Nothing was said meanwhile; --seconds listens longer."])
         same = f"ROS domain ({found.domain})" if found.protocol == "ros2" else "master"
         more = ", with the same RMW_IMPLEMENTATION" if found.protocol == "ros2" else ""
         lines += [

@@ -16,6 +16,7 @@ import msgspec
 from talaia.model.checks.site_checks import check_site
 from talaia.model.connection import IndiConnection, Ros1Connection, RosSource
 from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
+from talaia.model.discovery.json_devices import connection_of, json_devices, json_left_out
 from talaia.model.discovery.opened_topics import topics_to_open
 from talaia.model.discovery.proposed_signals import MOTION_FIELDS, ProposedSignals
 from talaia.model.discovery.role_proposal import with_roles
@@ -88,7 +89,11 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Propos
         zone: its IANA time zone.
 
     """
-    proposed_devices = _ProposedDevices(found)
+    # Topics of brokers are no topics of ROS.
+    is_json = connection_of(found) is not None
+    proposed_devices = _ProposedDevices(
+        msgspec.structs.replace(found, topics=()) if is_json else found
+    )
     proposed = Site(
         talaia=1,
         site=site,
@@ -101,11 +106,12 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Propos
             for name, device in {
                 **proposed_devices.build_devices(),
                 **_devices_described(found),
+                **json_devices(found),
             }.items()
         },
-        topics=topics_to_open(found),
+        topics=() if is_json else topics_to_open(found),
     )
-    left_out = [*proposed_devices.left_out, *_drivers_away(found)]
+    left_out = [*proposed_devices.left_out, *_drivers_away(found), *json_left_out(found)]
     for _ in range(MAX_ROUNDS):
         # What the checks refuse is left out, with their words: the rest runs. Leaving something
         # out can make a reference to it wrong, hence the rounds.
@@ -126,6 +132,9 @@ def _connections_of(found: Found) -> dict[str, Connection]:
             return {"ros1": Ros1Connection(master=found.master)}
         case "indi":
             return {"indi": IndiConnection(host=found.host, port=found.port)}
+        case "mqtt" | "http":
+            named = connection_of(found)
+            return dict([named]) if named else {}
         case _:
             # ROS 2 has a key of its own in a description; the others are named connections.
             return {}

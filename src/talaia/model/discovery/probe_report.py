@@ -1,6 +1,7 @@
 """What is out there, as `talaia probe` writes it down and `talaia init` reads it.
 
-Values only: who looked (ROS 2, ROS 1, INDI) fills them, `propose` makes a description of them.
+Values only: who looked (ROS 2, ROS 1, INDI, MQTT, HTTP) fills them, and
+`propose_description` makes a description of them.
 The JSON form is the contract between a probe on the robot and a configurator on a laptop.
 """
 
@@ -166,13 +167,18 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
 
     Attributes:
         talaia_probe: version of this form; 1.
-        protocol: ``ros2``, ``ros1`` or ``indi``.
+        protocol: ``ros2``, ``ros1``, ``indi``, ``mqtt`` or ``http``.
         where: which graph or server, in words.
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
         master: where the ROS 1 master answers; empty for other protocols.
         host: of the INDI server; empty for other protocols.
         port: of the INDI server.
+        url: of the MQTT broker, or the address that a server was asked for.
+        user: that signed in there.
+        password_file: where its password was read; never the password.
+        token_file: where a server's token was read.
+        ca: file of the authorities that were trusted.
 
     """
 
@@ -188,6 +194,11 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     host: str = ""
     port: int = 0
     devices: tuple[DeviceFound, ...] = ()
+    url: str = ""
+    user: str = ""
+    password_file: str = ""
+    token_file: str = ""
+    ca: str = ""
 
 
 def found_from(data: bytes, where: str) -> Found:

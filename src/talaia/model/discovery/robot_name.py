@@ -20,16 +20,16 @@ def name_robot(found: Found, host: str) -> str:
     """Give the name of what was found, in its own words.
 
     Several robots are described from one laptop: each by its namespace, else by the machine that
-    its master or INDI server runs on, else by this machine and the ROS domain.
+    its master, server or broker runs on, else by this machine and the ROS domain.
 
     Args:
         found: what a probe saw.
         host: name of the machine that looked.
 
     """
-    if namespace := robot_namespace(found.topics):
+    if not found.url and (namespace := robot_namespace(found.topics)):
         return namespace
-    other = urlsplit(found.master).hostname or found.host
+    other = urlsplit(found.master or found.url).hostname or found.host
     if other not in _LOCAL and not other.startswith("127."):
         # An address has no first part that would be a name.
         return other if other.replace(".", "").isdigit() else other.split(".", 1)[0]

@@ -6,9 +6,11 @@ import asyncio
 import http.server
 import json
 import threading
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
+from certificates import Certificates, speak_tls
 from fake_hub import fake_hub
 from gateway_bench import addresses_of, running
 from patience import PATIENCE_S
@@ -90,12 +92,18 @@ class Station(http.server.BaseHTTPRequestHandler):
 @pytest.fixture
 def station() -> Iterator[int]:
     """A server's port."""
+    with serving_station() as (port, _):
+        yield port
+
+
+@contextmanager
+def serving_station() -> Iterator[tuple[int, http.server.ThreadingHTTPServer]]:
     Station.bodies, Station.asked, Station.ended = {}, [], threading.Event()
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Station) as server:
         server.daemon_threads = True
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        yield server.server_address[1]
+        yield server.server_address[1], server
         Station.ended.set()
         server.shutdown()
         thread.join()
@@ -123,6 +131,29 @@ async def test_answers_become_signals_and_what_fails_is_told(station: int, tmp_p
         Station.bodies["/api/word"] = b"rainy"
         await hub.next(DeviceState, lambda state: state.device == "roof" and state.reached)
         await hub.until(lambda: hub.values("roof/word")[-1] == "rainy", "the word after it")
+
+
+async def test_server_with_tls_is_read_and_one_of_another_authority_is_told_and_not(
+    tmp_path: Path,
+) -> None:
+    certificates = Certificates(tmp_path)
+    (tmp_path / "secret").write_text("a token\n")
+    with serving_station() as (port, server):
+        speak_tls(server, certificates)
+        Station.bodies["/api/word"] = b"over TLS"
+        text = SITE.replace("http://", "https://").replace("PORT", str(port))
+        text = text.replace(": secret", f": {tmp_path / 'secret'}")
+        trusting = text.replace("here: true,", f"here: true, ca: {certificates.ca},")
+        async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", trusting):
+            await hub.until(lambda: hub.values("roof/word"), "a value")
+            assert hub.values("roof/word")[0] == "over TLS"
+        asked = len(Station.asked)
+        async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "more", text):
+            lost = await hub.next(DeviceState, lambda state: state.device == "roof")
+            assert not lost.reached
+            assert "certificate verify failed" in lost.why
+        # Nor was it told the token.
+        assert len(Station.asked) == asked
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import gc
+import ssl
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 import aiomqtt
 import pytest
+from certificates import Certificates
 from fake_hub import FakeHub, fake_hub
 from gateway_bench import addresses_of, running
 from mosquitto_broker import Broker, mosquitto_program
@@ -46,8 +49,8 @@ SECRET, WRONG = "a secret", "quite another"
 class Devices(Broker):
     """A broker with a password for the gateway, and devices of another make that publish there."""
 
-    def __init__(self, folder: Path) -> None:  # noqa: D107
-        super().__init__(folder, accounts={"gateway": SECRET}, keeps=True)
+    def __init__(self, folder: Path, **more: Any) -> None:  # noqa: D107
+        super().__init__(folder, accounts={"gateway": SECRET}, keeps=True, **more)
 
     async def publish(self, topic: str, said: str, *more: str) -> None:
         words = ["-h", "127.0.0.1", "-p", str(self.port), "-u", "gateway", "-P", SECRET]
@@ -56,8 +59,8 @@ class Devices(Broker):
         )
         assert await sent.wait() == 0
 
-    def client(self) -> AbstractAsyncContextManager[Any]:
-        return aiomqtt.Client("127.0.0.1", self.port, username="gateway", password=SECRET)
+    def client(self, **more: Any) -> AbstractAsyncContextManager[Any]:
+        return aiomqtt.Client("127.0.0.1", self.port, username="gateway", password=SECRET, **more)
 
 
 @pytest.fixture
@@ -120,6 +123,31 @@ async def test_wrong_password_is_told_and_never_shown(broker: Devices, tmp_path:
         lost = await hub.next(DeviceState, lambda state: state.device == "roof")
         assert "takes us" in lost.why
         assert WRONG not in lost.why
+
+
+# paho leaves a socket whose handshake failed to the garbage collector.
+@pytest.mark.filterwarnings("ignore:.*SSLSocket:pytest.PytestUnraisableExceptionWarning")
+async def test_broker_with_tls_is_read_and_one_of_another_authority_is_told_and_not(
+    tmp_path: Path,
+) -> None:
+    certificates = Certificates(tmp_path)
+    async with Devices(tmp_path, certificates=certificates) as broker:
+        tls = ssl.create_default_context(cafile=str(certificates.ca))
+        trusting = SITE.replace("mqtt://", "mqtts://").replace(
+            "user: gateway,", f"user: gateway, ca: {certificates.ca},"
+        )
+        async with reading(broker, tmp_path, trusting) as hub:
+            async with broker.client(tls_context=tls) as device:
+                await device.publish("roof/said", "over TLS", retain=True)
+            await hub.until(lambda: hub.values("roof/said") == ["over TLS"], "a value")
+        more = tmp_path / "more"
+        more.mkdir()
+        async with reading(broker, more, SITE.replace("mqtt://", "mqtts://")) as hub:
+            lost = await hub.next(DeviceState, lambda state: state.device == "roof")
+            assert not lost.reached
+            assert "certificate verify failed" in lost.why
+            assert not hub.values("roof/said")
+    gc.collect()
 
 
 async def test_a_thousand_topics_are_all_heard(broker: Devices, tmp_path: Path) -> None:

@@ -14,7 +14,8 @@ import aiomqtt
 import pytest
 import pytest_asyncio
 import yaml
-from mosquitto_broker import Broker, Certificates, asked_now, mosquitto_program
+from certificates import Certificates
+from mosquitto_broker import Broker, asked_now, mosquitto_program
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 from patience import PATIENCE_S, stays

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from talaia.gateway.ports import AdapterContext, AdapterStatus
     from talaia.model.site import Signal
 
-__all__ = ["HttpAdapter"]
+__all__ = ["HttpAdapter", "server_of"]
 
 # Questions to one server at a time: small devices answer no more.
 _AT_ONCE = 4
@@ -54,7 +54,7 @@ class HttpAdapter(JsonAdapter):
         self._poll_s = settings.poll
         self._status = status
         self._clock = context.clock
-        self._server = _server_of(settings, context.folder)
+        self._server = server_of(settings, context.folder)
         unreadable = UnreadableReports(context.events)
         signals = JsonSignals(scope, _place_of, unreadable.report_unreadable)
         super().__init__(signals, context.samples, "http")
@@ -147,7 +147,13 @@ class HttpAdapter(JsonAdapter):
         done(CommandOutcome(phase, "; ".join(wrong)[:2000]))
 
 
-def _server_of(settings: HttpConnection, folder: Path) -> HttpServer:
+def server_of(settings: HttpConnection, folder: Path) -> HttpServer:
+    """Give the server of a connection, with its secrets.
+
+    Raises:
+        SettingsError: a secret or the authorities cannot be read.
+
+    """
     token = read_secret("token", folder, file=settings.token_file, variable=settings.token_env)
     password = read_secret("password", folder, file=settings.password_file)
     headers = {"User-Agent": f"talaia/{__version__}", "Accept": "application/json, text/plain"}
