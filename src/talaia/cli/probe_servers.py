@@ -40,10 +40,12 @@ def look_at_broker(options: argparse.Namespace, seconds: float) -> Found:
         AdapterLost: it is not reached.
 
     """
+    # People name a broker by its host; without TLS then, as its tools do.
     url = options.mqtt if "://" in options.mqtt else f"mqtt://{options.mqtt}"
     _check_address("--mqtt", url, ("mqtt", "mqtts"), "mqtts://broker.local")
     if urlsplit(url).path.strip("/"):
         raise CliError(f"--mqtt: expected a broker without a path, found {url!r}")
+    # Here, not at the top: the other protocols can be looked at without it.
     try:
         from talaia.gateway.adapters.mqtt.probe import BrokerLogin, probe_broker
     except ImportError as error:
@@ -95,5 +97,6 @@ def _check_address(option: str, url: str, schemes: tuple[str, ...], example: str
         raise CliError(f"{option}: expected {example}, found {url!r}") from error
     if not known:
         raise CliError(f"{option}: expected {example}, found {url!r}")
+    # It would stand in the description, and in the list of processes.
     if "@" in parts.netloc:
         raise CliError(f"{option}: name the user by --user and the password by --password-file")

@@ -39,6 +39,7 @@ def connection_of(found: Found) -> tuple[str, Connection] | None:
             url=found.url, user=found.user, password_file=found.password_file, ca=found.ca
         )
     if found.protocol == "http":
+        # The path is the signals' own: one server has several addresses.
         parts = urlsplit(found.url)
         host = parts.hostname or ""
         return "server", HttpConnection(
@@ -62,13 +63,16 @@ def json_devices(found: Found) -> dict[str, Device]:
     # By name of the device: its signals in the order of the topics.
     signals: dict[str, dict[str, Signal]] = {}
     for topic in found.topics:
+        # What cannot be read is told by `json_left_out`.
         if topic.problem or not topic.fields:
             continue
         own = signals.setdefault(_device_name(topic, found), {})
         for field in topic.fields:
+            # Two fields may be one word: ``a-b`` and ``a.b``.
             name = _signal_name(topic, field)
             own[free_word(word_of(name), own)] = _signal_of(found, topic, field, name)
     devices: dict[str, Device] = {}
+    # Topics come in the order of their names, so the first page does not change by itself.
     room = _MOST_PRIMARY
     for name, own in signals.items():
         shown, room = _with_primary(own, room)
@@ -91,6 +95,7 @@ def _device_name(topic: TopicFound, found: Found) -> str:
     if found.protocol == "http":
         path = urlsplit(topic.topic).path.strip("/")
         host = urlsplit(found.url).hostname or "server"
+        # An address of the root alone says nothing but where it is.
         return readable_name(path.rpartition("/")[2]) or host
     levels = [level for level in topic.topic.split("/") if level]
     alone = len(topic.fields) == 1 and not topic.fields[0].path
@@ -112,11 +117,13 @@ def _signal_of(found: Found, topic: TopicFound, field: FieldFound, name: str) ->
         else HttpSource(get=topic.topic, path=field.path)
     )
     age = 4 * _POLL_S if found.protocol == "http" else _age_of(topic)
+    # A truth has no words of its own in JSON.
     if field.words or field.type == "boolean":
         words = field.words or ("off", "on")
         return Signal(name=name, type=SignalType.STATE, states=words, source=source, max_age=age)
     if field.type == "text":
         return Signal(name=name, type=SignalType.TEXT, source=source, max_age=age)
+    # Only what differs is set: the description that is written stays short.
     if field.scale != 1.0:
         return Signal(name=name, unit=field.unit, scale=field.scale, source=source, max_age=age)
     return Signal(name=name, unit=field.unit, source=source, max_age=age)
@@ -126,6 +133,7 @@ def _with_primary(own: dict[str, Signal], room: int) -> tuple[dict[str, Signal],
     """Put what tells something on the first page, as far as there is room."""
     shown = {}
     for word, signal in own.items():
+        # A text fills a tile and tells little from afar.
         primary = room > 0 and signal.type is not SignalType.TEXT
         room -= primary
         shown[word] = msgspec.structs.replace(signal, primary=primary)

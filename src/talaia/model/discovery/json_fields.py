@@ -50,10 +50,12 @@ def join_path(path: str, key: str | int) -> str:
 
 
 def _walk(value: object, path: str, key: str, depth: int) -> Iterator[FieldFound]:
+    # Deeper than any device writes; what follows would be read again and again.
     if depth > _MOST_DEPTH:
         return
     if isinstance(value, dict):
         for name, member in value.items():
+            # A key with quotes in it cannot be written in a path.
             if below := join_path(path, name):
                 yield from _walk(member, below, name, depth + 1)
     elif isinstance(value, list):

@@ -35,12 +35,14 @@ def probe_address(found: Found, folder: Path) -> Found:
     assert isinstance(settings, HttpConnection)  # noqa: S101 - likewise
     parts = urlsplit(found.url)
     get = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
+    # The very code by which the gateway will ask, with its bounds and its judgement of addresses.
     began = time.monotonic()
     try:
         answer = HttpQuestion(server_of(settings, folder), get).fetch_answer()
         read = parse_payload(answer)
     except (FetchFailed, FieldError) as error:
         raise AdapterLost(f"{found.url}: {error}") from error
+    # A page of HTML is text, too, and no value.
     fields = fields_of_json(read.value if read.is_json else read.text, parts.path)
     problem = "" if read.is_json or len(read.text) < 200 else "its answer is a page and no JSON"
     more = (f"has more than {MOST_FIELDS} fields",) if len(fields) == MOST_FIELDS else ()

@@ -49,8 +49,10 @@ class _Heard:
 
     def __init__(self) -> None:
         self.count = 0
+        # Of messages that were said while we listened (monotonic).
         self.first_s = self.last_s = 0.0
         self.payload = b""
+        # The broker had one before we came.
         self.kept = False
 
     def add_message(self, payload: bytes, now_s: float, *, kept: bool) -> None:
@@ -91,6 +93,7 @@ async def _probe(login: BrokerLogin, seconds: float) -> Found:
                         f"the broker at {login.url} does not let this user listen to all topics;"
                         " look at its access list, or describe the topics by hand"
                     )
+            # All that is kept comes at once; the rest as it is said.
             try:
                 async with asyncio.timeout(seconds):
                     await _listen(client, heard, left_out)
@@ -99,6 +102,7 @@ async def _probe(login: BrokerLogin, seconds: float) -> Found:
     except aiomqtt.MqttError as error:
         raise AdapterLost(f"no MQTT broker takes us at {login.url} ({str(error)[:200]})") from error
     topics = [_topic_found(topic, one) for topic, one in sorted(heard.items())]
+    # As one line: a list of thousands would hide what is there.
     if left_out:
         problem = f"and {len(left_out)} more topics: over {_MOST_TOPICS} are not listed"
         topics.append(TopicFound("…", "", problem=problem))
@@ -124,6 +128,7 @@ async def _listen(client: aiomqtt.Client, heard: dict[str, _Heard], left_out: se
                 left_out.add(topic)
             continue
         one = heard.setdefault(topic, _Heard())
+        # One byte more than the most, by which it is known as too long.
         one.add_message(payload[: _MOST_PAYLOAD + 1], time.monotonic(), kept=bool(message.retain))
 
 
