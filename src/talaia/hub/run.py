@@ -261,6 +261,13 @@ def _add_neighbours(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="names an MQTT broker and what is published there, once an admin opens it",
     )
+    parser.add_argument(
+        "--assets",
+        type=Path,
+        metavar="FOLDER",
+        help="meshes of robots for Foxglove, in a folder for each site: package://arm/a.stl of the"
+        " site agv is agv/arm/a.stl",
+    )
 
 
 def _make_settings(options: argparse.Namespace) -> Settings:
@@ -270,6 +277,8 @@ def _make_settings(options: argparse.Namespace) -> Settings:
             f"--plain would send passwords over the network on {options.host}",
             "leave --plain out, or listen on 127.0.0.1",
         )
+    if options.assets is not None and not options.assets.is_dir():
+        raise CannotStart(f"--assets: {options.assets} is no folder", "name one, or leave it out")
     return Settings(
         data=options.data,
         host=options.host,
@@ -286,6 +295,7 @@ def _make_settings(options: argparse.Namespace) -> Settings:
         sightings_days=max(0.0, options.sightings_days),
         sightings_most=max(1, options.sightings_most),
         extensions=options.extensions,
+        assets=options.assets,
         mqtt=options.mqtt,
     )
 

@@ -38,6 +38,7 @@ class Settings:
         sightings_days: what a camera saw is kept for so many days. 0: for good.
         sightings_most: of each site so many sightings are kept; then the oldest go.
         extensions: folder of web components that the administrator fills; none: there are none.
+        assets: folder with a folder for each site, with its robots' meshes; none: there are none.
         mqtt: file that names an MQTT broker and what is published there; none: no broker.
         password_cost: bcrypt's cost (2 to the power of it rounds).
         idle_s: a session that is not used for this long ends (s).
@@ -69,6 +70,7 @@ class Settings:
     sightings_days: float = 90.0
     sightings_most: int = 10_000
     extensions: Path | None = None
+    assets: Path | None = None
     mqtt: Path | None = None
     password_cost: int = 12
     idle_s: float = 12 * 3600.0

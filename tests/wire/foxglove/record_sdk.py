@@ -1,6 +1,7 @@
 """Records what foxglove-sdk's own server says, as the judge of our codec: run by hand.
 
 python tests/wire/foxglove/record_sdk.py tests/wire/recorded/foxglove_sdk_v1.json
+python tests/wire/foxglove/record_sdk.py --playback tests/wire/recorded/foxglove_sdk_playback.json
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from foxglove.websocket import (
     Capability,
     MessageSchema,
     Parameter,
+    PlaybackState,
+    PlaybackStatus,
     ServerListener,
     Service,
     ServiceSchema,
@@ -140,7 +143,72 @@ async def record(subprotocol: str) -> list[dict[str, str]]:
     return frames
 
 
-if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(
-        json.dumps(asyncio.run(record("foxglove.sdk.v1")), indent=1, ensure_ascii=False) + "\n"
+class Player(ServerListener):
+    """Answers as if it did what it is asked, and writes down what the SDK understood."""
+
+    def __init__(self) -> None:
+        """Begin with nothing."""
+        self.understood: list[dict[str, object]] = []
+
+    def on_playback_control_request(self, request):
+        self.understood.append(
+            {
+                "command": str(request.playback_command),
+                "speed": request.playback_speed,
+                "seek": request.seek_time,
+                "id": request.request_id,
+            }
+        )
+        return PlaybackState(
+            status=PlaybackStatus.Playing,
+            current_time=1_700_000_000_123_456_789,
+            playback_speed=request.playback_speed,
+            did_seek=request.seek_time is not None,
+            request_id=request.request_id,
+        )
+
+
+async def record_playback() -> list[dict[str, object]]:
+    """Serve a window, ask for its playing and keep every frame both ways."""
+    player = Player()
+    server = foxglove.start_server(
+        name="recorded",
+        host="127.0.0.1",
+        port=0,
+        capabilities=[Capability.PlaybackControl, Capability.Time],
+        server_listener=player,
+        playback_time_range=(1_700_000_000_000_000_001, 1_700_000_100_000_000_002),
+        session_id="recorded",
     )
+    frames: list[dict[str, object]] = []
+    address = f"ws://127.0.0.1:{server.port}"
+    async with websockets.connect(address, subprotocols=["foxglove.sdk.v1"], proxy=None) as client:
+        frames.append({"from": "server", "text": await client.recv()})
+        for command, speed, seek in ((0, 2.0, None), (1, 0.5, 1_700_000_050_000_000_000)):
+            number = f"request-{command}".encode()
+            head = (3, command, speed, seek is not None, seek or 0, len(number))
+            asked = struct.pack("<BBfBQI", *head) + number
+            frames.append({"from": "client", "bytes": base64.b64encode(asked).decode()})
+            await client.send(asked)
+            said = await asyncio.wait_for(client.recv(), 5)
+            frames.append({"from": "server", "bytes": base64.b64encode(said).decode()})
+            frames[-2]["understood"] = player.understood[-1]
+        server.broadcast_playback_state(
+            PlaybackState(
+                status=PlaybackStatus.Ended,
+                current_time=99,
+                playback_speed=1.0,
+                did_seek=False,
+                request_id=None,
+            )
+        )
+        said = await asyncio.wait_for(client.recv(), 5)
+        frames.append({"from": "server", "bytes": base64.b64encode(said).decode()})
+    server.stop()
+    return frames
+
+
+if __name__ == "__main__":
+    played = "--playback" in sys.argv
+    recorded = asyncio.run(record_playback() if played else record("foxglove.sdk.v1"))
+    Path(sys.argv[-1]).write_text(json.dumps(recorded, indent=1, ensure_ascii=False) + "\n")

@@ -17,17 +17,20 @@ from talaia.wire.foxglove.client_messages import (
     FoxgloveCall,
     FoxgloveFetchAsset,
     FoxgloveGetParameters,
+    FoxglovePlayback,
     FoxglovePublish,
     FoxgloveSubscribe,
     FoxgloveSubscribeGraph,
     FoxgloveSubscription,
     FoxgloveUnsubscribe,
 )
-from talaia.wire.foxglove.server_messages import ServerMessage
+from talaia.wire.foxglove.server_messages import FoxgloveTime, ServerMessage
 
 pytestmark = pytest.mark.pure
 
-RECORDED = json.loads((Path(__file__).parents[1] / "recorded" / "foxglove_sdk_v1.json").read_text())
+FOLDER = Path(__file__).parents[1] / "recorded"
+RECORDED = json.loads((FOLDER / "foxglove_sdk_v1.json").read_text())
+PLAYED = json.loads((FOLDER / "foxglove_sdk_playback.json").read_text())
 
 
 def frames(side):
@@ -73,6 +76,35 @@ def test_what_the_sdk_understood_is_read_by_us_as_it_was_meant() -> None:
         codec.decode_client(nonsense)
 
 
+def test_playback_of_the_sdk_is_written_and_read_by_us_to_the_byte() -> None:
+    info, *states = [frame for frame in PLAYED if frame["from"] == "server"]
+    read = msgspec.json.decode(info["text"], type=ServerMessage)
+    assert read.data_end_time == FoxgloveTime(1_700_000_100, 2)
+    # Of its library's name we say nothing; all else is written as it was read.
+    assert codec.encode_server(read) == info["text"]
+    said_ns = 1_700_000_000_123_456_789
+    state = codec.encode_playback_state
+    assert [base64.b64decode(frame["bytes"]) for frame in states] == [
+        state(
+            codec.PlaybackStatus.PLAYING, said_ns, speed=2.0, sought=False, request_id="request-0"
+        ),
+        state(
+            codec.PlaybackStatus.PLAYING, said_ns, speed=0.5, sought=True, request_id="request-1"
+        ),
+        state(codec.PlaybackStatus.ENDED, 99, speed=1.0, sought=False),
+    ]
+    asked = [frame for frame in PLAYED if frame["from"] == "client"]
+    for frame in asked:
+        understood = frame["understood"]
+        assert codec.decode_client(base64.b64decode(frame["bytes"])) == FoxglovePlayback(
+            play=understood["command"].endswith("Play"),
+            speed=understood["speed"],
+            seek_ns=understood["seek"],
+            request_id=understood["id"],
+        )
+    assert len(asked) == 2
+
+
 def test_message_that_is_too_large_is_refused_by_its_code() -> None:
     for frame in (bytes(codec.MAX_CLIENT_FRAME + 1), "x" * (codec.MAX_CLIENT_FRAME + 1)):
         with pytest.raises(PeerError) as refused:
@@ -96,6 +128,9 @@ def test_message_that_is_too_large_is_refused_by_its_code() -> None:
         b"\x02" + bytes(8),
         struct.pack("<BIII", 2, 1, 1, 2**31) + b"json",
         struct.pack("<BIII", 2, 1, 1, 1) + b"\xff",
+        b"\x03" + bytes(5),
+        struct.pack("<BBfBQI", 3, 9, 1.0, 0, 0, 0),
+        struct.pack("<BBfBQI", 3, 0, 1.0, 0, 0, 2**31) + b"id",
     ],
 )
 def test_what_is_not_of_the_protocol_is_told_apart_from_what_is_new(frame) -> None:

@@ -13,6 +13,7 @@ __all__ = [
     "FoxgloveFetchAsset",
     "FoxgloveGetParameters",
     "FoxgloveMessage",
+    "FoxglovePlayback",
     "FoxglovePublish",
     "FoxgloveSetParameters",
     "FoxgloveSubscribe",
@@ -147,6 +148,23 @@ class FoxgloveCall(Struct, frozen=True, kw_only=True):
     data: bytes
 
 
+class FoxglovePlayback(Struct, frozen=True, kw_only=True):
+    """How past data are to be played (binary, ``foxglove.sdk.v1`` alone).
+
+    Attributes:
+        play: go on; else stand still.
+        speed: as a factor of real time; whatever number the client wrote.
+        seek_ns: go to this time (ns, UTC) first; None: stay.
+        request_id: comes back in the state that answers.
+
+    """
+
+    play: bool
+    speed: float
+    seek_ns: int | None
+    request_id: str
+
+
 FoxgloveText = (
     FoxgloveSubscribe
     | FoxgloveUnsubscribe
@@ -160,4 +178,4 @@ FoxgloveText = (
     | FoxgloveUnsubscribeGraph
     | FoxgloveFetchAsset
 )
-FoxgloveMessage = FoxgloveText | FoxglovePublish | FoxgloveCall
+FoxgloveMessage = FoxgloveText | FoxglovePublish | FoxgloveCall | FoxglovePlayback

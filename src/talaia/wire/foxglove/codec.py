@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from enum import IntEnum
 
 import msgspec
 
@@ -10,6 +11,7 @@ from talaia.wire.errors import PeerError, UnknownKind
 from talaia.wire.foxglove.client_messages import (
     FoxgloveCall,
     FoxgloveMessage,
+    FoxglovePlayback,
     FoxglovePublish,
     FoxgloveText,
 )
@@ -17,23 +19,27 @@ from talaia.wire.foxglove.server_messages import ServerMessage
 
 __all__ = [
     "MAX_CLIENT_FRAME",
+    "SDK_SUBPROTOCOL",
     "SUBPROTOCOLS",
+    "PlaybackStatus",
     "decode_client",
     "encode_asset",
     "encode_message_data",
+    "encode_playback_state",
     "encode_server",
     "encode_service_response",
     "encode_time",
 ]
 
 # As clients offer them; both mean the messages of this package.
-SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+SDK_SUBPROTOCOL = "foxglove.sdk.v1"
+SUBPROTOCOLS = (SDK_SUBPROTOCOL, "foxglove.websocket.v1")
 # Of a client (bytes): the largest is a subscription to thousands of channels.
 MAX_CLIENT_FRAME = 1024 * 1024
 
 # First byte of a binary message, each way.
-_MESSAGE_DATA, _TIME, _SERVICE_RESPONSE, _ASSET = 1, 2, 3, 4
-_PUBLISH, _CALL = 1, 2
+_MESSAGE_DATA, _TIME, _SERVICE_RESPONSE, _ASSET, _PLAYBACK_STATE = 1, 2, 3, 4, 5
+_PUBLISH, _CALL, _PLAYBACK = 1, 2, 3
 
 # All numbers are little-endian. Kind, subscription, time; then the message.
 _DATA_HEAD = struct.Struct("<BIQ")
@@ -45,6 +51,10 @@ _CALL_HEAD = struct.Struct("<BIII")
 _ASSET_HEAD = struct.Struct("<BIBI")
 # Kind, the client's channel; then the message.
 _PUBLISH_HEAD = struct.Struct("<BI")
+# Kind, command (0: play), speed, whether a time is sought, that, length of the request's id.
+_PLAYBACK_HEAD = struct.Struct("<BBfBQI")
+# Kind, status, time, speed, whether a time was sought, length of the request's id.
+_STATE_HEAD = struct.Struct("<BBQfBI")
 # A time beyond it would not fit; none before 1970 can be said.
 _MOST_NS = 2**64 - 1
 
@@ -53,6 +63,15 @@ _TEXT: msgspec.json.Decoder[FoxgloveText] = msgspec.json.Decoder(FoxgloveText)
 # By these an unknown message is told from a wrong field: msgspec has one error for both.
 _KINDS = frozenset(member.__struct_config__.tag for member in FoxgloveText.__args__)
 _ENCODER = msgspec.json.Encoder()
+
+
+class PlaybackStatus(IntEnum):
+    """Where the playing of past data stands."""
+
+    PLAYING = 0
+    PAUSED = 1
+    BUFFERING = 2
+    ENDED = 3
 
 
 class _Op(msgspec.Struct, frozen=True):
@@ -113,13 +132,24 @@ def encode_asset(request: int, data: bytes | None, problem: str = "") -> bytes:
     return _ASSET_HEAD.pack(_ASSET, request, int(data is None), len(said)) + said + (data or b"")
 
 
-def _decode_binary(frame: bytes) -> FoxglovePublish | FoxgloveCall:
+def encode_playback_state(
+    status: PlaybackStatus, time_ns: int, *, speed: float, sought: bool, request_id: str = ""
+) -> bytes:
+    """Write where the playing of past data stands; ``request_id`` is of what this answers."""
+    number = request_id.encode()
+    time_ns = min(max(time_ns, 0), _MOST_NS)
+    return _STATE_HEAD.pack(_PLAYBACK_STATE, status, time_ns, speed, sought, len(number)) + number
+
+
+def _decode_binary(frame: bytes) -> FoxglovePublish | FoxgloveCall | FoxglovePlayback:
     kind = frame[0] if frame else -1
     if kind == _PUBLISH:
         if len(frame) < _PUBLISH_HEAD.size:
             raise PeerError(f"a published message of {len(frame)} bytes has no head")
         _, channel = _PUBLISH_HEAD.unpack_from(frame)
         return FoxglovePublish(channel_id=channel, data=frame[_PUBLISH_HEAD.size :])
+    if kind == _PLAYBACK:
+        return _decode_playback(frame)
     if kind != _CALL:
         raise UnknownKind(f"binary {kind}")
     if len(frame) < _CALL_HEAD.size:
@@ -134,6 +164,26 @@ def _decode_binary(frame: bytes) -> FoxglovePublish | FoxgloveCall:
     except UnicodeDecodeError as error:
         raise PeerError("the encoding of a service call is no text") from error
     return FoxgloveCall(service_id=service, call_id=call, encoding=encoding, data=frame[begin:])
+
+
+def _decode_playback(frame: bytes) -> FoxglovePlayback:
+    if len(frame) < _PLAYBACK_HEAD.size:
+        raise PeerError(f"a playback request of {len(frame)} bytes has no head")
+    _, command, speed, seeks, seek_ns, length = _PLAYBACK_HEAD.unpack_from(frame)
+    number = frame[_PLAYBACK_HEAD.size :]
+    # The peer chose the length and the command.
+    if command > 1 or len(number) != length:
+        raise PeerError("a playback request with an unknown command or a wrong length")
+    try:
+        request_id = number.decode()
+    except UnicodeDecodeError as error:
+        raise PeerError("the id of a playback request is no text") from error
+    return FoxglovePlayback(
+        play=command == 0,
+        speed=speed,
+        seek_ns=seek_ns if seeks else None,
+        request_id=request_id,
+    )
 
 
 def _op_of(frame: str) -> str | None:

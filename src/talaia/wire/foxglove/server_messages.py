@@ -12,6 +12,7 @@ __all__ = [
     "FoxgloveParameter",
     "FoxgloveSchema",
     "FoxgloveService",
+    "FoxgloveTime",
     "GraphProviders",
     "GraphPublishers",
     "GraphSubscribers",
@@ -34,6 +35,13 @@ class _ServerSaid(
     """Base of what is said."""
 
 
+class FoxgloveTime(Struct, frozen=True):
+    """A time in JSON (UTC)."""
+
+    sec: int
+    nsec: int
+
+
 class ServerInfo(_ServerSaid, frozen=True, kw_only=True, tag="serverInfo"):
     """First message: what the server can do."""
 
@@ -42,10 +50,13 @@ class ServerInfo(_ServerSaid, frozen=True, kw_only=True, tag="serverInfo"):
     # What may be asked besides subscribing; clients hide the rest.
     capabilities: list[str]
     # In which clients may publish and call.
-    supported_encodings: list[str]
+    supported_encodings: list[str] = []
     metadata: dict[str, str]
     # Another one after a new connection: what a client remembers by number is void then.
     session_id: str
+    # The window of past data that is played; None: what comes is live.
+    data_start_time: FoxgloveTime | None = None
+    data_end_time: FoxgloveTime | None = None
 
 
 class ServerStatus(_ServerSaid, frozen=True, kw_only=True, tag="status"):

@@ -62,7 +62,7 @@ class NodeClient(HeardEvents):
             await self.note(*json.loads(line))
 
 
-_KINDS = {1: "data", 2: "time", 3: "response", 4: "asset"}
+_KINDS = {1: "data", 2: "time", 3: "response", 4: "asset", 5: "state"}
 
 
 class RawClient(HeardEvents):
@@ -101,11 +101,11 @@ class RawClient(HeardEvents):
         await self.note("closed", self.socket.close_code)
 
 
-async def client_of(world, name, *, site="agv", kind=RawClient, **options):
-    """Connect as somebody, with a token of theirs."""
+async def client_of(world, name, *, site="agv", kind=RawClient, more="", **options):
+    """Connect as somebody, with a token of theirs; ``more`` stands in the address behind it."""
     await open_protocol(world.hub, "foxglove")
     token = await token_of(world.hub, name)
-    return await kind().connect(address_of(world.hub, site, token), **options)
+    return await kind().connect(address_of(world.hub, site, token) + more, **options)
 
 
 async def topics_of(client) -> dict[str, int]:

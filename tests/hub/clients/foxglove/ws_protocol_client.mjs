@@ -19,7 +19,7 @@ const socket = new WebSocket(address, [subprotocol]);
 const client = new FoxgloveClient({ ws: socket });
 for (const event of [
   "open", "serverInfo", "status", "advertise", "unadvertise", "advertiseServices", "unadvertiseServices",
-  "parameterValues", "connectionGraphUpdate", "fetchAssetResponse", "serviceCallResponse", "serviceCallFailure", "message",
+  "parameterValues", "connectionGraphUpdate", "fetchAssetResponse", "time", "serviceCallResponse", "serviceCallFailure", "message",
 ]) {
   client.on(event, (data) => say(event, data));
 }

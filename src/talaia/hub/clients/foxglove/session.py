@@ -14,11 +14,12 @@ import msgspec
 from talaia import __version__
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.foxglove.advertised import AdvertisedThings
+from talaia.hub.clients.foxglove.asset_requests import AssetRequests
 from talaia.hub.clients.foxglove.offer import FoxgloveOffer, make_foxglove_offer
+from talaia.hub.clients.foxglove.published_channels import PublishedChannels
 from talaia.hub.clients.foxglove.schemas import encode_answer, encode_picture
 from talaia.hub.clients.foxglove.signal_channels import SignalChannels
 from talaia.hub.clients.foxglove.tapped_channels import TappedChannels
-from talaia.hub.clients.published_velocity import read_velocity
 from talaia.hub.live.first_completed import until_first
 from talaia.wire.browser import (
     CommandUpdate,
@@ -33,10 +34,10 @@ from talaia.wire.errors import UnknownKind
 from talaia.wire.foxglove import client_messages as said
 from talaia.wire.foxglove.codec import (
     decode_client,
-    encode_asset,
     encode_message_data,
     encode_server,
     encode_service_response,
+    encode_time,
 )
 from talaia.wire.foxglove.server_messages import (
     FoxgloveParameter,
@@ -51,8 +52,10 @@ from talaia.wire.gateway_messages.field_types import Arguments, Scalar
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
 
+    from talaia.clock import Clock
     from talaia.hub.clients.client_cameras import ClientCameras
     from talaia.hub.clients.client_connection import ClientConnection
+    from talaia.hub.clients.foxglove.asset_requests import AssetFolder
     from talaia.hub.clients.foxglove.offer import ServiceEntry
     from talaia.hub.live.taps.tap_fanout import TapFanout
     from talaia.hub.live.taps.tapped import TappedMessage
@@ -61,8 +64,8 @@ if TYPE_CHECKING:
 
 __all__ = ["FoxgloveSession"]
 
-# Without ``time``: clients go by their own clock, and samples carry the robot's.
 _CAPABILITIES = [
+    "time",
     "clientPublish",
     "parameters",
     "parametersSubscribe",
@@ -71,11 +74,13 @@ _CAPABILITIES = [
 ]
 # In which velocities may be published; commands are called with JSON.
 _ENCODINGS = ["json", "cdr"]
+# The hub's time is told so often (s): a client whose own clock is wrong goes by it.
+_TIME_EVERY_S = 0.1
 # Of a status.
-_INFO, _WARNING, _ERROR = 0, 1, 2
-# Calls that wait for their end, and channels that a client publishes on.
+_WARNING, _ERROR = 1, 2
+_LIVE = "this connection is live; put from= and to= into the address to play the past"
+# Calls that wait for their end.
 _MOST_CALLS = 100
-_MOST_PUBLISHED = 1000
 # Phases of a command after which more comes.
 _GOING_ON = frozenset({CommandPhase.ACCEPTED, CommandPhase.RUNNING})
 
@@ -90,8 +95,20 @@ class FoxgloveSession:
         *,
         taps: TapFanout,
         cameras: ClientCameras,
+        assets: AssetFolder,
+        clock: Clock,
     ) -> None:
-        """Speak over ``socket``; raw topics come from ``taps``, pictures from ``cameras``."""
+        """Speak over ``socket`` for ``connection``.
+
+        Args:
+            socket: is accepted.
+            connection: asks the hub for it.
+            taps: where raw topics come from.
+            cameras: where pictures come from.
+            assets: where files of robots come from.
+            clock: whose time is told.
+
+        """
         self._socket = socket
         self._connection = connection
         self._site = connection.live.name
@@ -105,20 +122,20 @@ class FoxgloveSession:
             warn=self.warn_person,
         )
         self._cameras = cameras
+        grants, site = connection.who.grants, self._site
+        self._assets = AssetRequests(assets, site, grants, send=socket.send_bytes)
+        self._clock = clock
         # By the robot's own name: the name of the channel.
         self._channel_of: dict[str, str] = {}
         # One offer is told whole before the next.
         self._advertising = asyncio.Lock()
         self._signals = SignalChannels(self._site)
-        # The client's own channels, by its number.
-        self._published: dict[int, said.FoxgloveClientChannel] = {}
+        self._published = PublishedChannels(connection, send_status=self._send_status)
         # Calls that wait: by the command's or STOP's id, the service and the call.
         self._calls: dict[str, tuple[int, int]] = {}
         self._wants_graph = False
         # Of the description that is advertised.
         self._edition = ""
-        # What the person was told last of why it does not drive: each message would repeat it.
-        self._told = ""
 
     # ── from the client ──
 
@@ -127,7 +144,7 @@ class FoxgloveSession:
         await self._send_json(
             ServerInfo(
                 name=f"Talaia {__version__}: {self._connection.description.name}",
-                capabilities=_CAPABILITIES,
+                capabilities=[*_CAPABILITIES, *self._assets.capabilities],
                 supported_encodings=_ENCODINGS,
                 metadata={"site": self._site},
                 session_id=new_token(),
@@ -135,7 +152,12 @@ class FoxgloveSession:
         )
         await self._advertise_things()
         try:
-            for result in await until_first(self._read_frames(), self._tapped.serve_topics()):
+            for result in await until_first(
+                self._read_frames(),
+                self._tapped.serve_topics(),
+                self._assets.serve_requests(),
+                self._send_time(),
+            ):
                 if isinstance(result, Exception):
                     raise result
         finally:
@@ -164,12 +186,11 @@ class FoxgloveSession:
             case said.FoxgloveUnsubscribe():
                 self._unsubscribe_topics(message)
             case said.FoxgloveAdvertise():
-                await self._note_published(message)
+                await self._published.add_channels(message, self._things.offer)
             case said.FoxgloveUnadvertise():
-                for number in message.channel_ids:
-                    self._published.pop(number, None)
+                self._published.remove_channels(message)
             case said.FoxglovePublish():
-                await self._publish_message(message)
+                await self._published.publish_message(message, self._things.offer)
             case said.FoxgloveCall():
                 await self._call_service(message)
             case said.FoxgloveGetParameters():
@@ -188,8 +209,14 @@ class FoxgloveSession:
             case said.FoxgloveUnsubscribeGraph():
                 self._wants_graph = False
             case said.FoxgloveFetchAsset():
-                frame = encode_asset(message.request_id, None, "there is no such file")
-                await self._socket.send_bytes(frame)
+                await self._assets.fetch_asset(message)
+            case said.FoxglovePlayback():
+                await self._send_status(_WARNING, _LIVE)
+
+    async def _send_time(self) -> None:
+        while True:
+            await self._socket.send_bytes(encode_time(self._clock.wall_ns()))
+            await asyncio.sleep(_TIME_EVERY_S)
 
     async def _subscribe_topics(self, message: said.FoxgloveSubscribe) -> None:
         topics = []
@@ -226,44 +253,6 @@ class FoxgloveSession:
                     self._tapped.unsubscribe_topic(raw)
         for asked in self._signals.remove_topics(topics):
             self._connection.request(asked)
-
-    async def _note_published(self, message: said.FoxgloveAdvertise) -> None:
-        for channel in message.channels:
-            if len(self._published) >= _MOST_PUBLISHED:
-                await self._send_status(_WARNING, f"at most {_MOST_PUBLISHED} channels of your own")
-                return
-            self._published[channel.id] = channel
-            if channel.topic not in self._things.offer.driven:
-                await self._send_status(_WARNING, f"nothing here listens to {channel.topic}")
-
-    async def _publish_message(self, message: said.FoxglovePublish) -> None:
-        channel = self._published.get(message.channel_id)
-        if channel is None:
-            await self._refuse_message(f"channel {message.channel_id} is not advertised")
-            return
-        # Only of devices that the account may view: other topics are as if nobody listened.
-        device = self._things.offer.driven.get(channel.topic)
-        if device is None:
-            await self._refuse_message(f"nothing here listens to {channel.topic}")
-            return
-        # By the type that the client named when it advertised the channel.
-        velocity = read_velocity(channel.encoding, channel.schema_name, message.data)
-        if isinstance(velocity, str):
-            await self._refuse_message(f"{channel.topic}: {velocity}")
-            return
-        why = self._connection.publish_drive(
-            device, linear=velocity.linear, angular=velocity.angular
-        )
-        if why:
-            await self._refuse_message(f"{channel.topic}: {why}")
-        else:
-            self._told = ""
-
-    async def _refuse_message(self, why: str) -> None:
-        """Say why a published message is refused, once for as long as it stays so."""
-        if why != self._told:
-            self._told = why
-            await self._send_status(_ERROR, why)
 
     async def _call_service(self, message: said.FoxgloveCall) -> None:
         service = self._things.service(message.service_id)

@@ -10,7 +10,7 @@ from talaia.hub.clients.foxglove.schemas import encode_sample
 from talaia.hub.clients.signal_subscriptions import SignalSubscriptions
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
     from talaia.hub.clients.signal_subscriptions import ClientSample
     from talaia.wire.browser import Subscribe, Unsubscribe, Values
@@ -66,9 +66,13 @@ class SignalChannels:
 
     def read_messages(self, values: Values) -> Iterator[ChannelMessage]:
         """Give the messages that samples make."""
+        yield from self.compose_messages(self._subscriptions.read_samples(values))
+
+    def compose_messages(self, samples: Iterable[ClientSample]) -> Iterator[ChannelMessage]:
+        """Give the messages that samples of offered signals make, in their order of time."""
         # Parts of a position come one after the other with one time; they are one message.
         waiting: dict[str, int] = {}
-        for sample in self._subscriptions.read_samples(values):
+        for sample in samples:
             topic = self._topic_of.get(sample.address, "")
             if topic not in self._offer.signals:
                 continue
@@ -79,6 +83,10 @@ class SignalChannels:
             _note_part(self._parts.setdefault(topic, {}), sample)
         for topic, time_us in waiting.items():
             yield from self._message(topic, time_us)
+
+    def forget_parts(self) -> None:
+        """Forget what is known of positions: what comes is of another time."""
+        self._parts.clear()
 
     def _message(self, topic: str, time_us: int) -> Iterator[ChannelMessage]:
         # Either may have gone while another message was on its way.

@@ -49,7 +49,7 @@ def build_client_features(
 
     """
     return (
-        FoxgloveFeature(core, clients=clients, streams=media.streams),
+        FoxgloveFeature(core, clients=clients, streams=media.streams, history=history),
         MetricsFeature(core, clients=clients, alarms=alarms.engine, history=history),
         MqttFeature(core, clients=clients, access=access, audit=audit),
         RosbridgeFeature(core, clients=clients),
