@@ -102,6 +102,7 @@ class AccountOffer:
 
     """
 
+    # Each protocol goes through these in this order, so that its numbers are the same next time.
     signals: tuple[OfferedSignal, ...]
     cameras: tuple[OfferedCamera, ...]
     commands: tuple[OfferedCommand, ...]
@@ -113,9 +114,11 @@ class AccountOffer:
 
         Of two devices that listen to one topic of the robot it is the first's.
         """
+        # The first to take a name keeps it.
         topics: dict[str, DrivenTopic] = {}
         for drive in self.drives:
             topics.setdefault(drive.rule.topic, DrivenTopic(drive.device, drive.rule.message.value))
+            # Ours takes plain velocities, whatever the device itself listens to.
             topics[f"{prefix}/{drive.device}/drive"] = DrivenTopic(
                 drive.device, DriveMessage.TWIST.value
             )
@@ -142,6 +145,7 @@ def make_account_offer(site: Site, grants: Grants) -> AccountOffer:
         commands=tuple(
             OfferedCommand(device, name, command)
             for device, described in site.devices.items()
+            # Viewing a device does not show what could be done with it.
             if grants.has_right(Right.USE, site.site, device)
             for name, command in described.commands.items()
         ),

@@ -58,6 +58,7 @@ class AssetFolder:
             AssetRefused: there is none that may be sent.
 
         """
+        # Told as of a file that is missing: which folders there are is nobody's matter.
         if self._folder is None:
             raise AssetRefused(_MISSING)
         base = (self._folder / site).resolve()
@@ -68,6 +69,7 @@ class AssetFolder:
         if path.suffix.lower() not in _SUFFIXES:
             raise AssetRefused(f"files that end in {path.suffix!r} are not sent")
         try:
+            # One byte more than may be sent tells that there is more.
             with path.open("rb") as file:
                 data = file.read(_MOST_BYTES + 1)
         except OSError as error:
@@ -118,6 +120,7 @@ class AssetRequests:
         devices = grants.devices(Right.VIEW, site)
         self._allowed = devices is None or bool(devices)
         self._send = send
+        # Beside the session: a large file on a slow line must not hold up STOP.
         self._waiting: asyncio.Queue[FoxgloveFetchAsset] = asyncio.Queue(_MOST_WAITING)
         self.capabilities = ["assets"] if self._allowed and folder.has_site(site) else []
 
@@ -139,6 +142,7 @@ class AssetRequests:
         if not self._allowed:
             return encode_asset(asked.request_id, None, _MISSING)
         try:
+            # A disk may take its time.
             data = await asyncio.to_thread(self._folder.read_file, self._site, asked.uri)
         except AssetRefused as refused:
             return encode_asset(asked.request_id, None, str(refused))

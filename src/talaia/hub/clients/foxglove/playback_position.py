@@ -34,6 +34,7 @@ def read_window(query: Mapping[str, str], now_us: int) -> PlaybackWindow | str |
     """
     if "from" not in query:
         return "to= takes from= beside it" if "to" in query else None
+    # Both by the same rule, so that what is wrong names its place.
     window = []
     for name in ("from", "to"):
         time_us = now_us if name not in query else _read_time(query[name])
@@ -42,6 +43,7 @@ def read_window(query: Mapping[str, str], now_us: int) -> PlaybackWindow | str |
         window.append(time_us)
     if not 0 <= window[0] < window[1]:
         return "from= is before to="
+    # What is still to come cannot be played.
     return PlaybackWindow(window[0], min(window[1], max(now_us, window[0] + 1)))
 
 
@@ -68,6 +70,7 @@ class PlaybackPosition:
         self.speed = 1.0
         # Where it stood, and when that was.
         self._base_us = window.from_us
+        # Means nothing while it stands still.
         self._base_ns = 0
 
     def status_at(self, now_ns: int) -> PlaybackStatus:
@@ -90,6 +93,7 @@ class PlaybackPosition:
         if math.isfinite(asked.speed) and asked.speed > 0:
             self.speed = min(max(asked.speed, _LEAST_SPEED), _MOST_SPEED)
         self.playing = asked.play
+        # From now on by the new speed.
         self.move_to(at_us, now_ns)
 
     def move_to(self, time_us: int, now_ns: int) -> None:

@@ -40,6 +40,7 @@ class PlaybackReader:
         """
         addresses = [address for signal in signals for address in signal.addresses]
         if not addresses:
+            # Nobody has subscribed to anything: time goes on all the same.
             return iter(())
         # Two points for each pixel of a chart.
         width = max(1, _MOST_POINTS // 2 // len(addresses))
@@ -62,6 +63,7 @@ class PlaybackReader:
             HistoryError: it cannot be read.
 
         """
+        # A position has several channels, of which each has a newest sample of its own.
         addresses = [address for signal in signals for address in signal.addresses]
         found = await self._history.last_readings(self._site, addresses, at_us)
         return [
@@ -71,6 +73,7 @@ class PlaybackReader:
 
 
 def _samples_of(series: Series) -> Iterator[ClientSample]:
+    # Plain numbers: whoever takes them writes JSON.
     pairs = zip(series.time_us.tolist(), series.value.tolist(), strict=True)
     for at, (time_us, value) in enumerate(pairs):
         yield ClientSample(series.address, time_us, value, series.texts.get(at))

@@ -140,6 +140,7 @@ class PlaybackSession:
         self, asked: said.FoxglovePlayback, position: PlaybackPosition
     ) -> None:
         now_ns = self._clock.monotonic_ns()
+        # Before anything is awaited: what plays looks at it next.
         position.control(asked, now_ns)
         at_us = position.time_at(now_ns)
         sought = asked.seek_ns is not None
@@ -158,6 +159,7 @@ class PlaybackSession:
         for one in message.subscriptions:
             try:
                 topic = self._things.subscribe_topic(one.id, one.channel_id)
+            # What is wrong with one is no reason to refuse the others.
             except ValueError as error:
                 await self._send_status(_WARNING, str(error))
             else:
@@ -216,6 +218,7 @@ class PlaybackSession:
             return await self._past.read_samples(list(self._wanted()), from_us, to_us)
         except HistoryError as error:
             await self._send_status(_ERROR, str(error))
+            # Said, and playing goes on: the next part may be there.
             return iter(())
 
     async def _send_newest(self, signals: list[SignalChannel], at_us: int) -> None:
@@ -265,6 +268,7 @@ class PlaybackSession:
         change = self._things.update_offer(offer)
         self._signals.update_offer(offer)
         self._changed.set()
+        # What is gone comes first, as on a live connection.
         for message in change.messages:
             await self._socket.send_text(encode_server(message))
 

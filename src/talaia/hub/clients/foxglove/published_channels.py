@@ -50,6 +50,7 @@ class PublishedChannels:
             if len(self._channels) >= _MOST_PUBLISHED:
                 await self._send_status(_WARNING, f"at most {_MOST_PUBLISHED} channels of your own")
                 return
+            # Also one that nothing listens to now: the description may change.
             self._channels[channel.id] = channel
             if channel.topic not in offer.driven:
                 await self._send_status(_WARNING, f"nothing here listens to {channel.topic}")
@@ -75,6 +76,7 @@ class PublishedChannels:
         if isinstance(velocity, str):
             await self._refuse_message(f"{channel.topic}: {velocity}")
             return
+        # An admin's word, the lease and the limits are looked at there.
         why = self._connection.publish_drive(
             device, linear=velocity.linear, angular=velocity.angular
         )
