@@ -107,7 +107,10 @@ class SamplesPart(GatewayPart):
     def _record_absence(self) -> None:
         """Record the time since the run before heard anything as a gap, if there was one."""
         former = self.spool.former
-        if former is not None:
+        if former is None:
+            # Nobody missed anything before the first run.
+            self.batcher.first_heard.end_watching()
+        else:
             mono_s = self._base.clock.monotonic_ns() / SECOND
             span = absence_span(former, self._base.wall_us(), mono_s, machine_run())
             self.batcher.record_gap(*span, NOT_RUNNING)
@@ -122,7 +125,7 @@ class SamplesPart(GatewayPart):
             "sync": partial(self.spool.keep_syncing, base.settings.sync, base.wall_us),
             "freezes": partial(watch_stalls, base.clock, batcher.record_gap),
         }
-        # After another run only: nobody missed anything before the first.
+        # After another run only, see `_record_absence`.
         if self.spool.former is not None:
             tasks["first heard"] = partial(
                 watch_first_heard,

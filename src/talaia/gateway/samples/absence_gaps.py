@@ -31,6 +31,7 @@ SETTLED_S = 10.0
 # A clock may be off by this and count as the same (µs).
 _SAME_US = 1_000_000
 _CHANNELS = 65_536
+_NONE = np.empty(0, np.int64)
 
 
 def absence_span(
@@ -76,10 +77,15 @@ class FirstHeard:
         second[again] = now_ns
         first[channels[~known]] = now_ns
 
+    def end_watching(self) -> None:
+        """Watch no more, for nobody asks: what it costs is not for nothing."""
+        self._first_ns = None
+        self._second_ns = _NONE
+
     def settle_watching(self) -> float:
         """Give how long (s) channels that speak again and again were not heard; ends watching."""
         first, second = self._first_ns, self._second_ns
-        self._first_ns = None
+        self.end_watching()
         if first is None:
             return 0.0
         waited = first - self.began_ns

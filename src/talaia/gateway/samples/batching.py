@@ -127,7 +127,7 @@ class Batcher:
         self._chunks: deque[Columns] = deque()
         # Samples in `_chunks`, about: threads add without a lock, and the bound need not be exact.
         self._waiting = 0
-        self._armed = False  # A hand-over has woken the loop since the last flush.
+        self._armed = False  # The loop makes the next batch by itself, or has been woken to.
         self._called = False  # One that came late enough has asked for the flush itself.
         # Makes the batch when no further hand-over comes.
         self._timer: asyncio.TimerHandle | None = None
@@ -158,7 +158,7 @@ class Batcher:
             return
         self._chunks.append(columns)
         self._waiting += len(columns)
-        # Only the first hand-over of a batch wakes the loop, and the one that makes it ripe.
+        # Only the one that makes a batch ripe wakes the loop, and the first one after silence.
         if not self._armed:
             self._armed = True
             self._loop.call_soon_threadsafe(self._arm_timer)
@@ -184,7 +184,7 @@ class Batcher:
         left = self._ripe - time.monotonic()
         if left <= 0:
             self.flush_batches()
-        else:
+        elif self._timer is None:
             self._timer = self._loop.call_later(
                 left + (LATE - EARLY) * self._flush_s, self.flush_batches
             )
@@ -202,6 +202,9 @@ class Batcher:
             chunks.append(self._chunks.popleft())
         self._waiting = 0
         if chunks:
+            # While a robot speaks no hand-over but the ripe one wakes the loop: it wakes itself.
+            self._armed = True
+            self._arm_timer()
             columns = self._times.make_monotonic(join_columns(chunks))
             numbers = columns.channel
             if self._order is not None:

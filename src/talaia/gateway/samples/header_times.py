@@ -25,14 +25,16 @@ class HeaderTimes:
 
     Attributes:
         lag_us: by how much the last message's time lies before its arrival.
+        headless: a class of messages of which none has a header: they need not be asked about.
 
     """
 
-    __slots__ = ("_doubted_us", "lag_us")
+    __slots__ = ("_doubted_us", "headless", "lag_us")
 
     def __init__(self) -> None:
         """Believe the first stamp, if it can be true."""
         self.lag_us = 0
+        self.headless: type | None = None
         # When a stamp came that could not be true (wall, µs); none for a topic without any.
         self._doubted_us: int | None = None
 
@@ -47,6 +49,10 @@ class HeaderTimes:
         # By far most messages without one have none of this name.
         header = getattr(message, "header", None)
         if header is None:
+            # Only of a class that is made for its type: others hold whatever a message has.
+            if "header" not in getattr(type(message), "__dataclass_fields__", "header"):
+                self.headless = type(message)
+                self.lag_us = 0
             return arrived_us
         try:
             stamp_us = stamp_ns_of(getattr(header, "stamp", None), "header.stamp") // 1000

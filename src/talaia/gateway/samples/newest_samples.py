@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray  # noqa: TC002 - kept with the other columns
 
@@ -12,6 +14,15 @@ __all__ = ["RunNewest"]
 
 # As many as fit the samples' column of channels.
 _CHANNELS = 65_536
+# Batches that wait to be entered together: it costs as much for one as for all of them.
+_MOST_WAITING = 32
+
+
+class _WaitingBatch(NamedTuple):
+    numbers: NDArray[np.uint16]
+    columns: Columns
+    first: int
+    heard_ns: int
 
 
 class RunNewest:
@@ -26,6 +37,8 @@ class RunNewest:
         # Number, or for a text channel what stands in its place; the texts are beside it.
         self._value = np.zeros(_CHANNELS, np.float64)
         self._texts: dict[int, str] = {}
+        # Not entered yet, the oldest first.
+        self._waiting: list[_WaitingBatch] = []
 
     def update_newest(
         self, numbers: NDArray[np.uint16], columns: Columns, first: int, now_ns: int
@@ -39,13 +52,25 @@ class RunNewest:
             now_ns: when they were heard (monotonic).
 
         """
+        self._waiting.append(_WaitingBatch(numbers, columns, first, now_ns))
+        if len(self._waiting) >= _MOST_WAITING:
+            self._enter_waiting()
+
+    def _enter_waiting(self) -> None:
+        waiting, self._waiting = self._waiting, []
+        if not waiting:
+            return
+        numbers = np.concatenate([one.numbers for one in waiting])
+        counts = [len(one.columns) for one in waiting]
+        sequence = [one.first + np.arange(len(one.columns)) for one in waiting]
         # Of repeated numbers NumPy keeps the last that is assigned: the newest.
-        self._sequence[numbers] = first + np.arange(len(columns))
-        self._time_us[numbers] = columns.time_us
-        self._heard_ns[numbers] = now_ns
-        self._value[numbers] = columns.value
-        for at, text in columns.texts.items():
-            self._texts[int(numbers[at])] = text
+        self._sequence[numbers] = np.concatenate(sequence)
+        self._time_us[numbers] = np.concatenate([one.columns.time_us for one in waiting])
+        self._heard_ns[numbers] = np.repeat([one.heard_ns for one in waiting], counts)
+        self._value[numbers] = np.concatenate([one.columns.value for one in waiting])
+        for one in waiting:
+            for at, text in one.columns.texts.items():
+                self._texts[int(one.numbers[at])] = text
 
     def newest_samples(self, order: NDArray[np.int64] | None, now_ns: int) -> NewestSamples:
         """Give all that is known, by the channel list that counts now, in order of sequence.
@@ -55,6 +80,7 @@ class RunNewest:
             now_ns: now (monotonic).
 
         """
+        self._enter_waiting()
         numbers = np.flatnonzero(self._sequence >= 0)
         if order is not None:
             numbers = numbers[numbers < order.size]

@@ -328,7 +328,8 @@ class Ros2Adapter:
         held = False
         own = self._parameters.plans if self._parameters is not None else []
         for plan in (*self._plans, *own):
-            held = plan.take_due(now_us, self._gathered) or held
+            if plan.thins:
+                held = plan.take_due(now_us, self._gathered) or held
         columns = self._gathered.take_columns()
         if columns is not None:
             self._samples.put_samples(columns)

@@ -159,34 +159,44 @@ class Ros2Listening:
         """Let a plan read its topic's messages; a subscription that is there already stays."""
         recorded = self._raw if self._raw is not None and plan.topic in self._raw.topics else None
 
-        def deliver(kind: TopicType, raw: bytes, time_us: int, mono_ns: int) -> None:
-            if recorded is not None:
-                recorded.offer(
-                    plan.topic, plan.type_name, raw, time_us * 1000, definition=kind.schema
-                )
-            try:
-                message = kind.decode(raw)
-            except FieldError as error:
-                self._unreadable.report_once(plan.topic, error.problem)
-                return
-            plan.read_message(message, time_us, mono_ns, self._gathered)
+        def deliver_as(kind: TopicType) -> Callable[[bytes, int, int], None]:
+            # Looked up once: this runs for each message.
+            decode, read_message, gathered = kind.decode, plan.read_message, self._gathered
 
-        reader = self._reader(plan.topic, plan.type_name, deliver)
+            def deliver(raw: bytes, time_us: int, mono_ns: int) -> None:
+                if recorded is not None:
+                    recorded.offer(
+                        plan.topic, plan.type_name, raw, time_us * 1000, definition=kind.schema
+                    )
+                try:
+                    message = decode(raw)
+                except FieldError as error:
+                    self._unreadable.report_once(plan.topic, error.problem)
+                    return
+                read_message(message, time_us, mono_ns, gathered)
+
+            return deliver
+
+        reader = self._reader(plan.topic, plan.type_name, deliver_as)
         key = _key(plan.topic, plan.type_name)
         self._subscriptions.want(key, plan.topic, plan.type_name, depth=_DEPTH, reader=reader)
 
     def _reader(
-        self, topic: str, type_name: str, deliver: Callable[[TopicType, bytes, int, int], None]
+        self,
+        topic: str,
+        type_name: str,
+        deliver_as: Callable[[TopicType], Callable[[bytes, int, int], None]],
     ) -> _TimedReader:
-        typed = TypedTopic(topic, type_name, self._types, deliver)
+        typed = TypedTopic(topic, type_name, self._types, deliver_as)
+        # Looked up once: this runs for each message.
+        wall_ns, monotonic_ns = self._clock.wall_ns, self._clock.monotonic_ns
+        arrival_time, heard_ns = self._arrivals.arrival_time, self._heard_ns
 
         def read_message(raw: bytes, info: Any) -> None:  # noqa: ANN401
-            now_us, now_ns = self._clock.wall_ns() // 1000, self._clock.monotonic_ns()
-            time_us = self._arrivals.arrival_time(
-                info["received_timestamp"] // 1000, now_us, now_ns
-            )
-            self._heard_ns[topic] = now_ns
-            typed.read_message(raw, time_us, now_ns)
+            now_ns = monotonic_ns()
+            time_us = arrival_time(info["received_timestamp"] // 1000, wall_ns() // 1000, now_ns)
+            heard_ns[topic] = now_ns
+            (typed.deliver or typed.hold_message)(raw, time_us, now_ns)
 
         return _TimedReader(typed.set_publishers, read_message)
 
@@ -249,18 +259,14 @@ class Ros2Listening:
             if not type_name:
                 continue
 
-            def record_message(
-                kind: TopicType,
-                raw: bytes,
-                time_us: int,
-                _: int,
-                *,
-                topic: str = topic,
-                type_name: str = type_name,
-            ) -> None:
-                sink.offer(topic, type_name, raw, time_us * 1000, definition=kind.schema)
+            def record_as(
+                kind: TopicType, *, topic: str = topic, type_name: str = type_name
+            ) -> Callable[[bytes, int, int], None]:
+                return lambda raw, time_us, _: sink.offer(
+                    topic, type_name, raw, time_us * 1000, definition=kind.schema
+                )
 
-            reader = self._reader(topic, type_name, record_message)
+            reader = self._reader(topic, type_name, record_as)
             self._subscriptions.want(f"raw {topic}", topic, type_name, depth=_DEPTH, reader=reader)
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from talaia.gateway.adapters.ros2.topic_types import TopicType, TopicTypes
 
 __all__ = ["TypedTopic"]
@@ -16,15 +15,24 @@ _MAX_HELD = 100
 _MAX_HELD_BYTES = 8 * 1024 * 1024
 
 
+Deliver = Callable[[bytes, int, int], None]
+
+
 class TypedTopic:
-    """One topic's messages, held back until it is known how they are read."""
+    """One topic's messages, held back until it is known how they are read.
+
+    Attributes:
+        deliver: takes a message: its bytes, and when it came by the wall clock (µs) and by the
+            monotonic one (ns); None while it is not known how it is read: see `hold_message`.
+
+    """
 
     def __init__(
         self,
         topic: str,
         type_name: str,
         types: TopicTypes,
-        deliver: Callable[[TopicType, bytes, int, int], None],
+        deliver_as: Callable[[TopicType], Deliver],
     ) -> None:
         """Take who finds the type, and who takes messages.
 
@@ -32,14 +40,13 @@ class TypedTopic:
             topic: absolute.
             type_name: ``package/msg/Name``.
             types: see above.
-            deliver: takes how a message is read, its bytes, and when it came: by the wall clock
-                (µs), and by the monotonic one (ns).
+            deliver_as: makes `deliver` of how a message is read.
 
         """
         self._topic, self._type_name = topic, type_name
         self._types = types
-        self._deliver = deliver
-        self._type: TopicType | None = None
+        self._deliver_as = deliver_as
+        self.deliver: Deliver | None = None
         # Their publishers' hash; None before there are any.
         self._spoken: str | None = None
         self._refused = False
@@ -52,7 +59,7 @@ class TypedTopic:
         told = sorted(hashes - {""})
         # Of publishers that tell none nothing can be compared; they count as the others.
         if len(told) > 1:
-            self._type, self._spoken, self._refused = None, None, True
+            self.deliver, self._spoken, self._refused = None, None, True
             self._clear()
             versions = " and ".join(told)
             self._types.refuse(
@@ -64,7 +71,7 @@ class TypedTopic:
         spoken = told[0] if told else ""
         if spoken == self._spoken:
             return
-        self._type, self._spoken, self._refused = None, spoken, False
+        self.deliver, self._spoken, self._refused = None, spoken, False
 
         def on_found(found: TopicType | None) -> None:
             # Another publisher may have come meanwhile.
@@ -73,22 +80,19 @@ class TypedTopic:
 
         self._types.find(self._topic, self._type_name, spoken, on_found)
 
-    def read_message(self, raw: bytes, time_us: int, mono_ns: int) -> None:
-        """Take a message; what cannot be read is left out."""
-        if self._type is not None:
-            self._deliver(self._type, raw, time_us, mono_ns)
-        elif not self._refused:
-            self._hold(raw, time_us, mono_ns)
-
     def _on_found(self, found: TopicType | None) -> None:
-        self._type, self._refused = found, found is None
+        self._refused = found is None
         if found is not None:
+            self.deliver = self._deliver_as(found)
             # With the times at which they came, so that nobody sees that they waited.
             for raw, time_us, mono_ns in self._held:
-                self._deliver(found, raw, time_us, mono_ns)
+                self.deliver(raw, time_us, mono_ns)
         self._clear()
 
-    def _hold(self, raw: bytes, time_us: int, mono_ns: int) -> None:
+    def hold_message(self, raw: bytes, time_us: int, mono_ns: int) -> None:
+        """Take a message while there is no `deliver`; of what cannot be read it is left out."""
+        if self._refused:
+            return
         self._held.append((raw, time_us, mono_ns))
         self._held_bytes += len(raw)
         while len(self._held) > _MAX_HELD or self._held_bytes > _MAX_HELD_BYTES:
