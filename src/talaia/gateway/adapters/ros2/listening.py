@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.serialization import deserialize_message
 
 from talaia.gateway.adapters.ros2.decode import decoder_for
-from talaia.gateway.adapters.ros2.typed_topic import TypedTopic
+from talaia.gateway.adapters.ros2.typed_topic import Deliver, TypedTopic
 from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, file_in
 from talaia.gateway.errors import FieldError
 from talaia.gateway.video.camera import PictureStream
@@ -159,7 +159,7 @@ class Ros2Listening:
         """Let a plan read its topic's messages; a subscription that is there already stays."""
         recorded = self._raw if self._raw is not None and plan.topic in self._raw.topics else None
 
-        def deliver_as(kind: TopicType) -> Callable[[bytes, int, int], None]:
+        def deliver_as(kind: TopicType) -> Deliver:
             # Looked up once: this runs for each message.
             decode, read_message, gathered = kind.decode, plan.read_message, self._gathered
 
@@ -182,10 +182,7 @@ class Ros2Listening:
         self._subscriptions.want(key, plan.topic, plan.type_name, depth=_DEPTH, reader=reader)
 
     def _reader(
-        self,
-        topic: str,
-        type_name: str,
-        deliver_as: Callable[[TopicType], Callable[[bytes, int, int], None]],
+        self, topic: str, type_name: str, deliver_as: Callable[[TopicType], Deliver]
     ) -> _TimedReader:
         typed = TypedTopic(topic, type_name, self._types, deliver_as)
         # Looked up once: this runs for each message.
@@ -261,7 +258,7 @@ class Ros2Listening:
 
             def record_as(
                 kind: TopicType, *, topic: str = topic, type_name: str = type_name
-            ) -> Callable[[bytes, int, int], None]:
+            ) -> Deliver:
                 return lambda raw, time_us, _: sink.offer(
                     topic, type_name, raw, time_us * 1000, definition=kind.schema
                 )

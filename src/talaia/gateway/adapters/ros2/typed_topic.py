@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from talaia.gateway.adapters.ros2.topic_types import TopicType, TopicTypes
 
-__all__ = ["TypedTopic"]
+__all__ = ["Deliver", "TypedTopic"]
 
 # Messages that wait until it is known how they are read; a latched one must not be lost.
 _MAX_HELD = 100

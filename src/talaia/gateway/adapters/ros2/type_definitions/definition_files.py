@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from rosbags.interfaces import MessageDefinitionFormat
-from rosbags.rosbag2 import Reader
 
 from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     TYPE_IDS,
@@ -169,6 +168,9 @@ class RecordedDefinitions:
         self._source = f"the recording {path}"
         self._texts: dict[str, str] = {}
         try:
+            # Only where a description names a recording: it takes 3 MiB of memory.
+            from rosbags.rosbag2 import Reader
+
             with Reader(path) as reader:
                 for connection in reader.connections:
                     if connection.msgdef.format is MessageDefinitionFormat.MSG:
