@@ -10,7 +10,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
-from talaia.ros_installation import FoundRos, RosOrigin, choose_ros, find_ros
+from talaia.ros_installation import (
+    FoundRos,
+    RosOrigin,
+    bridge_command,
+    choose_ros,
+    find_ros,
+)
 
 PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
 WHEELS = FoundRos(
@@ -47,6 +53,34 @@ def test_a_ros_sourced_for_another_python_is_taken_out_where_there_are_wheels() 
     assert choice.environment["PYTHONPATH"] == "/mine"
     # Its message definitions are still found.
     assert "AMENT_PREFIX_PATH" not in choice.environment
+
+
+def test_a_gateway_uses_a_ros_of_another_python_by_a_process_of_that_python() -> None:
+    for found in (WHEELS, NOTHING):
+        choice = choose_ros(found, sourced("3.10", "/opt/ros/humble"), bridged=True)
+        assert (choice.origin, choice.python) == (RosOrigin.BRIDGED, "python3.10")
+        assert choice.where == "/opt/ros/humble/lib/python3.10/site-packages"
+    # One of this Python is still loaded as it is.
+    assert choose_ros(NOTHING, sourced("3.11"), bridged=True).origin is RosOrigin.SOURCED
+    named = choose_ros(WHEELS, {"TALAIA_ROS_PYTHON": "/srv/env/bin/python"}, bridged=True)
+    assert bridge_command(named) == ["/srv/env/bin/python", "-u"]
+
+
+def test_a_ros_that_nobody_sourced_is_found_and_its_setup_is_read_first() -> None:
+    packages = {
+        "/opt/ros/humble": "/opt/ros/humble/local/lib/python3.10/dist-packages",
+        "/opt/ros/jazzy": "/opt/ros/jazzy/lib/python3.99/site-packages",
+    }
+    found = NOTHING._replace(machine="aarch64", packages=packages)
+    choice = choose_ros(found, {}, bridged=True)
+    assert choice.origin is RosOrigin.BRIDGED
+    assert bridge_command(choice) == [
+        "/bin/bash", "-c", '. "$0" && exec "$@"', "/opt/ros/jazzy/setup.bash", "python3.99", "-u"
+    ]  # fmt: skip
+    # Wheels are installed on purpose.
+    assert choose_ros(WHEELS._replace(packages=packages), {}, bridged=True).origin is (
+        RosOrigin.WHEELS
+    )
 
 
 @given(st.permutations(["/venv/a.libs", "/venv/b.libs", "/venv/c.libs"]))

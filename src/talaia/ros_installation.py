@@ -31,7 +31,10 @@ __all__ = [
     "ForeignRos",
     "RosChoice",
     "RosOrigin",
+    "bridge_command",
+    "bridge_environment",
     "choose_ros",
+    "find_nothing_else",
     "find_ros",
     "ros_environment",
     "use_ros",
@@ -43,11 +46,15 @@ __all__ = [
 _WHEELS_READY = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 # Set by `use_ros` when it starts the process anew, so that this happens once.
 _CHOSEN = "TALAIA_ROS_CHOSEN"
+# Names the Python whose rclpy is used, by a process of its own: for a gateway before all else.
+_ROS_PYTHON = "TALAIA_ROS_PYTHON"
 _LIBRARIES = "LD_LIBRARY_PATH"
 _PREFIXES = "AMENT_PREFIX_PATH"
 _PYTHONS = "PYTHONPATH"
 # Where Debian and Ubuntu packages of ROS lie.
 _OPT = Path("/opt/ros")
+# What says where this Python has its packages.
+_OWN = (_WHEELS_READY, _CHOSEN, "VIRTUAL_ENV", "PYTHONHOME")
 # A distribution's Python packages: ``lib/python3.10/site-packages``, or below ``local``.
 _PACKAGES = re.compile(r"/(?:local/)?lib/python(3\.\d+)/(?:site|dist)-packages/?$")
 
@@ -63,6 +70,8 @@ class RosOrigin(StrEnum):
     WHEELS = "wheels"
     # `rclpy` stands in the environment as any other package (conda, Debian's python3-rclpy).
     INSTALLED = "installed"
+    # A system's, of another Python: a process of that Python does the work for a gateway.
+    BRIDGED = "bridged"
     NONE = "none"
 
 
@@ -76,6 +85,8 @@ class RosChoice(NamedTuple):
         remedy: what to do where nothing can be used; empty else.
         environment: variables that have to be changed before ``rclpy`` is imported; none of them
             where the process can go on as it is.
+        python: the interpreter of a ROS of another Python; empty else.
+        setup: what has to be sourced before that; empty where it has been.
 
     """
 
@@ -84,6 +95,8 @@ class RosChoice(NamedTuple):
     reason: str
     remedy: str = ""
     environment: Mapping[str, str] = {}
+    python: str = ""
+    setup: str = ""
 
 
 class FoundRos(NamedTuple):
@@ -96,6 +109,7 @@ class FoundRos(NamedTuple):
         installations: of Debian or Ubuntu packages, not necessarily sourced.
         python: of this process, ``3.11``.
         machine: ``x86_64``, ``aarch64``.
+        packages: the folder of Python packages of each of the installations that has rclpy.
 
     """
 
@@ -105,13 +119,16 @@ class FoundRos(NamedTuple):
     installations: Sequence[str]
     python: str
     machine: str
+    packages: Mapping[str, str] = {}
 
 
-def choose_ros(found: FoundRos, environment: Mapping[str, str]) -> RosChoice:
-    """Choose: a sourced ROS of this Python, else the wheels, else what is installed.
+def choose_ros(
+    found: FoundRos, environment: Mapping[str, str], *, bridged: bool = False
+) -> RosChoice:
+    """Choose: a sourced ROS, else the wheels, else what is installed.
 
-    A ROS that is sourced for another Python cannot be loaded here. Where there are wheels, they
-    are used with its paths taken out: its robot is reached by DDS all the same.
+    A ROS that is sourced for another Python cannot be loaded here. A gateway (``bridged``) has a
+    process of that Python do the work; all else uses the wheels, with its paths taken out.
     """
     sourced = _split(environment.get(_PREFIXES, ""))
     pythons = {
@@ -120,6 +137,12 @@ def choose_ros(found: FoundRos, environment: Mapping[str, str]) -> RosChoice:
         if any(path.startswith(f"{prefix}/") for prefix in sourced)
         and (match := _PACKAGES.search(path))
     }
+    if bridged and (named := environment.get(_ROS_PYTHON)):
+        reason = f"{_ROS_PYTHON} is {named}, and a process of that Python uses its ROS 2"
+        return RosChoice(RosOrigin.BRIDGED, named, reason, python=named)
+    if bridged and pythons and found.python not in pythons:
+        python, where = next(iter(pythons.items()))
+        return _bridged_choice(where, python, f"{where} is sourced")
     if found.python in pythons:
         where = pythons[found.python]
         return RosChoice(
@@ -141,7 +164,42 @@ def choose_ros(found: FoundRos, environment: Mapping[str, str]) -> RosChoice:
         )
     if found.package and not other:
         return RosChoice(RosOrigin.INSTALLED, found.package, f"rclpy of {found.package}")
+    if bridged and found.packages and not other:
+        # Distributions are named by the alphabet: the newest is the last.
+        prefix, where = max(found.packages.items())
+        match = _PACKAGES.search(where)
+        python = match[1] if match else found.python
+        choice = _bridged_choice(where, python, f"{prefix} is installed")
+        return choice._replace(setup=f"{prefix}/setup.bash")
     return RosChoice(RosOrigin.NONE, "", "there is no ROS 2 for this Python", _remedy(found, other))
+
+
+def _bridged_choice(where: str, python: str, reason: str) -> RosChoice:
+    return RosChoice(
+        RosOrigin.BRIDGED,
+        where,
+        f"{reason}, and used by a process of its own Python {python}",
+        python=f"python{python}",
+    )
+
+
+def bridge_command(choice: RosChoice) -> list[str]:
+    """Give the words that start the Python of a bridged ROS; what it runs follows them."""
+    system = f"/usr/bin/{choice.python}"
+    python = system if os.access(system, os.X_OK) else choice.python
+    if not choice.setup:
+        return [python, "-u"]
+    # bash gets the words as arguments of its own, so nothing in them is read as shell.
+    return ["/bin/bash", "-c", '. "$0" && exec "$@"', choice.setup, python, "-u"]
+
+
+def bridge_environment(environment: Mapping[str, str]) -> dict[str, str]:
+    """Give the environment for that process: without what is for this Python and its wheels."""
+    kept = {name: value for name, value in environment.items() if name not in _OWN}
+    ours = find_ros().libraries
+    libraries = [path for path in _split(environment.get(_LIBRARIES, "")) if path not in ours]
+    kept[_LIBRARIES] = os.pathsep.join(libraries)
+    return kept
 
 
 def _sourced_environment(
@@ -168,11 +226,7 @@ def _wheels_environment(
     """Give what the wheels need changed; nothing where it is so already."""
 
     def outside(name: str) -> list[str]:
-        return [
-            path
-            for path in _split(environment.get(name, ""))
-            if not any(path == prefix or path.startswith(f"{prefix}/") for prefix in sourced)
-        ]
+        return [path for path in _split(environment.get(name, "")) if not _is_below(path, sourced)]
 
     # Sorted, so that every start finds the same libraries.
     ours = sorted(found.libraries)
@@ -214,6 +268,12 @@ def find_ros() -> FoundRos:
         installations=sorted(str(path.parent) for path in _OPT.glob("*/setup.bash")),
         python=_python(),
         machine=platform.machine(),
+        packages={
+            str(prefix.parent): str(package.parent)
+            for prefix in sorted(_OPT.glob("*/setup.bash"))
+            # Humble's lies below `local`, with Debian's name for the folder.
+            for package in prefix.parent.glob("**/lib/python3.*/*-packages/rclpy")
+        },
     )
 
 
@@ -222,7 +282,7 @@ def ros_environment() -> dict[str, str]:
     return dict(choose_ros(find_ros(), os.environ).environment)
 
 
-def use_ros(*, ordered: bool = False) -> RosChoice:
+def use_ros(*, ordered: bool = False, bridged: bool = False) -> RosChoice:
     """Make ``rclpy`` importable; to be called before anything of ROS is imported.
 
     Starts the process anew, with the same number and arguments, where variables have to change
@@ -230,14 +290,20 @@ def use_ros(*, ordered: bool = False) -> RosChoice:
 
     Args:
         ordered: also where libraries are all found, but in another order than at other starts.
+        bridged: a ROS of another Python may be chosen; then nothing can be imported of it here.
 
     Raises:
         ForeignRos: there is none for this Python, or what is called so is something else.
 
     """
-    choice = choose_ros(find_ros(), os.environ)
+    choice = choose_ros(find_ros(), os.environ, bridged=bridged)
     if choice.origin is RosOrigin.NONE:
         raise ForeignRos(f"{choice.reason}; {choice.remedy}")
+    if choice.origin is RosOrigin.BRIDGED:
+        # Packages of another Python, which setup.bash has put before our own.
+        prefixes = _split(os.environ.get(_PREFIXES, ""))
+        sys.path[:] = [path for path in sys.path if not _is_below(path, prefixes)]
+        return choice
     # A second time would be a circle: then it is tried as it is.
     if (
         _is_to_change(choice.environment, ordered=ordered)
@@ -264,6 +330,11 @@ def _is_to_change(wanted: Mapping[str, str], *, ordered: bool) -> bool:
         name != _LIBRARIES or ordered or set(_split(os.environ.get(name, ""))) != set(_split(value))
         for name, value in wanted.items()
     )
+
+
+def find_nothing_else() -> None:
+    """Have no package of the wheels found in this process from here on."""
+    sys.meta_path.insert(0, _SourcedOnly([]))
 
 
 class _SourcedOnly(MetaPathFinder):
@@ -313,6 +384,10 @@ def _remedy_of_broken(choice: RosChoice) -> str:
 
 def _python() -> str:
     return f"{sys.version_info.major}.{sys.version_info.minor}"
+
+
+def _is_below(path: str, prefixes: Sequence[str]) -> bool:
+    return any(path == prefix or path.startswith(f"{prefix}/") for prefix in prefixes)
 
 
 def _split(paths: str) -> list[str]:

@@ -53,4 +53,7 @@ def test_a_ros_that_is_sourced_for_another_python_is_told(tmp_path: Path) -> Non
         check=False,
     )
     line = next(line for line in done.stdout.splitlines() if "  ROS 2  " in line)
-    assert "is sourced, but for Python 3.10" in line
+    assert "is sourced, and used by a process of its own Python 3.10" in line
+    # Here it is an empty folder.
+    assert "!!  ROS 2 by its Python" in done.stdout
+    assert done.returncode == 1

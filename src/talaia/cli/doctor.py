@@ -11,16 +11,25 @@ import importlib.util
 import os
 import platform
 import shutil
+import subprocess
 import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from talaia import __version__
-from talaia.ros_installation import RosOrigin, choose_ros, find_ros
+from talaia.ros_installation import (
+    RosOrigin,
+    bridge_command,
+    bridge_environment,
+    choose_ros,
+    find_ros,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+
+    from talaia.ros_installation import RosChoice
 
 __all__ = ["PartFinding", "PartState", "examine_machine", "main"]
 
@@ -39,6 +48,8 @@ _PARTS = (
 )
 # Of the messages that a robot is told something by; to be read, a type needs no package.
 _MESSAGES = ("std_msgs", "geometry_msgs", "sensor_msgs", "nav_msgs", "std_srvs")
+# Imports from a memory card.
+_IMPORT_S = 30.0
 _RMW = "RMW_IMPLEMENTATION"
 # The middleware by which a type without its package can be read.
 _USUAL_RMW = "rmw_fastrtps_cpp"
@@ -99,7 +110,7 @@ def examine_machine() -> Iterator[PartFinding]:
 
 def _examine_ros2() -> Iterator[PartFinding]:
     found = find_ros()
-    choice = choose_ros(found, os.environ)
+    choice = choose_ros(found, os.environ, bridged=True)
     if choice.origin is RosOrigin.NONE:
         # Whoever sourced one means to use it; else it is one of several ways to a robot.
         state = PartState.PROBLEM if os.environ.get("AMENT_PREFIX_PATH") else PartState.ABSENT
@@ -112,7 +123,12 @@ def _examine_ros2() -> Iterator[PartFinding]:
             "ROS 2 on this machine",
             f"{', '.join(found.installations)}, not used; its robots are reached all the same",
         )
-    absent = [name for name in _MESSAGES if importlib.util.find_spec(name) is None]
+    if choice.origin is RosOrigin.BRIDGED:
+        # What packages it has is known by its own Python alone.
+        yield from _examine_bridge(choice)
+        absent = []
+    else:
+        absent = [name for name in _MESSAGES if importlib.util.find_spec(name) is None]
     if absent:
         packages = " ".join(f"ros-$ROS_DISTRO-{name.replace('_', '-')}" for name in absent)
         remedy = (
@@ -129,6 +145,29 @@ def _examine_ros2() -> Iterator[PartFinding]:
     if domain and not domain.isdecimal():
         remedy = "set it to a number from 0 to 101, the same as on the robot"
         yield PartFinding(PartState.PROBLEM, "ROS 2 domain", f"ROS_DOMAIN_ID is {domain!r}", remedy)
+
+
+def _examine_bridge(choice: RosChoice) -> Iterator[PartFinding]:
+    """Try whether a system's ROS 2 can be used by its own Python."""
+    words = [*bridge_command(choice), "-c", f"import rclpy, {', '.join(_MESSAGES)}"]
+    try:
+        done = subprocess.run(  # noqa: S603 - an interpreter of the system's
+            words,
+            env=bridge_environment(os.environ),
+            capture_output=True,
+            text=True,
+            timeout=_IMPORT_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        remedy = f"install {choice.python}, or name the Python that has rclpy in TALAIA_ROS_PYTHON"
+        yield PartFinding(PartState.PROBLEM, "ROS 2 by its Python", str(error), remedy)
+        return
+    if done.returncode:
+        said = (done.stderr.strip().splitlines() or ["it says nothing"])[-1]
+        packages = " ".join(f"ros-$ROS_DISTRO-{name.replace('_', '-')}" for name in _MESSAGES)
+        remedy = f"source its setup.bash, and run `apt install ros-$ROS_DISTRO-rclpy {packages}`"
+        yield PartFinding(PartState.PROBLEM, "ROS 2 by its Python", said, remedy)
 
 
 def _examine_ros1() -> Iterator[PartFinding]:

@@ -107,7 +107,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             # Before the imports: where ROS comes from wheels the process begins anew. What is
             # missing is said by whoever needs it, if anybody does.
             with suppress(ForeignRos):
-                use_ros(ordered=True)
+                use_ros(ordered=True, bridged=first == "gateway")
         run = _load_main(first, command)
         if argv is None:
             # This process is the command's own: what was imported stays until it ends, and no

@@ -25,7 +25,7 @@ from talaia.wire.frames import CommandPhase
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from talaia.gateway.adapters.ros2.waitset import WaitThread
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 

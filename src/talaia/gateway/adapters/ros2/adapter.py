@@ -13,7 +13,7 @@ import logging
 import os
 from typing import TYPE_CHECKING, Any
 
-import talaia.ros_start  # noqa: F401 - before the first import of rclpy
+from talaia.gateway.adapters.ros2.system_ros.start import prepare_bridge
 
 # isort: split
 import rclpy
@@ -22,19 +22,19 @@ from rclpy.context import Context
 from talaia.gateway.adapters.arrival_times import Arrivals
 from talaia.gateway.adapters.presence import Deafness
 from talaia.gateway.adapters.reconnection import ReconnectionAttempts
-from talaia.gateway.adapters.ros2.graph_node import join_graph
+from talaia.gateway.adapters.ros2.graph_node import join_graph, wait_sets_of
 from talaia.gateway.adapters.ros2.listening import Ros2Listening
 from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
 from talaia.gateway.adapters.ros2.parameters import Ros2Parameters
 from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, domain_of
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
+from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
 from talaia.gateway.adapters.ros2.services import Ros2Commands
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.taps import Ros2TopicSource
 from talaia.gateway.adapters.ros2.topic_types import TopicTypes
 from talaia.gateway.adapters.ros2.type_definitions.robot_questions import RobotDescriptions
-from talaia.gateway.adapters.ros2.waitset import WaitThread
 from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan, make_live_plans
 from talaia.gateway.adapters.unreadable_reports import UnreadableReports
 from talaia.gateway.errors import AdapterLost
@@ -129,6 +129,7 @@ class Ros2Adapter:
         remove_dead_segments_at_start()
         context = Context()
         try:
+            await loop.run_in_executor(None, prepare_bridge)
             self._join(context, fail)
         except Exception as error:
             self._leave(context)
@@ -207,7 +208,7 @@ class Ros2Adapter:
         self._number.mark_used()
         guard = self._node.create_guard_condition(lambda: None)
         thread = WaitThread(
-            context=context.handle,
+            make_wait_set=wait_sets_of(context),
             guard=guard.handle,
             after=self._after,
             idle=self._on_idle,

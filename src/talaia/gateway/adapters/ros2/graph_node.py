@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ["join_graph"]
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["join_graph", "wait_sets_of"]
 
 
 def join_graph(name: str, context: Any, domain: int | None) -> Any:  # noqa: ANN401 - rclpy ships no types
@@ -38,3 +42,12 @@ def join_graph(name: str, context: Any, domain: int | None) -> Any:  # noqa: ANN
         start_parameter_services=False,
         parameter_overrides=[quiet],
     )
+
+
+def wait_sets_of(context: Any) -> Callable[[int, int], Any]:  # noqa: ANN401
+    """Give what makes a wait set for so many subscriptions and clients, and one guard."""
+
+    def make(subscriptions: int, clients: int) -> Any:  # noqa: ANN401
+        return rclpy_implementation.WaitSet(subscriptions, 1, 0, clients, 0, 0, context.handle)
+
+    return make

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from talaia.gateway.adapters.ros2.requests import class_of, velocity_message
+from talaia.gateway.adapters.ros2.system_ros.start import guard_velocity
+from talaia.gateway.driving.drive_keys import HALT
 from talaia.gateway.errors import TypeMissing
 from talaia.model.site import DriveMessage
 
@@ -76,6 +78,11 @@ class Ros2Motion:
             depth = 20 if type_name == DriveMessage.KEYS else 1
             publisher = self._node.create_publisher(kind, topic, _newest(durability, depth))
             where[name] = (publisher, kind())
+            if where is self._velocity:
+                zero = velocity_message(
+                    drive=rule, message=kind(), linear=0.0, angular=0.0, key=HALT
+                )
+                guard_velocity(publisher, zero)
 
     def drive(self, device: str, linear: float, angular: float, key: str = "") -> None:
         """Publish a velocity, or the character that stands for it."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
-    from talaia.gateway.adapters.ros2.waitset import WaitThread
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.gateway.adapters.topic_readers import SampleBuffer, TopicPlan
     from talaia.gateway.ports import ChannelReading
     from talaia.wire.frames import Scalar

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.adapters.connection_scope import ConnectionScope
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.gateway.adapters.ros2.services import Ros2Commands
-    from talaia.gateway.adapters.ros2.waitset import WaitThread
 
 __all__ = ["Ros2Presence"]
 

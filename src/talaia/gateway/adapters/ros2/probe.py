@@ -10,7 +10,7 @@ import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-import talaia.ros_start  # noqa: F401 - before the first import of rclpy
+import talaia.gateway.adapters.ros2.system_ros.start  # noqa: F401 - before the first of rclpy
 
 # isort: split
 import rclpy

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
-    from talaia.gateway.adapters.ros2.waitset import WaitThread
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 

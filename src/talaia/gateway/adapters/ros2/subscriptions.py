@@ -18,7 +18,7 @@ from talaia.gateway.adapters.ros2.type_definitions.robot_questions import hash_o
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, KeysView
 
-    from talaia.gateway.adapters.ros2.waitset import WaitThread
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
 
 __all__ = ["Ros2Subscriptions", "TopicReader"]
 

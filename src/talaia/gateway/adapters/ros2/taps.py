@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from talaia.clock import Clock
     from talaia.gateway.adapters.arrival_times import Arrivals
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.gateway.adapters.ros2.topic_types import TopicType, TopicTypes
-    from talaia.gateway.adapters.ros2.waitset import WaitThread
     from talaia.gateway.tap_ports import TapSink
 
 __all__ = ["Ros2Taps", "Ros2TopicSource"]

@@ -28,6 +28,7 @@ from talaia.gateway.adapters.ros2.made_types.rosidl_structs import (
     string_support,
     tell_hash,
 )
+from talaia.gateway.adapters.ros2.system_ros.start import is_bridged
 from talaia.gateway.errors import GatewayError
 
 __all__ = ["CannotMakeTypes", "forget_error", "is_made", "made_class", "problem_here"]
@@ -52,6 +53,8 @@ class _Made:
 
 def problem_here() -> str:
     """Say why no classes can be made with the middleware in use; empty where they can."""
+    if is_bridged():
+        return "the system's ROS 2 is used by a process of its own, which knows its packages alone"
     used = rclpy.get_rmw_implementation_identifier()
     if used != _MIDDLEWARE:
         return f"the middleware is {used}, and only {_MIDDLEWARE} takes types by name"
@@ -86,7 +89,7 @@ def made_class(type_name: str, type_hash: str) -> Any:  # noqa: ANN401 - as rosi
 
 def is_made(kind: Any) -> bool:  # noqa: ANN401
     """Tell whether a message's class is one that was made here."""
-    return issubclass(kind, _Made)
+    return isinstance(kind, type) and issubclass(kind, _Made)
 
 
 def forget_error() -> None:

@@ -59,7 +59,7 @@ def _definition(package: str, name: str) -> str:
     except Exception:  # noqa: BLE001, S110 - the index raises kinds of its own; the rest remains
         pass
     for folder in folders:
-        for base in (folder, folder / "scope" / package):
+        for base in (folder, folder / "scope" / package, folder / "share" / package):
             try:
                 return (base / "msg" / f"{name}.msg").read_text(errors="replace")
             except OSError:

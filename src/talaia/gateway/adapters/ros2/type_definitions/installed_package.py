@@ -16,7 +16,7 @@ from talaia.gateway.adapters.ros2.type_definitions.message_definition import (
     TypeDefinition,
 )
 
-__all__ = ["constants_of", "installed_definition"]
+__all__ = ["constants_of", "installed_definition", "type_of_word"]
 
 _SEQUENCE = re.compile(r"sequence<(?P<of>.+?)(?:, (?P<most>\d+))?>\Z")
 _ARRAY = re.compile(r"(?P<of>.+)\[(?P<size>\d+)\]\Z")
@@ -46,7 +46,7 @@ def installed_definition(type_name: str) -> TypeDefinition | None:
                 return None
             raise BadDefinition(f"{type_name} is made of {name}, which is not installed")
         fields = tuple(
-            MessageField(field, _type_of(declared))
+            MessageField(field, type_of_word(declared))
             for field, declared in kind.get_fields_and_field_types().items()
             if field != _FILLER
         )
@@ -58,6 +58,9 @@ def installed_definition(type_name: str) -> TypeDefinition | None:
 
 def constants_of(kind: Any) -> dict[str, int]:  # noqa: ANN401 - generated classes are untyped
     """Read a class's whole numbers; they stand on its metaclass."""
+    if isinstance(told := getattr(kind, "constants", None), dict):
+        # It stands for a class of another Python's.
+        return dict(told)
     found = {}
     for name in dir(type(kind)):
         value = getattr(kind, name, None)
@@ -77,14 +80,20 @@ def _class_named(name: str) -> Any:  # noqa: ANN401
         return None
 
 
-def _type_of(declared: str) -> FieldType:
+def type_of_word(declared: str) -> FieldType:
+    """Read a field's type as rosidl's classes name it: ``sequence<double, 4>``.
+
+    Raises:
+        BadDefinition: it is none that can be decoded here.
+
+    """
     sequence = _SEQUENCE.match(declared)
     if sequence is not None:
         form = FieldForm.BOUNDED if sequence["most"] else FieldForm.SEQUENCE
-        return _type_of(sequence["of"])._replace(form=form, size=int(sequence["most"] or 0))
+        return type_of_word(sequence["of"])._replace(form=form, size=int(sequence["most"] or 0))
     array = _ARRAY.match(declared)
     if array is not None:
-        return _type_of(array["of"])._replace(form=FieldForm.ARRAY, size=int(array["size"]))
+        return type_of_word(array["of"])._replace(form=FieldForm.ARRAY, size=int(array["size"]))
     text = _TEXT.match(declared)
     if text is not None:
         return FieldType(text["of"], text_bound=int(text["most"]))

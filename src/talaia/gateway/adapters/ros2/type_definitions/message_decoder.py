@@ -34,7 +34,9 @@ _WIDE = "talaia/msg/WideText"
 _LITTLE = b"\x00\x01"
 
 
-def decoder_of(definition: TypeDefinition, *, proven: bool) -> Callable[[bytes], object]:
+def decoder_of(
+    definition: TypeDefinition, *, proven: bool, store: Typestore | None = None
+) -> Callable[[bytes], object]:
     """Compile a decoder of a checked definition.
 
     It gives an object with the message's fields: numbers, texts, numpy arrays, lists of objects;
@@ -44,12 +46,13 @@ def decoder_of(definition: TypeDefinition, *, proven: bool) -> Callable[[bytes],
         definition: see `TypeDefinition.checked`.
         proven: its hash is the publisher's. If not, bytes that are left over are an error: then it
             is another version's.
+        store: of `compiled_store`, where there is one already.
 
     Raises:
         BadDefinition: it cannot be compiled.
 
     """
-    return _decoder(compiled_store(definition), definition.name, proven=proven)
+    return _decoder(store or compiled_store(definition), definition.name, proven=proven)
 
 
 def compiled_store(definition: TypeDefinition) -> Typestore:

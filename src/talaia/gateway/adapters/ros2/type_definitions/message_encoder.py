@@ -20,9 +20,10 @@ from talaia.gateway.errors import FieldError
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-__all__ = ["MessageEncoder"]
+__all__ = ["NUMPY_WORDS", "MessageEncoder"]
 
-_NUMPY = {"bool": "bool", "byte": "uint8", "char": "uint8"}
+# numpy's words where they are others.
+NUMPY_WORDS = {"bool": "bool", "byte": "uint8", "char": "uint8"}
 # Memory that one array of a request may take.
 _MAX_ELEMENTS = 1_000_000
 
@@ -76,11 +77,11 @@ class MessageEncoder:
             case FieldForm.ONE:
                 return self._empty_element(kind.base)
             case FieldForm.ARRAY if plain:
-                return np.zeros(kind.size, _NUMPY.get(kind.base, kind.base))
+                return np.zeros(kind.size, NUMPY_WORDS.get(kind.base, kind.base))
             case FieldForm.ARRAY:
                 return [self._empty_element(kind.base) for _ in range(kind.size)]
             case _:
-                return np.zeros(0, _NUMPY.get(kind.base, kind.base)) if plain else []
+                return np.zeros(0, NUMPY_WORDS.get(kind.base, kind.base)) if plain else []
 
     def _empty_element(self, base: str) -> Any:  # noqa: ANN401
         if base not in TYPE_IDS:

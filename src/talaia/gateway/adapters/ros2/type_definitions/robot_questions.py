@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from talaia.clock import Clock
+    from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.gateway.adapters.ros2.type_definitions.message_definition import TypeDefinition
-    from talaia.gateway.adapters.ros2.waitset import WaitThread
 
 try:
     from type_description_interfaces.srv import GetTypeDescription

@@ -1,4 +1,4 @@
-"""A thread on a ROS 2 wait set, with all that belongs to it.
+"""A thread on a ROS 2 wait set, with all that belongs to it. Also used by a bridge's own Python.
 
 Why not an executor: rclpy's own costs 115 to 126 µs of CPU for each message, since it rebuilds its
 wait set at every turn and wakes for each message; one that drains all ready subscriptions and
@@ -15,8 +15,6 @@ import threading
 import time
 from collections import deque
 from typing import TYPE_CHECKING, Any
-
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,8 +37,8 @@ class WaitThread:
     def __init__(
         self,
         *,
-        context: Any,  # noqa: ANN401 - rclpy ships no types
-        guard: Any,  # noqa: ANN401
+        make_wait_set: Callable[[int, int], Any],
+        guard: Any,  # noqa: ANN401 - rclpy ships no types
         after: Callable[[], bool],
         idle: Callable[[], None],
         failed: Callable[[BaseException], None],
@@ -48,15 +46,15 @@ class WaitThread:
         """Take what is called.
 
         Args:
-            context: the ROS context's handle.
-            guard: a guard condition of it, to wake the thread.
+            make_wait_set: makes one for so many subscriptions and clients and the guard.
+            guard: a guard condition, to wake the thread.
             after: called after a turn that took something, and when something is held back;
                 tells whether anything is still held back.
             idle: called about four times a second, for looking at the graph.
             failed: told how the thread ended if it was not asked to.
 
         """
-        self._context = context
+        self._make_wait_set = make_wait_set
         self._guard = guard
         self._after = after
         self._idle = idle
@@ -150,7 +148,7 @@ class WaitThread:
     def _make(self, old: Any, size: tuple[int, int]) -> Any:  # noqa: ANN401
         if old is not None:
             old.destroy_when_not_in_use()
-        return _rclpy.WaitSet(size[0], 1, 0, size[1], 0, 0, self._context)
+        return self._make_wait_set(*size)
 
     def _wait(self, wait_set: Any, timeout_ns: int) -> None:  # noqa: ANN401
         wait_set.clear_entities()

@@ -1,0 +1,58 @@
+"""Publications that end with a zero, whatever becomes of the gateway.
+
+A velocity stands for half a second at most without a new one, is not published when it has waited
+for a quarter, and is followed by zeros when the gateway is gone.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing import Any
+
+# A velocity stands no longer than this without a new one (s).
+SILENCE_S = 0.5
+# One that has waited so long in the pipe is of the past: whoever sent it may have let go since.
+STALE_NS = 250_000_000
+# Zeros are published for so long (s).
+_ZEROS_FOR_S = 1.0
+
+
+class ZeroEndedPublisher:
+    """A publisher of velocities; any thread."""
+
+    def __init__(self, publisher: Any, zero: bytes) -> None:  # noqa: ANN401 - rclpy ships no types
+        """Take rclpy's publisher, and the message that stops the robot."""
+        self._publisher, self._zero = publisher, zero
+        # The pipe's thread and the watching one both publish: a zero must not overtake.
+        self._turn = threading.Lock()
+        # Whether something other than the zero was published last, and when (monotonic, s).
+        self._moving = False
+        self._told_s = 0.0
+        # Until when zeros are published again and again (monotonic, s).
+        self._zeros_until_s = 0.0
+
+    def publish(self, message: bytes, made_ns: int) -> None:
+        """Publish a velocity, unless it is of the past; zeros always."""
+        with self._turn:
+            now_ns = time.monotonic_ns()
+            if message == self._zero:
+                self._moving = False
+            elif now_ns - made_ns > STALE_NS:
+                return
+            else:
+                self._moving, self._zeros_until_s = True, 0.0
+                self._told_s = now_ns / 1e9
+            self._publisher.publish(message)
+
+    def end_silence(self, silence_s: float = SILENCE_S) -> None:
+        """Publish a zero if a velocity stands for too long, and for a second after that."""
+        with self._turn:
+            now_s = time.monotonic()
+            if self._moving and now_s - self._told_s >= silence_s:
+                self._moving, self._zeros_until_s = False, now_s + _ZEROS_FOR_S
+            if now_s < self._zeros_until_s:
+                self._publisher.publish(self._zero)

@@ -1,0 +1,212 @@
+"""A gateway whose ROS 2 is a system's: all of it is done by a process of that ROS's own Python.
+
+The other Python is this one, with the wheels, unless ``TALAIA_TEST_ROS_PYTHON`` names one that has
+rclpy (`make proofs ONLY=bridge` makes one of Python 3.10). The robot is a process with rclpy.
+"""
+
+from __future__ import annotations
+
+import ast
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+import time
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from fake_hub import FakeHub, fake_hub
+from gateway_bench import addresses_of, command, drive, take_lease
+from patience import PATIENCE_S
+from websockets.protocol import State
+
+from talaia.gateway.adapters.ros2.rclpy_bridge.velocities import STALE_NS, ZeroEndedPublisher
+from talaia.wire.frames import CommandPhase, DriveState, StopRequest, StopState
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from gateway_bench import Peer
+
+HERE = Path(__file__).parent
+SOURCES = Path(__file__).parents[4] / "src/talaia/gateway/adapters/ros2"
+OTHER_PYTHON = os.environ.get("TALAIA_TEST_ROS_PYTHON", sys.executable)
+
+
+@asynccontextmanager
+async def bridged(url: str, data: Path) -> AsyncIterator[asyncio.subprocess.Process]:
+    paths = [str(each) for each in (HERE.parents[1], HERE.parents[2], SOURCES.parents[3])]
+    environment = {**os.environ, "TALAIA_ROS_PYTHON": OTHER_PYTHON}
+    environment["PYTHONPATH"] = os.pathsep.join(paths)
+    gateway = await asyncio.create_subprocess_exec(
+        sys.executable, str(HERE / "bridged_gateway.py"), url, str(data),
+        stdin=asyncio.subprocess.PIPE, env=environment,
+    )  # fmt: skip
+    try:
+        yield gateway
+    finally:
+        assert gateway.stdin is not None
+        gateway.stdin.close()
+        with contextlib.suppress(ProcessLookupError):
+            gateway.send_signal(signal.SIGCONT)
+        await asyncio.wait_for(gateway.wait(), PATIENCE_S)
+
+
+def children_of(pid: int) -> list[int]:
+    found = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    # Threads have children of their own.
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        found += (task / "children").read_text().split()
+    return sorted({int(each) for each in found})
+
+
+def bridge_of(pid: int) -> int:
+    (found,) = (
+        each for each in children_of(pid)
+        if b"ros2/bridge.py" in Path(f"/proc/{each}/cmdline").read_bytes()
+    )  # fmt: skip
+    return found
+
+
+async def driving(hub: FakeHub, peer: Peer) -> None:
+    """Take the lease and drive until the robot moves."""
+    epoch = await take_lease(hub)
+    before = len(peer.heard("cmd"))
+    async with asyncio.timeout(PATIENCE_S):
+        while not any(row[0] > 0 for row in peer.heard("cmd")[before:]):
+            await drive(hub, epoch)
+            await asyncio.sleep(0.02)
+
+
+async def counted(hub: FakeHub, peer: Peer, first: int) -> None:
+    await peer.do("count", **{"from": first, "to": first + 200, "hz": 400})
+    wanted = [float(each) for each in range(first, first + 200)]
+    await hub.until(lambda: hub.values("base/number")[-200:] == wanted, "all numbers, in order")
+
+
+@pytest.mark.robot
+@pytest.mark.timeout(90)
+async def test_all_that_a_gateway_does_with_ros2_goes_through_the_other_python(
+    peer: Peer, tmp_path: Path
+) -> None:
+    async with fake_hub(addresses_of) as hub, bridged(hub.url, tmp_path) as gateway:
+        await hub.until(lambda: hub.hellos, "a hello")
+        await peer.until_heard_by(1)
+        await counted(hub, peer, 0)
+        await peer.do("mode", text="auto ✓")
+        await hub.until(lambda: hub.values("base/mode") == ["auto ✓"], "a latched text")
+        async with asyncio.timeout(PATIENCE_S):
+            while not (hub.values("base/pose.x") and hub.values("base/speed1")):
+                await peer.do("odom", speed=0.25)
+                await peer.do("metric", text="{'name': 'speed1', 'magnitude': 1.4}")
+                await asyncio.sleep(0.1)
+        assert (hub.values("base/pose.x")[-1], hub.values("base/speed")[-1]) == (1.5, 0.25)
+        await hub.until(lambda: 1.5 in hub.values("base/gain"), "a parameter")
+        for name, args, phase, words in (
+            ("tune", {"gain": 2.5}, CommandPhase.SUCCEEDED, ""),
+            ("wander", {"active": True}, CommandPhase.SUCCEEDED, "wandering"),
+            ("fail", {}, CommandPhase.FAILED, "the wheel is off"),
+            ("absent", {}, CommandPhase.REFUSED, "/absent"),
+            ("horn", {"tune": "la"}, CommandPhase.SUCCEEDED, ""),
+            ("count", {"order": 5}, CommandPhase.SUCCEEDED, ""),
+            ("count", {"order": 13}, CommandPhase.FAILED, ""),
+        ):
+            done = await command(hub, name, f"{name} {args}", **args)
+            assert (done.phase, words in done.message) == (phase, True), done
+        await hub.send(StopRequest(device="base", id="s1", who="Ada"))
+        assert (await hub.next(StopState, lambda state: state.id == "s1")).latched
+        await peer.until(lambda: True in peer.heard("stop"))
+        assert (peer.heard("horn"), peer.heard("goal")) == (["la"], [5, 13])
+        await hub.until(lambda: 2.5 in hub.values("base/gain"), "the parameter that was set")
+        # Its process dies, and the gateway begins another.
+        os.kill(bridge_of(gateway.pid), signal.SIGKILL)
+        async with asyncio.timeout(PATIENCE_S):
+            while hub.values("base/number")[-1] != 1000:
+                await peer.do("count", **{"from": 1000, "to": 1001, "hz": 10})
+                await asyncio.sleep(0.1)
+        done = await command(hub, "wander", "again", active=True)
+        assert done.phase is CommandPhase.SUCCEEDED
+
+
+@pytest.mark.robot
+@pytest.mark.timeout(90)
+async def test_a_robot_comes_to_rest_when_its_gateway_freezes_or_is_killed(
+    peer: Peer, tmp_path: Path
+) -> None:
+    async with fake_hub(addresses_of) as hub, bridged(hub.url, tmp_path) as gateway:
+        await hub.until(lambda: hub.hellos, "a hello")
+        await peer.until_heard_by(1)
+        bridge = bridge_of(gateway.pid)
+        await driving(hub, peer)
+        gateway.send_signal(signal.SIGSTOP)
+        frozen_ns = time.monotonic_ns()
+        await peer.until(lambda: peer.heard("cmd")[-1] == [0.0, 0.0])
+        at = next(row["at"] for row in reversed(peer.rows) if row.get("cmd", [0])[0] > 0)
+        # The last velocity stood for half a second, and a busy machine may be late.
+        assert peer.rows[-1]["at"] - max(at, frozen_ns) < 1.5e9
+        gateway.send_signal(signal.SIGCONT)
+        await hub.next(DriveState, lambda state: state.linear == 0)
+        # Its link may have been lost meanwhile.
+        await hub.until(lambda: hub.links[-1].state is State.OPEN, "a link")
+        await driving(hub, peer)
+        gateway.kill()
+        await peer.until(lambda: peer.heard("cmd")[-1] == [0.0, 0.0])
+        # It ends by itself.
+        await hub.until(lambda: not Path(f"/proc/{bridge}").exists(), "its end")
+
+
+class Outlet:
+    """What stands for rclpy's publisher."""
+
+    def __init__(self) -> None:  # noqa: D107
+        self.published: list[bytes] = []
+
+    def publish(self, message: bytes) -> None:
+        self.published.append(message)
+
+
+def test_a_velocity_that_has_waited_in_the_pipe_is_not_published_and_a_zero_always() -> None:
+    outlet = Outlet()
+    publisher = ZeroEndedPublisher(outlet, b"zero")
+    now = time.monotonic_ns()
+    publisher.publish(b"fast", now)
+    publisher.publish(b"of the past", now - STALE_NS - 1)
+    publisher.publish(b"zero", now - 10 * STALE_NS)
+    assert outlet.published == [b"fast", b"zero"]
+
+
+def test_zeros_follow_a_velocity_that_nobody_renews_and_nothing_else() -> None:
+    outlet = Outlet()
+    publisher = ZeroEndedPublisher(outlet, b"zero")
+    publisher.end_silence(0.0)
+    assert outlet.published == []
+    publisher.publish(b"fast", time.monotonic_ns())
+    publisher.end_silence(60.0)
+    assert outlet.published == [b"fast"]
+    publisher.end_silence(0.0)
+    publisher.end_silence(0.0)
+    assert outlet.published == [b"fast", b"zero", b"zero"]
+
+
+@pytest.mark.parametrize(
+    "file",
+    sorted([SOURCES / "bridge.py", *SOURCES.glob("rclpy_bridge/*.py")]),
+    ids=lambda p: p.stem,
+)
+def test_what_the_other_python_runs_is_written_for_it_and_needs_rclpy_alone(file: Path) -> None:
+    tree = ast.parse(file.read_text(), feature_version=(3, 8))
+    imported = {
+        name.split(".")[0]
+        for node in ast.walk(tree)
+        for name in (
+            [alias.name for alias in node.names]
+            if isinstance(node, ast.Import)
+            else [node.module or ""]
+            if isinstance(node, ast.ImportFrom) and not node.level
+            else []
+        )
+    }
+    assert imported - set(sys.stdlib_module_names) <= {"rclpy", "rclpy_bridge"}
