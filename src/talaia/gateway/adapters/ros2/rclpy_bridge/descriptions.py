@@ -50,6 +50,7 @@ def describe_type(name: str) -> dict[str, Any] | None:
     top = class_named(name)
     if top is None:
         return None
+    # By name: fields and constants of each part, as the classes tell them.
     parts: dict[str, Any] = {}
     waiting = [(name, top)]
     while waiting:
@@ -64,6 +65,7 @@ def describe_type(name: str) -> dict[str, Any] | None:
                 found = class_named(inner) or class_named(f"{package}/action/{goal}")
                 if inner not in parts and found is not None:
                     waiting.append((inner, found))
+    # Its defaults are in the bytes of an empty one, and nowhere else to be had.
     empty = base64.b64encode(serialize_message(top())).decode()
     return {"parts": parts, "empty": empty}
 
@@ -72,6 +74,7 @@ def _constants_of(kind: Any) -> dict[str, Any]:  # noqa: ANN401
     found: dict[str, Any] = {}
     for name in dir(type(kind)):
         value = getattr(kind, name, None) if name.isupper() else None
+        # How rosidl has a ``byte``.
         if isinstance(value, bytes) and len(value) == 1:
             found[name] = value[0]
         elif isinstance(value, int) and not isinstance(value, bool):

@@ -52,6 +52,7 @@ class Bridge:
             self._answer(json.loads(body.decode()))
             return
         number, value = NUMBERED_HEAD.unpack_from(body)
+        # What was destroyed a moment ago may still be spoken to.
         owner = self._owners.get(number)
         if owner is None:
             return
@@ -96,6 +97,7 @@ class Bridge:
         try:
             result = getattr(self, f"do_{words}")(**asked)
             said: dict[str, Any] = {"call": call, "result": result}
+        # rclpy raises bare kinds for what it refuses.
         except Exception as error:  # noqa: BLE001 - the gateway decides what it means
             said = {"call": call, "error": str(error) or type(error).__name__}
         self._out.write(json_frame(said))
@@ -165,7 +167,9 @@ def main() -> None:
         "python": ".".join(map(str, sys.version_info[:2])),
         "where": os.path.dirname(os.path.dirname(rclpy.__file__)),
     }
+    # The gateway waits for this: from here on rclpy is there.
     out.write(json_frame(hello))
+    # The main thread may wait for ROS or for a full pipe; zeros must not.
     threading.Thread(target=bridge.watch, daemon=True).start()
     try:
         for kind, body in read_frames(os.fdopen(0, "rb")):

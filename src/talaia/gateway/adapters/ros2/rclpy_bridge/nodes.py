@@ -58,9 +58,11 @@ class JoinedNode:
             # Of Iron and later; Humble does not ask for it.
             parameter_overrides=[Parameter("start_type_description_service", value=False)],
         )
+        # By the gateway's number of the entity, as all that follows: the classes of types.
         self._kinds: dict[int, Any] = {}
         self._subscriptions: dict[int, Any] = {}
         self._publishers: dict[int, Any] = {}
+        # Those of the publishers that end with a zero.
         self._guarded: dict[int, ZeroEndedPublisher] = {}
         self._clients: dict[int, Any] = {}
         # The gateway's numbers of calls, by the client and rclpy's own number.
@@ -93,6 +95,7 @@ class JoinedNode:
         if kind is None:
             raise LookupError("its type is not installed")
         if what == "publisher":
+            # Needs no wait set, and so not its thread.
             profile = _profile(more["quality"])
             self._publishers[entity] = self._node.create_publisher(kind, more["topic"], profile)
             return
@@ -127,6 +130,7 @@ class JoinedNode:
 
     def destroy(self, entity: int) -> None:
         """End one of them."""
+        # First nobody says zeros by it any more, then it goes.
         self._guarded.pop(entity, None)
         publisher = self._publishers.pop(entity, None)
         if publisher is not None:
@@ -166,6 +170,7 @@ class JoinedNode:
         self._thread.run_soon(lambda: self._send(entity, client, message, number))
 
     def _send(self, entity: int, client: Any, message: Any, number: int) -> None:  # noqa: ANN401
+        # It may have been destroyed meanwhile.
         if entity in self._clients:
             self._calls[entity, client.handle.send_request(message)] = number
 
@@ -191,6 +196,7 @@ class JoinedNode:
         if question == "get_action_names_and_types":
             return get_action_names_and_types(self._node)
         found = getattr(self._node, question)(*words)
+        # Of all that is asked these alone are no JSON.
         if question.endswith("_info_by_topic"):
             return [_endpoint(info) for info in found]
         return found
@@ -242,6 +248,7 @@ def _endpoint(info: Any) -> dict[str, Any]:  # noqa: ANN401
         "node": info.node_name,
         "namespace": info.node_namespace,
         "type": info.topic_type,
+        # Humble tells none.
         "hash": str(getattr(info, "topic_type_hash", "")),
         "reliability": int(info.qos_profile.reliability),
         "durability": int(info.qos_profile.durability),

@@ -39,6 +39,7 @@ class ZeroEndedPublisher:
         """Publish a velocity, unless it is of the past; zeros always."""
         with self._turn:
             now_ns = time.monotonic_ns()
+            # The gateway says its own zeros: then there is nothing to end.
             if message == self._zero:
                 self._moving = False
             elif now_ns - made_ns > STALE_NS:
@@ -54,5 +55,6 @@ class ZeroEndedPublisher:
             now_s = time.monotonic()
             if self._moving and now_s - self._told_s >= silence_s:
                 self._moving, self._zeros_until_s = False, now_s + _ZEROS_FOR_S
+            # A single one could be lost, or come before a velocity that is under way.
             if now_s < self._zeros_until_s:
                 self._publisher.publish(self._zero)

@@ -35,6 +35,7 @@ class Context:
     def __init__(self) -> None:
         """Join nothing yet."""
         self.process: BridgeProcess | None = None
+        # Under which the bridge knows it; 0 before it has begun.
         self.number = 0
         self.domain: int | None = None
         # Told whenever something comes for one of its entities.
@@ -79,6 +80,7 @@ class Entity:
         self.context, self.kind = context, kind
         self.process = context.joined()
         self.pointer = self.process.next_number()
+        # Oldest first; what is over is lost, as with a full queue of the middleware.
         self.queue: deque[Any] = deque(maxlen=depth)
 
     @property
@@ -109,6 +111,7 @@ class Entity:
 
     def make(self, what: str, **more: object) -> None:
         """Make it in the bridge."""
+        # Before it is made: a latched message comes at once.
         self.process.register(self.pointer, self)
         words = {"node": self.context.number, "entity": self.pointer, "what": what}
         self.process.ask("make", type=self.kind.name, **words, **more)
@@ -150,6 +153,7 @@ class Client(Entity):
 
     def send_request(self, request: object) -> int:
         """Send a request and give its number."""
+        # The gateway counts its calls itself, so that nobody waits for rclpy's number.
         number = self.process.next_number()
         head = NUMBERED_HEAD.pack(self.pointer, number)
         self.process.send(frame_of(CALL, head, self.kind.Request.encode(request)))
@@ -213,6 +217,7 @@ class Publisher:
         """
         if self._process.lost:
             raise BridgeLost(self._process.lost)
+        # When it was made: the bridge leaves velocities of the past.
         head = NUMBERED_HEAD.pack(self.number, time.monotonic_ns())
         self._process.send(frame_of(PUBLISH, head, self._kind.encode(message)))
 

@@ -36,6 +36,7 @@ class SingleThreadedExecutor:
             )
         if lost := self._context.joined().lost:
             raise BridgeLost(lost)
+        # Callbacks may make more of them.
         for entity in list(entities):
             while entity.queue:
                 if isinstance(entity, Subscription):

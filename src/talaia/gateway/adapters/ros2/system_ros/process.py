@@ -91,12 +91,15 @@ class BridgeProcess:
             )
         except OSError as error:
             raise BridgeLost(f"{command[0]} cannot be run: {error.strerror}") from error
+        # What it said of itself at its start: packages, middleware, Python.
         self.hello: dict[str, Any] = {}
+        # Why it has ended; empty while it runs.
         self.lost = ""
         self._ready = threading.Event()
         self._numbers = count(1)
         self._questions: dict[int, _Question] = {}
         self._receivers: dict[int, Receiver] = {}
+        # Frames that have not been written; guarded by the condition that follows.
         self._waiting: deque[bytes] = deque()
         self._size = 0
         self._to_write = threading.Condition()
@@ -181,6 +184,7 @@ class BridgeProcess:
         while True:
             with self._to_write:
                 self._to_write.wait_for(lambda: self._waiting or self._closing or self.lost)
+                # In one write: a wake-up for each frame would cost more than the frames.
                 data = memoryview(b"".join(self._waiting))
                 self._waiting.clear()
                 self._size = 0
@@ -203,6 +207,7 @@ class BridgeProcess:
         except Exception:  # a thread's last word; what follows is told below
             log.exception("the thread of the system's ROS 2 failed")
         self._process.stdout.close()
+        # It may be a moment before its number of exit is known.
         code = self._process.poll()
         words = self._last_words or ("without a word" if code is None else f"with {code}")
         self.lost = f"the process of the system's ROS 2 ended ({words})"

@@ -101,6 +101,7 @@ def try_shutdown(*, context: Context) -> None:
     process, context.process = context.process, None
     if process is not None:
         process.forget(context.number)
+        # One that has ended has left.
         if not process.lost:
             process.ask("leave", node=context.number)
         SHARED.release(process)
@@ -233,8 +234,10 @@ class _WaitSet:
     def wait(self, timeout_ns: int) -> None:
         with self._context.changed:
             self._context.changed.wait_for(self._has_something, timeout_ns / 1e9)
+            # Within the lock: who triggers it from here on wakes the next turn.
             for guard in self._guards:
                 guard.triggered = False
+        # Whoever waits learns of the end as with rclpy: by an exception.
         if (process := self._context.process) is not None and process.lost:
             raise BridgeLost(process.lost)
 

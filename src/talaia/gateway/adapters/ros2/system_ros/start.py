@@ -74,6 +74,7 @@ def _stand_in(choice: RosChoice) -> None:
             f"the ROS 2 of {choice.where} cannot be used by its own Python ({error}); see that "
             f"`{choice.python} -c 'import rclpy'` works after its setup.bash"
         ) from error
+    # All that is imported of rclpy is one module: names do not collide.
     for name in _NAMES:
         sys.modules[f"rclpy{name}"] = stand_in_rclpy
     for package, folder in packages.items():
@@ -83,6 +84,7 @@ def _stand_in(choice: RosChoice) -> None:
             module = package_module(package, kind, SHARED.ask)
             sys.modules[module.__name__] = module
             setattr(top, kind, module)
+    # A package of the wheels would load rclpy's own libraries.
     find_nothing_else()
 
 

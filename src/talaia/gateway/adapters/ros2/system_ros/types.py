@@ -46,6 +46,7 @@ class RemoteMessage:
 
     def __call__(self, **fields: object) -> Any:  # noqa: ANN401 - a class of rosbags' making
         """Make a message with its defaults, and these fields."""
+        # Anew each time: what is filled must not be another's.
         made = self.decode(self._described[1])
         for field, value in fields.items():
             setattr(made, field, value)
@@ -127,6 +128,7 @@ class RemoteMessage:
                 inner = [value] if kind.form is FieldForm.ONE else value or []
                 for one in inner:
                     self._set_arrays(one, kind.base)
+            # The encoder takes numbers from numpy alone.
             elif kind.form is not FieldForm.ONE and kind.base not in _TEXTS:
                 array = np.asarray(value, NUMPY_WORDS.get(kind.base, kind.base))
                 setattr(message, field.name, array)
@@ -171,6 +173,7 @@ def package_module(package: str, kind: str, ask: Callable[..., Any]) -> ModuleTy
     @functools.cache
     def find(name: str) -> Any:  # noqa: ANN401
         full = f"{package}/{kind}/{name}"
+        # Python asks modules for names of its own.
         if name.startswith("_") or not ask("knows", name=full):
             raise AttributeError(f"the system's ROS 2 has no {full}")
         return _KINDS[kind](full, ask)
