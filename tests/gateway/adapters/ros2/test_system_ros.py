@@ -23,7 +23,7 @@ from gateway_bench import addresses_of, command, drive, take_lease
 from patience import PATIENCE_S
 from websockets.protocol import State
 
-from talaia.gateway.adapters.ros2.rclpy_bridge.velocities import STALE_NS, ZeroEndedPublisher
+from talaia.gateway.adapters.ros2.rclpy_bridge.velocities import STALE_NS, VelocityPublisher
 from talaia.wire.frames import CommandPhase, DriveState, StopRequest, StopState
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ class Outlet:
 
 def test_a_velocity_that_has_waited_in_the_pipe_is_not_published_and_a_zero_always() -> None:
     outlet = Outlet()
-    publisher = ZeroEndedPublisher(outlet, b"zero")
+    publisher = VelocityPublisher(outlet, b"zero")
     now = time.monotonic_ns()
     publisher.publish(b"fast", now)
     publisher.publish(b"of the past", now - STALE_NS - 1)
@@ -180,7 +180,7 @@ def test_a_velocity_that_has_waited_in_the_pipe_is_not_published_and_a_zero_alwa
 
 def test_zeros_follow_a_velocity_that_nobody_renews_and_nothing_else() -> None:
     outlet = Outlet()
-    publisher = ZeroEndedPublisher(outlet, b"zero")
+    publisher = VelocityPublisher(outlet, b"zero")
     publisher.end_silence(0.0)
     assert outlet.published == []
     publisher.publish(b"fast", time.monotonic_ns())

@@ -22,7 +22,7 @@ from .pipe_frames import (
     JSON,
     NUMBERED_HEAD,
     PUBLISH,
-    FrameWriter,
+    PipeWriter,
     json_frame,
     read_frames,
 )
@@ -36,7 +36,7 @@ _WATCH_EVERY_S = 0.05
 class Bridge:
     """All that one gateway has joined. Frames are handled one after the other, on one thread."""
 
-    def __init__(self, out: FrameWriter) -> None:
+    def __init__(self, out: PipeWriter) -> None:
         """Join nothing yet."""
         self._out = out
         # By the gateway's number. Also read by the watching thread.
@@ -156,7 +156,7 @@ class Bridge:
 
 def main() -> None:
     """Serve until stdin ends."""
-    out = FrameWriter(os.dup(1))
+    out = PipeWriter(os.dup(1))
     # Whatever prints must not spoil the frames.
     os.dup2(2, 1)
     bridge = Bridge(out)

@@ -17,14 +17,14 @@ from rclpy.signals import SignalHandlerOptions
 
 from .descriptions import class_named
 from .pipe_frames import ANSWER, MESSAGE, MESSAGE_HEAD, NUMBERED_HEAD, frame_of
-from .velocities import SILENCE_S, ZeroEndedPublisher
+from .velocities import SILENCE_S, VelocityPublisher
 from .waitset import WaitThread
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from .pipe_frames import FrameWriter
+    from .pipe_frames import PipeWriter
 
 _PATIENCE_S = 5.0
 
@@ -36,7 +36,7 @@ class JoinedNode:
         self,
         name: str,
         domain: int | None,
-        out: FrameWriter,
+        out: PipeWriter,
         failed: Callable[[BaseException], None],
     ) -> None:
         """Join; no domain is the environment's. ``failed`` is told when it hears no more."""
@@ -63,7 +63,7 @@ class JoinedNode:
         self._subscriptions: dict[int, Any] = {}
         self._publishers: dict[int, Any] = {}
         # Those of the publishers that end with a zero.
-        self._guarded: dict[int, ZeroEndedPublisher] = {}
+        self._guarded: dict[int, VelocityPublisher] = {}
         self._clients: dict[int, Any] = {}
         # The gateway's numbers of calls, by the client and rclpy's own number.
         self._calls: dict[tuple[int, int], int] = {}
@@ -150,7 +150,7 @@ class JoinedNode:
 
     def guard(self, entity: int, zero: bytes) -> None:
         """End with this what is published there."""
-        self._guarded[entity] = ZeroEndedPublisher(self._publishers[entity], zero)
+        self._guarded[entity] = VelocityPublisher(self._publishers[entity], zero)
 
     def publish(self, entity: int, message: bytes, made_ns: int) -> None:
         """Publish a message; a velocity only if it is not of the past."""
@@ -185,7 +185,7 @@ class JoinedNode:
         return 0 if publisher is None else int(publisher.get_subscription_count())
 
     def end_silence(self, silence_s: float = SILENCE_S) -> None:
-        """See `ZeroEndedPublisher.end_silence`; any thread."""
+        """See `VelocityPublisher.end_silence`; any thread."""
         for guarded in list(self._guarded.values()):
             guarded.end_silence(silence_s)
 

@@ -57,7 +57,7 @@ def read_frames(pipe: IO[bytes]) -> Iterator[tuple[int, bytes]]:
         yield kind, body
 
 
-class FrameWriter:
+class PipeWriter:
     """Writes whole frames from any thread."""
 
     def __init__(self, fd: int) -> None:

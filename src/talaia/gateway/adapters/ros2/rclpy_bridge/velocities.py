@@ -21,7 +21,7 @@ STALE_NS = 250_000_000
 _ZEROS_FOR_S = 1.0
 
 
-class ZeroEndedPublisher:
+class VelocityPublisher:
     """A publisher of velocities; any thread."""
 
     def __init__(self, publisher: Any, zero: bytes) -> None:  # noqa: ANN401 - rclpy ships no types

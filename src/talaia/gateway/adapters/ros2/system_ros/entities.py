@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
+from contextlib import suppress
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -23,13 +24,21 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.ros2.system_ros.stand_in_rclpy import QoSProfile
     from talaia.gateway.adapters.ros2.system_ros.types import RemoteMessage, RemoteService
 
-__all__ = ["Client", "Context", "Entity", "Future", "Guard", "Publisher", "Subscription"]
+__all__ = [
+    "Entity",
+    "Future",
+    "Guard",
+    "JoinedContext",
+    "Publisher",
+    "ServiceClient",
+    "Subscription",
+]
 
 # Answers that nobody fetches are not kept without end.
 _MAX_ANSWERS = 10_000
 
 
-class Context:
+class JoinedContext:
     """One domain that is joined."""
 
     def __init__(self) -> None:
@@ -42,7 +51,7 @@ class Context:
         self.changed = threading.Condition()
 
     @property
-    def handle(self) -> Context:
+    def handle(self) -> JoinedContext:
         """Itself: there is nothing below it."""
         return self
 
@@ -75,7 +84,7 @@ class Context:
 class Entity:
     """What takes messages or answers: at once its own handle."""
 
-    def __init__(self, context: Context, kind: Any, depth: int) -> None:  # noqa: ANN401
+    def __init__(self, context: JoinedContext, kind: Any, depth: int) -> None:  # noqa: ANN401
         """Keep at most so many of what comes; nothing is made in the bridge yet."""
         self.context, self.kind = context, kind
         self.process = context.joined()
@@ -119,14 +128,14 @@ class Entity:
     def destroy(self) -> None:
         """End it in the bridge, too."""
         self.process.forget(self.pointer)
-        if not self.process.lost:
+        with suppress(BridgeLost):
             self.process.ask("destroy", entity=self.pointer)
 
 
 class Subscription(Entity):
     """Takes raw messages."""
 
-    def __init__(self, context: Context, kind: Any, topic: str, quality: QoSProfile) -> None:  # noqa: ANN401
+    def __init__(self, context: JoinedContext, kind: Any, topic: str, quality: QoSProfile) -> None:  # noqa: ANN401
         """Subscribe."""
         super().__init__(context, kind, quality.depth)
         self.callback: Callable[[bytes], None] = lambda _: None
@@ -137,10 +146,10 @@ class Subscription(Entity):
         return self.queue.popleft() if self.queue else None
 
 
-class Client(Entity):
+class ServiceClient(Entity):
     """Calls a service."""
 
-    def __init__(self, context: Context, kind: RemoteService, service: str) -> None:
+    def __init__(self, context: JoinedContext, kind: RemoteService, service: str) -> None:
         """Make a client."""
         super().__init__(context, kind, _MAX_ANSWERS)
         # Of an executor: what is called with an answer, by the call's number.
@@ -198,7 +207,13 @@ class Future:
 class Publisher:
     """Publishes; any thread, and never waits."""
 
-    def __init__(self, context: Context, kind: RemoteMessage, topic: str, quality: Any) -> None:  # noqa: ANN401
+    def __init__(
+        self,
+        context: JoinedContext,
+        kind: RemoteMessage,
+        topic: str,
+        quality: Any,  # noqa: ANN401
+    ) -> None:
         """Advertise."""
         self._process, self._kind = context.joined(), kind
         self.number = self._process.next_number()
@@ -231,14 +246,14 @@ class Publisher:
 
     def destroy(self) -> None:
         """End it."""
-        if not self._process.lost:
+        with suppress(BridgeLost):
             self._process.ask("destroy", entity=self.number)
 
 
 class Guard:
     """Wakes a wait set."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: JoinedContext) -> None:
         """Wake those that wait for this context."""
         self._context = context
         self.triggered = False

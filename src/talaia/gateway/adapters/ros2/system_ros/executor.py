@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from talaia.gateway.adapters.ros2.system_ros.entities import Client, Context, Subscription
+from talaia.gateway.adapters.ros2.system_ros.entities import (
+    JoinedContext,
+    ServiceClient,
+    Subscription,
+)
 from talaia.gateway.adapters.ros2.system_ros.process import BridgeLost
 
 if TYPE_CHECKING:
@@ -16,7 +20,7 @@ __all__ = ["SingleThreadedExecutor"]
 class SingleThreadedExecutor:
     """Calls back for one node, in the thread that spins."""
 
-    def __init__(self, *, context: Context) -> None:
+    def __init__(self, *, context: JoinedContext) -> None:
         """Take the context."""
         self._context = context
         self._node: Node | None = None
@@ -41,7 +45,7 @@ class SingleThreadedExecutor:
             while entity.queue:
                 if isinstance(entity, Subscription):
                     entity.callback(entity.queue.popleft()[0])
-                elif isinstance(entity, Client):
+                elif isinstance(entity, ServiceClient):
                     header, answer = entity.take_response(None)
                     future = entity.futures.pop(header.request_id.sequence_number, None)
                     if future is not None:

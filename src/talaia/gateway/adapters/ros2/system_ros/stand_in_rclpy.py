@@ -6,16 +6,17 @@ bridge process (`entities`).
 
 from __future__ import annotations
 
+from contextlib import suppress
 from enum import IntEnum
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.ros2.system_ros.entities import (
-    Client,
-    Context,
     Entity,
     Guard,
+    JoinedContext,
     Publisher,
+    ServiceClient,
     Subscription,
 )
 from talaia.gateway.adapters.ros2.system_ros.executor import SingleThreadedExecutor
@@ -44,6 +45,10 @@ __all__ = [
     "rclpy_implementation",
     "try_shutdown",
 ]
+
+
+# rclpy's own name for it.
+Context = JoinedContext
 
 
 class ReliabilityPolicy(IntEnum):
@@ -88,7 +93,7 @@ class Parameter(NamedTuple):
     value: object = None
 
 
-def init(*, context: Context, domain_id: int | None = None, **_: object) -> None:
+def init(*, context: JoinedContext, domain_id: int | None = None, **_: object) -> None:
     """Begin a context; its node joins."""
     context.process = SHARED.join()
     context.number = context.process.next_number()
@@ -96,13 +101,13 @@ def init(*, context: Context, domain_id: int | None = None, **_: object) -> None
     context.domain = domain_id
 
 
-def try_shutdown(*, context: Context) -> None:
+def try_shutdown(*, context: JoinedContext) -> None:
     """End a context."""
     process, context.process = context.process, None
     if process is not None:
         process.forget(context.number)
         # One that has ended has left.
-        if not process.lost:
+        with suppress(BridgeLost):
             process.ask("leave", node=context.number)
         SHARED.release(process)
 
@@ -125,7 +130,7 @@ def get_action_names_and_types(node: Node) -> Any:  # noqa: ANN401
 class Node:
     """A node, in the bridge."""
 
-    def __init__(self, name: str, *, context: Context, **_: object) -> None:
+    def __init__(self, name: str, *, context: JoinedContext, **_: object) -> None:
         """Join the context's domain."""
         self._context, self._process = context, context.joined()
         context.domain = self._process.ask(
@@ -156,9 +161,9 @@ class Node:
         self.entities.append(made)
         return made
 
-    def create_client(self, kind: RemoteService, service: str) -> Client:
+    def create_client(self, kind: RemoteService, service: str) -> ServiceClient:
         """Make a client."""
-        made = Client(self._context, kind, service)
+        made = ServiceClient(self._context, kind, service)
         self.entities.append(made)
         return made
 
@@ -171,7 +176,7 @@ class Node:
         self.entities.remove(subscription)
         subscription.destroy()
 
-    def destroy_client(self, client: Client) -> None:
+    def destroy_client(self, client: ServiceClient) -> None:
         """End a client."""
         self.entities.remove(client)
         client.destroy()
@@ -214,9 +219,9 @@ class _WaitSet:
     """Waits for entities of one context."""
 
     def __init__(self, *words: Any) -> None:  # noqa: ANN401 - as rclpy's: numbers, then the context
-        self._context: Context = words[-1]
+        self._context: JoinedContext = words[-1]
         self._subscriptions: list[Subscription] = []
-        self._clients: list[Client] = []
+        self._clients: list[ServiceClient] = []
         self._guards: list[Guard] = []
 
     def clear_entities(self) -> None:
@@ -225,7 +230,7 @@ class _WaitSet:
     def add_subscription(self, entity: Subscription) -> None:
         self._subscriptions.append(entity)
 
-    def add_client(self, entity: Client) -> None:
+    def add_client(self, entity: ServiceClient) -> None:
         self._clients.append(entity)
 
     def add_guard_condition(self, guard: Guard) -> None:
