@@ -140,7 +140,8 @@ class BridgeProcess:
         number, asked = self.next_number(), _Question()
         self._questions[number] = asked
         self.send(json_frame({"do": question, "call": number, **words}))
-        answered = asked.done.wait(_ANSWER_S)
+        # One that ended before the question was there has told nobody of it.
+        answered = bool(self.lost) or asked.done.wait(_ANSWER_S)
         self._questions.pop(number, None)
         if self.lost:
             raise BridgeLost(self.lost)
