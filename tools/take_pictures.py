@@ -20,9 +20,14 @@ import sys
 import tempfile
 import threading
 import time
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from playwright.sync_api import Browser, Page, sync_playwright
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "docs" / "pictures"
@@ -36,6 +41,16 @@ FLAGS = [
 
 def main(wanted: list[str]) -> int:
     """Take them all, or those that are named."""
+    with running_demo() as (address, passwords, folder):
+        if not wanted or "storage" in wanted:
+            past_week(folder)
+        take(address, passwords, wanted)
+    return 0
+
+
+@contextmanager
+def running_demo() -> Iterator[tuple[str, dict[str, str], Path]]:
+    """Run the demo; give its address, the passwords by name, and its folder."""
     folder = tempfile.mkdtemp(prefix="talaia-pictures-")
     process = subprocess.Popen(
         [sys.executable, "-m", "talaia", "demo", "--no-browser", "--data", folder],
@@ -53,16 +68,12 @@ def main(wanted: list[str]) -> int:
         address = re.search(r"\):\s+(\S+)", said)
         passwords = dict(re.findall(r"^    (admin|operator|guest)\s+(\S+)$", said, re.MULTILINE))
         if address is None or len(passwords) < 3:
-            print(said)
-            return 1
-        if not wanted or "storage" in wanted:
-            past_week(Path(folder))
-        take(address[1], passwords, wanted)
+            raise SystemExit(said)
+        yield address[1], passwords, Path(folder)
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(20)
         shutil.rmtree(folder, ignore_errors=True)
-    return 0
 
 
 def take(address: str, passwords: dict[str, str], wanted: list[str]) -> None:
