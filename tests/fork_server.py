@@ -141,16 +141,21 @@ class ForkServer:
             )
 
     def fork(
-        self, words: list[str], environment: dict[str, str], output: IO[bytes]
+        self,
+        words: list[str],
+        environment: dict[str, str],
+        output: IO[bytes],
+        errors: IO[bytes] | None = None,
     ) -> ForkedProcess:
-        """Run ``python WORDS``; what it prints goes to ``output``."""
+        """Run ``python WORDS``; see `fork_program`."""
         request = {"words": words, "environment": environment, "folder": str(Path.cwd())}
         theirs, stdin = os.pipe()
         ended, told = os.pipe()
         try:
             with self._lock:
                 data = json.dumps(request).encode()
-                socket.send_fds(self._channel, [data], [theirs, output.fileno(), told])
+                files = [theirs, output.fileno(), (errors or output).fileno(), told]
+                socket.send_fds(self._channel, [data], files)
                 answer = self._channel.recv(CODE.size)
         finally:
             os.close(theirs)
@@ -180,7 +185,12 @@ class ForkServer:
 _servers: list[ForkServer] = []
 
 
-def fork_program(words: list[str], environment: dict[str, str], output: IO[bytes]) -> ForkedProcess:
+def fork_program(
+    words: list[str],
+    environment: dict[str, str],
+    output: IO[bytes],
+    errors: IO[bytes] | None = None,
+) -> ForkedProcess:
     """Run ``python WORDS`` with the modules that it needs imported already.
 
     It ends with this process, however that ends.
@@ -188,14 +198,15 @@ def fork_program(words: list[str], environment: dict[str, str], output: IO[bytes
     Args:
         words: as behind ``python``: ``-m``, a module and its arguments, or a script and its own.
         environment: all of it.
-        output: an open file for its standard output and error.
+        output: an open file for its standard output.
+        errors: one for its standard error, if not the same.
 
     """
     if not _servers or _servers[-1].owner != os.getpid():
         server = ForkServer()
         atexit.register(server.close)
         _servers.append(server)
-    return _servers[-1].fork(words, environment, output)
+    return _servers[-1].fork(words, environment, output, errors)
 
 
 def cpu_time() -> float:
@@ -228,17 +239,17 @@ def serve(channel: socket.socket) -> Order:
         report_ended(children)
         if channel not in ready:
             continue
-        data, fds, _, _ = socket.recv_fds(channel, MAX_REQUEST, 3)
+        data, fds, _, _ = socket.recv_fds(channel, MAX_REQUEST, 4)
         if not data:
             # Its end is the end of all that it forked; see `_follow_parent`.
             os._exit(0)
         order = Order(**json.loads(data))
-        stdin, output, told = fds
+        *files, told = fds
         import_for(order.words)
         if (pid := fork_with_tracing()) == 0:
             signal.set_wakeup_fd(-1)
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            become_program(stdin, output)
+            become_program(files)
             for fd in (*children.values(), *fds):
                 os.close(fd)
             for each in (channel, wakes, wake):
@@ -246,8 +257,8 @@ def serve(channel: socket.socket) -> Order:
             return order
         children[pid] = told
         channel.send(CODE.pack(pid))
-        os.close(stdin)
-        os.close(output)
+        for fd in files:
+            os.close(fd)
 
 
 def fork_with_tracing() -> int:
@@ -288,16 +299,18 @@ def report_ended(children: dict[int, int]) -> None:
 def import_for(words: list[str]) -> None:
     """Import what a program imports at its start."""
     names: list[str] = []
-    if words[:2] == ["-m", "talaia"]:
-        from talaia.cli.main import COMMANDS
-
-        names = [COMMANDS[words[2]].module, *LATER.get(words[2], ())]
-    elif words[0].endswith(".py"):
-        for node in ast.parse(Path(words[0]).read_text()).body:
+    if words[0].endswith(".py"):
+        # Also what its functions import: a starter that changes something first does that.
+        for node in ast.walk(ast.parse(Path(words[0]).read_text())):
             if isinstance(node, ast.Import):
                 names += [alias.name for alias in node.names]
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 names.append(node.module)
+    if words[:2] == ["-m", "talaia"] or "talaia.cli.main" in names:
+        from talaia.cli.main import COMMANDS
+
+        command = words[2] if words[0] == "-m" else words[1]
+        names += [COMMANDS[command].module, *LATER.get(command, ())]
     gc.disable()
     for name in names:
         # What cannot be imported is for the program itself to find out.
@@ -307,11 +320,11 @@ def import_for(words: list[str]) -> None:
     gc.enable()
 
 
-def become_program(stdin: int, output: int) -> None:
-    """Leave the server's terminal, session and files."""
+def become_program(files: list[int]) -> None:
+    """Leave the server's terminal and session; ``files`` become the first three."""
     os.setsid()
     _follow_parent()
-    for mine, number in ((stdin, 0), (output, 1), (output, 2)):
+    for number, mine in enumerate(files):
         os.dup2(mine, number)
 
 

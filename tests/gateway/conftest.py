@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from async_program import start_program
 from patience import PATIENCE_S
 
 from talaia.sim.ros_domain import reserve_domain
@@ -76,13 +77,7 @@ async def peer(ros_domain: int) -> AsyncIterator[Peer]:
 
 @asynccontextmanager
 async def peer_in(domain: int, script: Path = HERE / "robot_peer.py") -> AsyncIterator[Peer]:
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        str(script),
-        stdin=asyncio.subprocess.PIPE,
-        stdout=asyncio.subprocess.PIPE,
-        env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
-    )
+    process = await start_program(str(script), ROS_DOMAIN_ID=str(domain))
     one = Peer(process)
     reading = asyncio.ensure_future(one.read())
     await one.until(lambda: one.heard("ready"))

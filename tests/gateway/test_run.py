@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import signal
 import struct
-import sys
 from typing import TYPE_CHECKING
 
 import pytest
+from async_program import AsyncProgram, start_program
 from fake_hub import KEY, fake_hub
 from gateway_bench import SITE, Peer, addresses_of
 from patience import PATIENCE_S, Stopwatch, lasts_for
@@ -41,23 +41,12 @@ async def none_left_behind() -> AsyncIterator[None]:
             await process.communicate()
 
 
-async def started(tmp_path: Path, url: str, text: str) -> asyncio.subprocess.Process:
+async def started(tmp_path: Path, url: str, text: str) -> AsyncProgram | asyncio.subprocess.Process:
     (tmp_path / "site.yaml").write_text(text)
     (tmp_path / "key").write_text(KEY)
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        "talaia.gateway",
-        str(tmp_path / "site.yaml"),
-        "--hub",
-        url,
-        "--key-file",
-        str(tmp_path / "key"),
-        "--allow-plain",
-        "--data",
-        str(tmp_path / "data"),
-        stderr=asyncio.subprocess.PIPE,
-    )
+    words = [str(tmp_path / "site.yaml"), "--hub", url, "--key-file", str(tmp_path / "key")]
+    words += ["--allow-plain", "--data", str(tmp_path / "data")]
+    process = await start_program("-m", "talaia", "gateway", *words, with_errors=True)
     _STARTED.append(process)
     return process
 

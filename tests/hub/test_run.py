@@ -2,15 +2,14 @@
 
 import asyncio
 import datetime as dt
-import os
 import signal
 import socket
 import ssl
 import stat
-import sys
 
 import httpx
 import pytest
+from async_program import AsyncProgram, start_program
 from cryptography import x509
 from patience import PATIENCE_S
 
@@ -18,20 +17,11 @@ from talaia.hub.certificate import certificate_fingerprint, own_certificate
 from talaia.hub.errors import CannotStart
 from talaia.hub.settings import Settings
 
-PROGRAM = "import sys; from talaia.hub.run import main; sys.exit(main(sys.argv[1:]))"
 NOW = dt.datetime(2030, 1, 1, tzinfo=dt.UTC)
 
 
-async def started(*words: str) -> asyncio.subprocess.Process:
-    return await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-c",
-        PROGRAM,
-        *words,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": "src"},
-    )
+async def started(*words: str) -> AsyncProgram | asyncio.subprocess.Process:
+    return await start_program("-m", "talaia", "hub", *words, with_errors=True)
 
 
 async def refused(*words: str) -> str:

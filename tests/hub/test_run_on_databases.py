@@ -3,15 +3,14 @@
 # ruff: noqa: D107
 
 import asyncio
-import os
 import re
 import signal
-import sys
 from contextlib import asynccontextmanager, suppress
 
 import httpx
 import pytest
 import websockets
+from async_program import start_program
 from patience import PATIENCE_S
 
 from talaia.wire.frames import LINK_FROM_GATEWAY, LINK_FROM_HUB, Ack
@@ -31,13 +30,8 @@ class Process:
         self._killed = False
 
     async def __aenter__(self):
-        self._process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "talaia", "hub", "--plain", "--port", "0"),
-            *("--data", str(self._folder)),
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.DEVNULL,
-            env={**os.environ, "PYTHONPATH": "src", "TALAIA_DATABASE_URL": self._url},
-        )
+        words = ["-m", "talaia", "hub", "--plain", "--port", "0", "--data", str(self._folder)]
+        self._process = await start_program(*words, TALAIA_DATABASE_URL=self._url)
         ready = await asyncio.wait_for(self._process.stdout.readline(), PATIENCE_S)
         self.port = int(ready.decode().rsplit(":", 1)[1])
         self.origin = f"http://127.0.0.1:{self.port}"

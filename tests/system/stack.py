@@ -38,7 +38,10 @@ PEOPLE = {"driver": "operator", "second": "operator", "guest": "guest"}
 SOURCE = Path(talaia.__file__).resolve().parent.parent
 STEP_S = 0.005
 # What the tests' own programs import is imported once, too.
-SCRIPTS = {str(Path(__file__).parent / name) for name in ("robot.py", "actor.py")}
+SCRIPTS = {
+    str(Path(__file__).parent / name)
+    for name in ("robot.py", "actor.py", "enclosure/failing_disk.py")
+}
 
 DESCRIPTION = """\
 talaia: 1

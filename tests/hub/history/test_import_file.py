@@ -6,14 +6,13 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import signal
-import sys
 from contextlib import asynccontextmanager
 
 import numpy as np
 import pytest
 import sqlalchemy as sa
+from async_program import start_program
 from patience import PATIENCE_S
 
 from talaia.cli.errors import CliError
@@ -325,15 +324,10 @@ def test_a_column_in_another_unit_is_not_read(data, capsys) -> None:
 
 # ── beside a hub ──
 
-PROGRAM = "import sys; from talaia.hub.run import main; sys.exit(main(sys.argv[1:]))"
-
 
 async def running_hub(data, url):
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-c", PROGRAM, "--data", str(data), "--port", "0", "--plain",
-        stdout=asyncio.subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": "src", "TALAIA_DATABASE_URL": url},
-    )  # fmt: skip
+    words = ["-m", "talaia", "hub", "--data", str(data), "--port", "0", "--plain"]
+    process = await start_program(*words, TALAIA_DATABASE_URL=url)
     assert "is ready" in (await asyncio.wait_for(process.stdout.readline(), PATIENCE_S)).decode()
     return process
 
@@ -369,9 +363,7 @@ async def test_an_import_that_was_broken_off_is_taken_up_by_the_hub(data, monkey
     words = ["import", str(path), "--site", str(data.parent / "rover.yaml"), "--data", str(data)]
     # While somebody else has the folder, the import waits.
     with hub_lock(data):
-        process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "talaia", *words, env={**os.environ, "PYTHONPATH": "src"}
-        )
+        process = await start_program("-m", "talaia", *words)
         while not list((data / FOLDER).glob(f"*{READY}")) and process.returncode is None:
             await asyncio.sleep(0.05)
         process.kill()
@@ -413,10 +405,8 @@ async def test_an_import_that_the_hub_set_aside_is_an_error_and_not_there_alread
 
 async def test_two_hubs_never_share_a_data_folder(data) -> None:
     hub = await running_hub(data, "")
-    other = await asyncio.create_subprocess_exec(
-        sys.executable, "-c", PROGRAM, "--data", str(data), "--port", "0", "--plain",
-        stderr=asyncio.subprocess.PIPE, env={**os.environ, "PYTHONPATH": "src"},
-    )  # fmt: skip
+    words = ["-m", "talaia", "hub", "--data", str(data), "--port", "0", "--plain"]
+    other = await start_program(*words, with_errors=True)
     _, said = await asyncio.wait_for(other.communicate(), PATIENCE_S)
     assert other.returncode == 2
     assert "is used by another hub" in said.decode()

@@ -10,7 +10,6 @@ import random
 import secrets
 import shutil
 import signal
-import sys
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -18,6 +17,7 @@ from pathlib import Path
 import httpx
 import msgspec
 import numpy as np
+from async_program import start_program
 from patience import lasts_for
 from websockets.asyncio.client import connect
 
@@ -124,12 +124,9 @@ async def f10(world: World, chance: random.Random, findings: Findings) -> None:
 
 
 async def _talaia(*words: str) -> None:
-    done = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "talaia", *words, env=_environment(),
-        stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.STDOUT,
-    )  # fmt: skip
-    said, _ = await done.communicate()
-    assert done.returncode == 0, said.decode()
+    done = await start_program("-m", "talaia", *words, PYTHONPATH=str(SOURCE), with_errors=True)
+    _, errors = await done.communicate()
+    assert done.returncode == 0, errors.decode()
 
 
 def _environment() -> dict[str, str]:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import socket
 import stat
-import sys
 
 import pytest
+from async_program import AsyncProgram, start_program
 from patience import PATIENCE_S
 
 from talaia.gateway.command_line import parse_arguments, settings_of
@@ -31,16 +30,8 @@ async def run(*words: str) -> tuple[int, str, str]:
     return process.returncode or 0, out.decode(), err.decode()
 
 
-async def started(*words: str) -> asyncio.subprocess.Process:
-    return await asyncio.create_subprocess_exec(
-        sys.executable,
-        "-m",
-        "talaia.gateway",
-        *words,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": "src"},
-    )
+async def started(*words: str) -> AsyncProgram | asyncio.subprocess.Process:
+    return await start_program("-m", "talaia", "gateway", *words, with_errors=True)
 
 
 async def code_of(running) -> dict:

@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 import signal
-import sys
 import time
 from pathlib import Path
 
@@ -16,6 +14,7 @@ import httpx
 import pytest
 import websockets
 from aiosmtpd.smtp import SMTP
+from async_program import start_program
 from patience import PATIENCE_S
 from ports import free_port
 
@@ -65,13 +64,7 @@ class HubProcess:
     async def start(self) -> None:
         command = ["-m", "talaia", "hub", "--plain", "--port", str(self.port)]
         command += ["--data", str(self.data), "--notify-network", "127.0.0.0/8"]
-        self.process = await asyncio.create_subprocess_exec(
-            sys.executable,
-            *command,
-            env={**os.environ, "PYTHONPATH": str(SOURCE)},
-            stdout=asyncio.subprocess.DEVNULL,
-            stderr=asyncio.subprocess.DEVNULL,
-        )
+        self.process = await start_program(*command)
         async with asyncio.timeout(PATIENCE_S), httpx.AsyncClient() as client:
             while True:
                 with contextlib.suppress(httpx.TransportError):
