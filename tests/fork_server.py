@@ -4,6 +4,9 @@ To import a hub takes more than a second of a core, a gateway about one, and tes
 them. What a program does from its ``main`` on is the same; that it also starts as a process of its
 own from nothing is seen by the tests of ``talaia demo``, ``talaia up`` and many others.
 
+A run of many groups has one such process for all, of which each group forks its own; see
+`start_ancestor`.
+
 Only on Linux, and not while line coverage is measured: there each program is started anew, and
 with ``TALAIA_TEST_FORKS=0`` in the environment.
 """
@@ -26,6 +29,7 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from pathlib import Path
@@ -48,6 +52,8 @@ LATER = {
             "talaia.sim.observatory.ros2_shell"),
 }  # fmt: skip
 MAX_REQUEST = 1 << 17
+# Where a process listens from which servers are forked.
+ANCESTOR = "TALAIA_TEST_FORKS_FROM"
 # Of linux/prctl.h; see prctl(2). Longer names are cut off.
 PR_SET_NAME = 15
 
@@ -131,6 +137,12 @@ class ForkServer:
         # Of this process: one that was forked from it has a server of its own.
         self.owner = os.getpid()
         self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        if path := os.environ.get(ANCESTOR):
+            self._channel = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            self._channel.connect(path)
+            (self._pid,) = CODE.unpack(self._channel.recv(CODE.size))
+            return
         self._channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
             self._process = subprocess.Popen(
@@ -139,6 +151,7 @@ class ForkServer:
                 pass_fds=[theirs.fileno()],
                 start_new_session=True,
             )
+        self._pid = self._process.pid
 
     def fork(
         self,
@@ -168,7 +181,7 @@ class ForkServer:
     def cpu_time(self) -> float:
         """Give the CPU time of the server and of the programs that have ended (s)."""
         try:
-            text = Path(f"/proc/{self._process.pid}/stat").read_text()
+            text = Path(f"/proc/{self._pid}/stat").read_text()
         except FileNotFoundError:
             return 0.0
         # proc_pid_stat(5): utime, stime, cutime and cstime, which are fields 14 to 17.
@@ -177,9 +190,14 @@ class ForkServer:
 
     def close(self) -> None:
         """End it, and all that it started; only where it was begun."""
-        if os.getpid() == self.owner:
+        if os.getpid() == self.owner and self._channel.fileno() >= 0:
+            # The ancestor may have ended before, and this server with it.
+            with contextlib.suppress(OSError):
+                self._channel.shutdown(socket.SHUT_WR)
+                self._channel.recv(CODE.size)
             self._channel.close()
-            self._process.wait()
+            if self._process is not None:
+                self._process.wait()
 
 
 _servers: list[ForkServer] = []
@@ -214,7 +232,44 @@ def cpu_time() -> float:
     return sum(server.cpu_time() for server in _servers if server.owner == os.getpid())
 
 
+def start_ancestor(path: Path) -> subprocess.Popen[bytes]:
+    """Start the process that servers are forked from; they find it by `ANCESTOR`.
+
+    To import everything takes three seconds of a core: so once, and not for each group of tests.
+
+    Args:
+        path: of the socket at which it listens; short, see unix(7).
+
+    """
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listening:
+        listening.bind(str(path))
+        # Who comes before everything is imported waits.
+        listening.listen(64)
+        return subprocess.Popen(
+            [sys.executable, __file__, "--listen", str(listening.fileno())],
+            stdin=subprocess.DEVNULL,
+            pass_fds=[listening.fileno()],
+            start_new_session=True,
+        )
+
+
 # ── in the server's process ──
+
+
+def fork_servers(listening: socket.socket) -> socket.socket:
+    """Fork a server for each that connects; returns in each of them, with its channel."""
+    for command in LATER:
+        import_for(["-m", "talaia", command])
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    while True:
+        channel, _ = listening.accept()
+        with channel:
+            if fork_with_tracing() == 0:
+                os.setsid()
+                _follow_parent()
+                listening.close()
+                channel.send(CODE.pack(os.getpid()))
+                return channel.dup()
 
 
 class Order(NamedTuple):
@@ -335,6 +390,8 @@ def run_program(order: Order) -> None:
     ctypes.CDLL(None).prctl(PR_SET_NAME, name.rpartition("/")[2].encode())
     os.environ.clear()
     os.environ.update(order.environment)
+    # Chosen by the environment of before, where a module has asked for it.
+    tempfile.tempdir = None
     # As this process has it: else the program would start itself anew.
     os.environ.update(ros_environment())
     os.chdir(order.folder)
@@ -360,4 +417,5 @@ if __name__ == "__main__":
     # Now, while nothing is asked for yet: it may start this process anew.
     with contextlib.suppress(ImportError, TalaiaError):
         use_ros(ordered=True)
-    run_program(serve(socket.socket(fileno=int(sys.argv[1]))))
+    place = socket.socket(fileno=int(sys.argv[-1]))
+    run_program(serve(fork_servers(place) if sys.argv[1] == "--listen" else place))

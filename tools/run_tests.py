@@ -34,6 +34,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests")]
 
+import fork_server  # noqa: E402
 import measure_coverage  # noqa: E402
 from leftovers import MARK, end_processes, remove_dead_shared_memory  # noqa: E402
 from plan_tests import (  # noqa: E402
@@ -335,6 +336,10 @@ def main(arguments: list[str]) -> int:
     folder = Path(tempfile.mkdtemp(prefix="talaia-tests-"))
     folder.chmod(0o711)
     run = Run(groups, folder, measure_all=chosen.coverage)
+    ancestor = None
+    if fork_server.is_used() and not chosen.quick and not chosen.coverage:
+        os.environ[fork_server.ANCESTOR] = str(folder / "forks")
+        ancestor = fork_server.start_ancestor(folder / "forks")
     try:
         run.work()
         if chosen.save_durations:
@@ -350,6 +355,9 @@ def main(arguments: list[str]) -> int:
         print("\nended by hand")
         return 130
     finally:
+        if ancestor is not None:
+            ancestor.terminate()
+            ancestor.wait()
         with contextlib.suppress(KeyboardInterrupt):
             run.end()
             shutil.rmtree(folder, ignore_errors=True)

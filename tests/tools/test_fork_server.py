@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
 import subprocess
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
+import fork_server
 import pytest
-from fork_server import ForkedProcess, fork_program, is_used
+from fork_server import ANCESTOR, ForkedProcess, fork_program, is_used, start_ancestor
 from patience import PATIENCE_S
 
 pytestmark = pytest.mark.skipif(not is_used(), reason="programs are started anew here")
@@ -24,8 +28,26 @@ for line in sys.stdin:
 """
 
 
+@pytest.fixture(scope="module", params=["a server of its own", "one server for all groups"])
+def server(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Fork from a server that these tests start, of each kind."""
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as folder:
+        patch.setattr(fork_server, "_servers", [])
+        patch.delenv(ANCESTOR, raising=False)
+        if request.param == "a server of its own":
+            yield
+            return
+        patch.setenv(ANCESTOR, f"{folder}/forks")
+        ancestor = start_ancestor(Path(folder) / "forks")
+        try:
+            yield
+        finally:
+            ancestor.terminate()
+            ancestor.wait(PATIENCE_S)
+
+
 @pytest.fixture
-def program(tmp_path: Path) -> Path:
+def program(server: None, tmp_path: Path) -> Path:
     path = tmp_path / "program.py"
     path.write_text(PROGRAM)
     return path
@@ -67,5 +89,18 @@ def test_a_forked_program_is_killed_and_waited_for(program: Path) -> None:
     assert started.wait(PATIENCE_S) == -signal.SIGKILL
     # Of somebody else by now, maybe.
     started.kill()
+    assert started.stdin is not None
+    started.stdin.close()
+
+
+def test_a_program_ends_with_the_server_that_forked_it(program: Path) -> None:
+    started, _ = start(program)
+    running = os.pidfd_open(started.pid)
+    fork_server._servers.pop().close()
+    # See pidfd_open(2): it can be read from when the process has ended.
+    assert select.select([running], [], [], PATIENCE_S)[0]
+    os.close(running)
+    # Who could tell its exit code has ended, too.
+    assert started.wait(PATIENCE_S) == -signal.SIGTERM
     assert started.stdin is not None
     started.stdin.close()
