@@ -56,6 +56,8 @@ PROGRESS_S = 10.0
 # Longer than pytest lets a test take: the process hangs outside of tests.
 SILENCE_S = 900.0
 MOST_UNSTEADY = 3
+# From so many groups on it pays to import everything once for all of them.
+FORKING_GROUPS = 4
 # More failures than these are a broken tree; to repeat them would say nothing.
 MOST_REPEATED = 25
 
@@ -337,7 +339,8 @@ def main(arguments: list[str]) -> int:
     folder.chmod(0o711)
     run = Run(groups, folder, measure_all=chosen.coverage)
     ancestor = None
-    if fork_server.is_used() and not chosen.quick and not chosen.coverage:
+    many = len(groups) >= FORKING_GROUPS
+    if many and fork_server.is_used() and not chosen.quick and not chosen.coverage:
         os.environ[fork_server.ANCESTOR] = str(folder / "forks")
         ancestor = fork_server.start_ancestor(folder / "forks")
     try:

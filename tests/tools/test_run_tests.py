@@ -21,6 +21,7 @@ PARTS = (
     "tools/run_tests.py",
     "tools/plan_tests.py",
     "tools/measure_coverage.py",
+    "tests/fork_server.py",
     "tests/leftovers.py",
     "tests/report_progress.py",
 )
