@@ -40,6 +40,8 @@ def remove_dead_shared_memory(since: float = 0.0, folder: Path = SHARED_MEMORY) 
     Fast DDS holds a lock on a lock file beside each segment and port for as long as its process
     lives; who cannot be locked is alive. What no lock speaks for must also be mapped by nobody.
     """
+    # To look at all processes takes seconds on a busy machine: what is new is so from here on.
+    began = time.time()
     files: dict[str, list[Path]] = {}
     for path in folder.iterdir() if folder.is_dir() else ():
         if match := SEGMENT.fullmatch(path.name) or MUTEX.fullmatch(path.name):
@@ -51,7 +53,7 @@ def remove_dead_shared_memory(since: float = 0.0, folder: Path = SHARED_MEMORY) 
         if not found or min(_changed(status) for _, status in found) < since:
             continue
         # A file that was just made may not be locked or mapped yet.
-        if max(_changed(status) for _, status in found) > time.time() - 1.0:
+        if max(_changed(status) for _, status in found) > began - 1.0:
             continue
         if name in mapped or any(_is_locked(path) for path in paths):
             continue

@@ -218,6 +218,8 @@ def test_shared_memory_of_the_dead_is_removed_and_that_of_the_living_stays(
     mapped = [old(tmp_path / "fastdds_port7999"), old(tmp_path / "sem.fastdds_port7999_mutex")]
     new = tmp_path / "fastdds_aaaaaaaaaaaaaaaa"
     new.touch()
+    # Just made, however long this test stands still.
+    os.utime(new, (time.time() + 60, time.time() + 60))
     other = [old(tmp_path / "PostgreSQL.1"), old(tmp_path / "sem.mine")]
     with locked[1].open() as lock, mapped[0].open("r+b") as file:
         fcntl.flock(lock, fcntl.LOCK_EX)
