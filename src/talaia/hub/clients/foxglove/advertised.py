@@ -120,6 +120,10 @@ class AdvertisedThings:
         """Give the client's number of its subscription to a topic."""
         return self._subscription_of.get(topic)
 
+    def has_subscription(self, topic: str) -> bool:
+        """Tell whether a topic is subscribed to."""
+        return topic in self._subscription_of
+
     def service(self, number: int) -> ServiceEntry | None:
         """Find a service by its number."""
         return self.offer.services.get(self._services.get(number, ""))

@@ -9,16 +9,18 @@ from talaia.hub.clients.account_offer import make_account_offer
 from talaia.hub.clients.foxglove.schemas import (
     ANSWER_SCHEMA,
     EMPTY_SCHEMA,
+    FRAME_SCHEMA,
     IMAGE_SCHEMA,
     arguments_schema,
     signal_schema,
 )
+from talaia.model.site import PositionFrame, SignalType
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from talaia.hub.auth.permissions import Grants
-    from talaia.hub.clients.account_offer import AccountOffer
+    from talaia.hub.clients.account_offer import AccountOffer, OfferedSignal
     from talaia.hub.clients.foxglove.schemas import NamedSchema
     from talaia.model.site import Signal, Site
 
@@ -43,6 +45,7 @@ class SignalChannel(NamedTuple):
         signal: as it is described.
         addresses: of its parts, in their order.
         schema: of its messages.
+        child: of a position as a transform: the frame that is there; else empty.
 
     """
 
@@ -50,6 +53,7 @@ class SignalChannel(NamedTuple):
     signal: Signal
     addresses: tuple[str, ...]
     schema: NamedSchema
+    child: str = ""
 
 
 class CameraChannel(NamedTuple):
@@ -128,11 +132,26 @@ def _offer_views(offer: FoxgloveOffer, site: Site, account: AccountOffer) -> Non
         offer.signals[f"/{seen.address}"] = SignalChannel(
             seen.device, seen.signal, addresses, schema
         )
+        if _is_local(seen.signal):
+            offer.signals[f"/{seen.address}/frame"] = SignalChannel(
+                seen.device, seen.signal, addresses, FRAME_SCHEMA, _frame_of(site, seen)
+            )
     for camera in account.cameras:
         topic = f"/{camera.address}"
         # A signal of the same name keeps its topic.
         topic = f"{topic}/picture" if topic in offer.signals else topic
         offer.cameras[topic] = CameraChannel(camera.address, IMAGE_SCHEMA)
+
+
+def _is_local(signal: Signal) -> bool:
+    return signal.type is SignalType.POSITION and signal.frame is not PositionFrame.WGS84
+
+
+def _frame_of(site: Site, seen: OfferedSignal) -> str:
+    """Name the frame that a position places: the device's, if it has one alone."""
+    # Also those that this account may not see: names are the same for everybody.
+    positions = [one for one in site.devices[seen.device].signals.values() if _is_local(one)]
+    return seen.device if len(positions) == 1 else seen.address
 
 
 def _offer_services(offer: FoxgloveOffer, account: AccountOffer) -> None:

@@ -38,7 +38,8 @@ class PlaybackReader:
             HistoryError: it cannot be read.
 
         """
-        addresses = [address for signal in signals for address in signal.addresses]
+        # Once each: a position is two topics.
+        addresses = _addresses_of(signals)
         if not addresses:
             # Nobody has subscribed to anything: time goes on all the same.
             return iter(())
@@ -64,12 +65,16 @@ class PlaybackReader:
 
         """
         # A position has several channels, of which each has a newest sample of its own.
-        addresses = [address for signal in signals for address in signal.addresses]
+        addresses = _addresses_of(signals)
         found = await self._history.last_readings(self._site, addresses, at_us)
         return [
             ClientSample(address, time_us, value, text or None)
             for address, (time_us, value, text) in found.items()
         ]
+
+
+def _addresses_of(signals: Sequence[SignalChannel]) -> list[str]:
+    return list(dict.fromkeys(address for signal in signals for address in signal.addresses))
 
 
 def _samples_of(series: Series) -> Iterator[ClientSample]:

@@ -76,7 +76,7 @@ class PlaybackSession:
         self._problem = window if isinstance(window, str) else ""
         self._position = None if isinstance(window, str) else PlaybackPosition(window)
         self._things = AdvertisedThings()
-        self._signals = SignalChannels(self._site)
+        self._signals = SignalChannels(self._site, wants=self._things.has_subscription)
         # Up to here all has been sent (µs).
         self._sent_us = 0
         # Something about playing has changed, so what was read ahead is void.

@@ -23,10 +23,12 @@ if TYPE_CHECKING:
 __all__ = [
     "ANSWER_SCHEMA",
     "EMPTY_SCHEMA",
+    "FRAME_SCHEMA",
     "IMAGE_SCHEMA",
     "NamedSchema",
     "arguments_schema",
     "encode_answer",
+    "encode_frame",
     "encode_picture",
     "encode_sample",
     "signal_schema",
@@ -101,6 +103,17 @@ IMAGE_SCHEMA = _made(
         "frame_id": _TEXT,
         "data": {"type": "string", "contentEncoding": "base64"},
         "format": _TEXT,
+    },
+)
+# Where a device's own frame is in the local one: what is drawn in it moves along.
+FRAME_SCHEMA = _made(
+    "foxglove.FrameTransform",
+    {
+        "timestamp": _TIME,
+        "parent_frame_id": _TEXT,
+        "child_frame_id": _TEXT,
+        "translation": _object(x=_number(), y=_number(), z=_number()),
+        "rotation": _object(x=_number(), y=_number(), z=_number(), w=_number()),
     },
 )
 EMPTY_SCHEMA = _made("talaia.Empty", {})
@@ -180,6 +193,23 @@ def encode_sample(signal: Signal, values: Mapping[str, float | str], time_us: in
     return msgspec.json.encode(said)
 
 
+def encode_frame(child: str, values: Mapping[str, float | str], time_us: int) -> bytes | None:
+    """Write where a device's frame is; None while that is not known."""
+    placed = _placed(values)
+    if placed is None:
+        return None
+    position, orientation = placed
+    return msgspec.json.encode(
+        {
+            "timestamp": _time_of(time_us),
+            "parent_frame_id": LOCAL_FRAME,
+            "child_frame_id": child,
+            "translation": position,
+            "rotation": orientation,
+        }
+    )
+
+
 def encode_picture(data: bytes, *, camera: str, time_us: int) -> bytes:
     """Write a JPEG picture of a camera."""
     return msgspec.json.encode(
@@ -232,18 +262,25 @@ def _finite(values: Mapping[str, float | str], part: str, missing: float | None)
 
 
 def _pose(values: Mapping[str, float | str]) -> _Json | None:
+    placed = _placed(values)
+    if placed is None:
+        return None
+    position, orientation = placed
+    return {
+        "frame_id": LOCAL_FRAME,
+        "pose": {"position": position, "orientation": orientation},
+    }
+
+
+def _placed(values: Mapping[str, float | str]) -> tuple[_Json, _Json] | None:
+    """Give position and orientation in the local frame."""
     x, y = _finite(values, "x", None), _finite(values, "y", None)
     if x is None or y is None:
         return None
     # About the vertical: half of the angle makes the quaternion.
     half = (_finite(values, "yaw", 0.0) or 0.0) / 2
-    return {
-        "frame_id": LOCAL_FRAME,
-        "pose": {
-            "position": {"x": x, "y": y, "z": 0.0},
-            "orientation": {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)},
-        },
-    }
+    turned: _Json = {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
+    return {"x": x, "y": y, "z": 0.0}, turned
 
 
 def _fix(values: Mapping[str, float | str]) -> _Json | None:

@@ -129,7 +129,7 @@ class FoxgloveSession:
         self._channel_of: dict[str, str] = {}
         # One offer is told whole before the next.
         self._advertising = asyncio.Lock()
-        self._signals = SignalChannels(self._site)
+        self._signals = SignalChannels(self._site, wants=self._things.has_subscription)
         self._published = PublishedChannels(connection, send_status=self._send_status)
         # Calls that wait: by the command's or STOP's id, the service and the call.
         self._calls: dict[str, tuple[int, int]] = {}
