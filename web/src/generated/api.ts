@@ -1253,6 +1253,15 @@ export interface TileSignalShape {
   readonly role: SignalRole | "";
 }
 
+/** A broker that the hub connects to, as the file that it was started with says. */
+export interface BrokerShape {
+  readonly address: string;
+  readonly connected: boolean;
+  readonly since_us: number;
+  readonly why: string;
+  readonly refused: readonly string[];
+}
+
 /** Let an account drive a device by such clients, or no more. */
 export interface ClientDriverAsk {
   readonly person: string;
@@ -1295,6 +1304,7 @@ export interface ClientProtocolShape {
   readonly changed_by: string;
   readonly changed_us: number;
   readonly connected: number;
+  readonly brokers: readonly BrokerShape[];
 }
 
 /** See `EnclosureCapabilities`; nothing is left open here. */

@@ -22,6 +22,7 @@ from patience import PATIENCE_S, stays
 
 from talaia.clock import SystemClock
 from talaia.hub.clients.mqtt.broker_client import connect_broker
+from talaia.hub.clients.mqtt.broker_presence import BrokerPresence
 from talaia.hub.clients.mqtt.broker_settings import BrokerAddress
 from talaia.wire import frames
 from talaia.wire.frames import CommandPhase
@@ -260,8 +261,60 @@ async def test_broker_that_is_killed_is_told_all_again_and_it_is_said_once(at, c
         async with at.broker.ear() as ear:
             await ear.until(lambda: ear.holds.get("t/obs/$state") == b"online")
             await ear.until(lambda: "t/obs/agv/camera/words" in ear.topics())
+        # What an admin is shown of it, by then and now.
+        assert (await broker_shown(at))["connected"]
     assert len(reports(caplog, "not reached")) == 1
     assert len(reports(caplog, "connected again")) == 1
+
+
+async def test_admin_is_shown_that_the_broker_is_lost_and_since_when(at) -> None:
+    await at.speaks_for("admin")
+    before = await broker_shown(at)
+    assert (before["connected"], before["why"]) == (True, "")
+    assert before["address"] == f"127.0.0.1:{at.broker.port}"
+    killed_us = SystemClock().wall_ns() // 1000
+    await at.broker.kill()
+    lost = await broker_once(at, lambda shown: shown["why"])
+    assert not lost["connected"]
+    assert lost["since_us"] >= killed_us
+    await at.broker.start()
+    found = await broker_once(at, lambda shown: shown["connected"])
+    assert found["since_us"] > lost["since_us"]
+
+
+async def test_broker_is_lost_since_the_first_try_that_failed() -> None:
+    presence = BrokerPresence()
+    presence.name_broker("b:1")
+    for now_us in (10, 20, 30):
+        presence.report_lost(now_us, f"refused at {now_us}")
+    assert (presence.contact.since_us, presence.contact.why) == (10, "refused at 30")
+    presence.report_connected(40)
+    presence.report_lost(50, "refused")
+    assert presence.contact.since_us == 50
+
+
+async def test_what_the_brokers_access_list_refuses_is_told_once_with_the_reason(tmp_path) -> None:
+    rules = ["user talaia", "topic write t/open/#", "topic read t/+/$do/+"]
+    accounts = {"talaia": "a secret"}
+    (tmp_path / "secret").write_text("a secret")
+    refused: list[str] = []
+    async with Broker(tmp_path, accounts=accounts, rules=rules) as broker:
+        address = BrokerAddress(
+            host="127.0.0.1",
+            port=broker.port,
+            tls=False,
+            username="talaia",
+            password_file=str(tmp_path / "secret"),
+        )
+        will = ("t/open/$state", b"offline", True)
+        async with connect_broker(address, will=will, report_refusal=refused.append) as client:
+            await client.publish("t/open/a", b"1", qos=1)
+            assert refused == []
+            await client.publish("t/shut/a", b"1", qos=1)
+            assert refused == ["publishing (Not authorized)"]
+    presence = BrokerPresence()
+    assert presence.report_refusal(refused[0])
+    assert not presence.report_refusal(refused[0])
 
 
 async def test_signal_that_is_described_no_more_is_cleared_at_the_broker(at) -> None:
@@ -333,6 +386,23 @@ async def test_dead_hub_is_told_by_the_broker_over_tls_that_is_checked(tmp_path)
             await anext(client.messages)
         await client.__aexit__(None, None, None)
         broken.close()
+
+
+async def broker_shown(at) -> dict:
+    admin = await at.world.kept_client("admin")
+    rows = (await admin.get("/api/client-protocols")).json()["protocols"]
+    (broker,) = next(row["brokers"] for row in rows if row["protocol"] == "mqtt")
+    return broker
+
+
+async def broker_once(at, holds) -> dict:
+    """Give how the broker is shown, once something is true of it."""
+    async with asyncio.timeout(PATIENCE_S):
+        while True:
+            shown = await broker_shown(at)
+            if holds(shown):
+                return shown
+            await asyncio.sleep(0.05)
 
 
 def reports(caplog, words) -> list[str]:

@@ -11,7 +11,7 @@ import { renderFormActions } from "../../elements/forms/form-parts.js";
 import { sheets } from "../../elements/layout/page-sections.js";
 import { formText, submittedForm } from "../../format/form-values.js";
 import { apiContext } from "../../state/contexts.js";
-import type { ClientProtocolShape } from "../../generated/api.js";
+import type { BrokerShape, ClientProtocolShape } from "../../generated/api.js";
 import { AdminApi } from "../../wire/admin-api.js";
 import type { HubApi } from "../../wire/hub-api.js";
 import { renderAdvice } from "../../elements/feedback/load-state.js";
@@ -20,6 +20,7 @@ import "../../elements/feedback/status.js";
 import "../../elements/forms/button.js";
 import "../../elements/forms/copy-text.js";
 import "../../elements/forms/field.js";
+import "../../elements/values/time.js";
 
 /** @fires t-changed it was opened, shut or changed: the list is old */
 @customElement("t-client-protocol")
@@ -41,7 +42,7 @@ export class ClientProtocol extends LitElement {
           <h2>${row.title}</h2>
           <span class="muted">${row.tools}</span>
         </div>
-        <t-status kind=${row.open ? "online" : "offline"} word=${row.open ? connectedWords(row.connected) : "shut"}></t-status>
+        <t-status kind=${row.open ? "online" : "offline"} word=${row.open ? openWords(row) : "shut"}></t-status>
       </div>
       ${row.open ? this.renderAddresses(row) : nothing}
       <div class="facts">
@@ -53,7 +54,8 @@ export class ClientProtocol extends LitElement {
 
   private renderAddresses(row: ClientProtocolShape): TemplateResult {
     if (row.path === "") {
-      return html`<p class="muted">The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.</p>`;
+      return html`<p class="muted">The hub connects to the broker that the file of <code>talaia hub --mqtt</code> names, and publishes what that file and its token allow.</p>
+        ${row.brokers.length === 0 ? html`<p class="muted">It was started without such a file.</p>` : map(row.brokers, renderBroker)}`;
     }
     return html`${map(
         this.sites,
@@ -100,7 +102,28 @@ export class ClientProtocol extends LitElement {
   }
 }
 
-function connectedWords(connected: number): string {
+/** How one broker stands; who has lost it looks here first. */
+function renderBroker(broker: BrokerShape): TemplateResult {
+  const lost = broker.why !== "";
+  const word = broker.connected ? "connected" : lost ? "lost" : "not connected";
+  return html`<div class="facts">
+      <t-status kind=${broker.connected ? "online" : lost ? "bad" : "offline"} word=${word}></t-status>
+      <span>${broker.address}</span>
+      ${broker.since_us === 0 ? nothing : html`<span>since <t-time .us=${broker.since_us} .zone=${ownZone()}></t-time></span>`}
+      ${broker.connected || lost ? nothing : html`<span>nothing is to be published: its token is not good, or nobody may</span>`}
+    </div>
+    ${lost ? html`<p class="muted">${broker.why}. It is tried again by itself.</p>` : nothing}
+    ${map(broker.refused, (what) => html`<p class="muted">The broker refuses: ${what}. Its access list decides that.</p>`)}`;
+}
+
+/** A broker is of no site, so its times are those of whoever looks. */
+function ownZone(): string {
+  return Intl.DateTimeFormat().resolvedOptions().timeZone;
+}
+
+function openWords({ path, connected }: ClientProtocolShape): string {
+  // Where the hub connects, its broker says below how that stands.
+  if (path === "") return "open";
   if (connected === 0) return "open, nobody is connected";
   return connected === 1 ? "open, 1 client is connected" : `open, ${String(connected)} clients are connected`;
 }

@@ -11,15 +11,19 @@ from talaia.hub.api.access import address_of, number_of, who_of
 from talaia.hub.api.guarded_routes import GuardedRoute
 from talaia.hub.api.problems import ApiProblem
 from talaia.hub.api.schemas.client_schemas import (
+    BrokerShape,
     ClientDriverAsk,
     ClientDriverShape,
     ClientProtocolAsk,
     ClientProtocolList,
     ClientProtocolShape,
 )
-from talaia.hub.clients.catalog import CLIENT_PROTOCOLS
+from talaia.hub.clients.catalog import CLIENT_PROTOCOLS, MQTT
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from talaia.hub.clients.mqtt.broker_presence import BrokerContact, BrokerPresence
     from talaia.hub.clients.open_protocols import OpenProtocols
     from talaia.hub.live.sites import Sites
     from talaia.hub.store.audit import Audit
@@ -35,9 +39,19 @@ class ClientProtocolPages:
     """The routes of client protocols, and of those who may drive by them."""
 
     def __init__(
-        self, *, store: ClientProtocols, protocols: OpenProtocols, sites: Sites, audit: Audit
+        self,
+        *,
+        store: ClientProtocols,
+        protocols: OpenProtocols,
+        brokers: Sequence[BrokerPresence],
+        sites: Sites,
+        audit: Audit,
     ) -> None:
-        """Write into ``store``; ``protocols`` follows at once."""
+        """Write into ``store``; ``protocols`` follows at once.
+
+        ``brokers`` tell how those stand that the hub connects to; they may become more.
+        """
+        self._brokers = brokers
         self._store = store
         self._protocols = protocols
         self._sites = sites
@@ -130,6 +144,8 @@ class ClientProtocolPages:
             changed_by=state.changed_by if state is not None else "",
             changed_us=state.changed_us if state is not None else 0,
             connected=self._protocols.count_connected(name),
+            # Only one protocol goes out to brokers.
+            brokers=[_broker_shape(one.contact) for one in self._brokers] if name == MQTT else [],
         )
 
     def _append_record(
@@ -143,3 +159,13 @@ class ClientProtocolPages:
             device=device,
             message=message,
         )
+
+
+def _broker_shape(contact: BrokerContact) -> BrokerShape:
+    return BrokerShape(
+        address=contact.address,
+        connected=contact.connected,
+        since_us=contact.since_us,
+        why=contact.why,
+        refused=list(contact.refused),
+    )

@@ -12,6 +12,7 @@ from pydantic import Field
 from talaia.hub.api.schemas.common import Schema
 
 __all__ = [
+    "BrokerShape",
     "ClientDriverAsk",
     "ClientDriverShape",
     "ClientProtocolAsk",
@@ -22,6 +23,21 @@ __all__ = [
 _NAME = Field(min_length=1, max_length=200)
 _MOST_ORIGINS = 50
 _Origin = Annotated[str, Field(min_length=1, max_length=200)]
+
+
+class BrokerShape(Schema):
+    """A broker that the hub connects to, as the file that it was started with says.
+
+    ``since_us`` is when it was connected or lost; ``why`` is empty while it is connected, and
+    while the protocol is shut or its token is not good.
+    """
+
+    address: str
+    connected: bool
+    since_us: int
+    why: str
+    # What its access list does not let the hub do, on this connection.
+    refused: list[str]
 
 
 class ClientProtocolShape(Schema):
@@ -46,6 +62,8 @@ class ClientProtocolShape(Schema):
     changed_us: int
     # By this process, now.
     connected: int
+    # Of protocols by which the hub connects; empty: it was started without any.
+    brokers: list[BrokerShape]
 
 
 class ClientDriverShape(Schema):

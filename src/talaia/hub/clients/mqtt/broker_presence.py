@@ -34,35 +34,36 @@ class BrokerPresence:
 
     def __init__(self) -> None:
         """Begin without a broker."""
-        self._state = BrokerContact()
+        self._contact = BrokerContact()
 
     @property
-    def state(self) -> BrokerContact:
+    def contact(self) -> BrokerContact:
         """How it stands now."""
-        return self._state
+        return self._contact
 
     def name_broker(self, address: str) -> None:
         """Say which broker it is."""
-        self._state = BrokerContact(address)
+        self._contact = BrokerContact(address)
 
     def report_connected(self, now_us: int) -> None:
         """Say that it is reached; what it refused on an earlier connection is forgotten."""
-        self._state = BrokerContact(self._state.address, connected=True, since_us=now_us)
+        self._contact = BrokerContact(self._contact.address, connected=True, since_us=now_us)
 
     def report_lost(self, now_us: int, why: str) -> None:
-        """Say that it is not reached; the first loss counts, however often it is tried again."""
-        if self._state.connected or not self._state.why:
-            self._state = BrokerContact(self._state.address, since_us=now_us, why=why)
+        """Say that it is not reached: since the first loss, for the reason of the newest try."""
+        lost = self._contact.why and not self._contact.connected
+        since_us = self._contact.since_us if lost else now_us
+        self._contact = BrokerContact(self._contact.address, since_us=since_us, why=why)
 
     def report_left(self, now_us: int) -> None:
         """Say that the hub has left it, since nothing is to be published."""
-        if self._state.connected or self._state.why:
-            self._state = BrokerContact(self._state.address, since_us=now_us)
+        if self._contact.connected or self._contact.why:
+            self._contact = BrokerContact(self._contact.address, since_us=now_us)
 
     def report_refusal(self, text: str) -> bool:
         """Keep what it refused; False if that is known."""
-        refused = self._state.refused
+        refused = self._contact.refused
         if text in refused or len(refused) >= _MOST_REFUSALS:
             return False
-        self._state = self._state._replace(refused=(*refused, text))
+        self._contact = self._contact._replace(refused=(*refused, text))
         return True

@@ -55,9 +55,14 @@ class ClientProtocolsFeature(Feature):
         self.connections = ClientConnections(
             service=service, protocols=self.protocols, clock=core.clock
         )
+        # Filled by the features that connect to brokers, which are built after this one.
         self._brokers: list[BrokerPresence] = []
         pages = ClientProtocolPages(
-            store=store, protocols=self.protocols, sites=core.sites, audit=audit
+            store=store,
+            protocols=self.protocols,
+            brokers=self._brokers,
+            sites=core.sites,
+            audit=audit,
         )
         self.routers = [pages.router()]
         self.tasks = [BackgroundTask(name="check client protocols", run=self._check)]
