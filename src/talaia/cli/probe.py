@@ -16,7 +16,7 @@ from talaia.cli.probe_servers import add_server_options, look_at_broker, look_at
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from talaia.model.discovery.probe_report import Found, PropertyFound, TopicFound
+    from talaia.model.discovery.probe_report import Found, NodeFound, PropertyFound, TopicFound
 
 __all__ = ["add_options", "main", "probe_robot"]
 
@@ -219,6 +219,7 @@ def _as_text(found: Found, *, fields: bool) -> str:
             [(service.service, service.type, service.problem) for service in found.services],
         ),
         ("actions", [(action.action, action.type, action.problem) for action in found.actions]),
+        ("nodes", [(node.node, _what_it_has(node), "") for node in found.nodes]),
     ):
         if rows:
             lines += ["", title]
@@ -241,6 +242,13 @@ def _as_text(found: Found, *, fields: bool) -> str:
             f"on the same network{more}?",
         ]
     return "\n".join(lines)
+
+
+def _what_it_has(node: NodeFound) -> str:
+    count = len(node.parameters)
+    parts = [f"life cycle: {node.state}"] if node.lifecycle else []
+    parts += [f"{count} parameter{'s' if count > 1 else ''}"] if count else []
+    return ", ".join(parts)
 
 
 def _of_types(found: Found, types: tuple[str, ...]) -> list[str]:

@@ -229,6 +229,7 @@ _BY_LINK: dict[str, frozenset[ConnectionKind]] = {
     "source.field": ROS_KINDS,
     "source.name": ROS_KINDS,
     "source.parameter": ROS_KINDS,
+    "source.lifecycle": frozenset({ConnectionKind.ROS2}),
     "source.stamp": ROS_KINDS | {ConnectionKind.INDI},
     "source.synchronized": ROS_KINDS | {ConnectionKind.INDI},
     "source.property": frozenset({ConnectionKind.INDI}),

@@ -11,6 +11,7 @@ __all__ = [
     "DriveMessage",
     "KeyMode",
     "LinkLoss",
+    "LogLevel",
     "PositionFrame",
     "SignalType",
     "Visibility",
@@ -69,6 +70,8 @@ class CommandKind(StrEnum):
     ACTION = "action"
     # ROS: sets parameters. INDI: sends a property. Process: runs a command. Extension: its own.
     PARAMETER = "parameter"
+    # ROS 2: a transition of a life-cycle node.
+    LIFECYCLE = "lifecycle"
     INDI = "indi"
     PROCESS = "process"
     EXTENSION = "extension"
@@ -93,6 +96,17 @@ class KeyMode(StrEnum):
 
     PRESS = "press"
     REPEAT = "repeat"
+
+
+class LogLevel(StrEnum):
+    """How bad a line of a robot's log is; ``none`` for a log that nobody reads."""
+
+    NONE = "none"
+    DEBUG = "debug"
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
+    FATAL = "fatal"
 
 
 class LinkLoss(StrEnum):

@@ -391,6 +391,8 @@ class Site(Shape, frozen=True, kw_only=True):
             domain=self.ros2.domain,
             node=self.ros2.node,
             definitions=self.ros2.definitions,
+            log=self.ros2.log,
+            use_sim_time=self.ros2.use_sim_time,
         )
         # A connection of the same name wins; `check` says that it stands there twice.
         return {"ros2": short, **self.connections}

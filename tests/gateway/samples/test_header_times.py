@@ -62,3 +62,15 @@ def test_no_time_is_after_the_arrival_or_long_before_it(
     for passed_us, late_us in rows:
         now_us += passed_us
         assert 0 <= now_us - times.time_of(stamped(now_us - late_us), now_us) <= LATE_US
+
+
+def test_stamps_of_a_robot_with_a_clock_of_its_own_are_moved_to_our_time() -> None:
+    """A simulation's time begins with 0; how late its messages came is all the same."""
+    shift: list[int | None] = [None]
+    times = HeaderTimes(lambda: shift[0])
+    assert times.time_of(stamped(12_000_000), NOW_US) == NOW_US
+    shift[0] = NOW_US - 12_500_000
+    assert times.time_of(stamped(12_000_000), NOW_US) == NOW_US - 500_000
+    assert times.lag_us == 500_000
+    # From before the simulation was begun anew.
+    assert times.time_of(stamped(900_000_000), NOW_US) == NOW_US

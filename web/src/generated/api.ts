@@ -89,6 +89,7 @@ export interface CommandShape {
   readonly timeout: number;
   readonly cancellable: boolean;
   readonly arguments: readonly ArgumentShape[];
+  readonly needs: StateNeed | null;
 }
 
 /** What of a camera's pictures is counted: classes, and how sure (0 to 1) at the least. */
@@ -930,6 +931,14 @@ export interface SlewShape {
   readonly dec: string;
   readonly alt: string;
   readonly az: string;
+}
+
+/** The state that a command leads on from: the signal's channel has to be ``among`` these. */
+export interface StateNeed {
+  readonly channel: string;
+  readonly max_age: number;
+  readonly states: readonly string[];
+  readonly among: readonly string[];
 }
 
 /** Do something about an alarm. */

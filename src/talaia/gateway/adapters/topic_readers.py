@@ -35,6 +35,7 @@ __all__ = [
     "SampleBuffer",
     "TopicPlan",
     "file_in",
+    "lifecycle_plans_of",
     "make_live_plans",
     "parameter_plans_of",
     "plans_of",
@@ -116,7 +117,7 @@ class TopicPlan:
         latest: dict[str, ChannelReading],
         complain: Callable[[str, str], None],
         announce: Callable[[str, str, str], None] | None = None,
-        header_times: bool = False,
+        header_times: HeaderTimes | None = None,
     ) -> None:
         """Take the rows by field and those by the name of a sensor.
 
@@ -129,7 +130,8 @@ class TopicPlan:
             complain: told once for each address that cannot be read, with the problem.
             announce: told once of each sensor of such a topic that no signal is of: device, topic
                 and name.
-            header_times: samples have the time of their message's stamp, see `HeaderTimes`.
+            header_times: judges the stamps that samples have the time of; none where samples
+                have the time of arrival.
 
         """
         self.topic = topic
@@ -141,8 +143,7 @@ class TopicPlan:
         self._announce = announce
         self._announced: set[str] = set()  # Names of sensors, at most `MOST_ANNOUNCED`.
         self._bad: set[str] = set()  # Addresses (and the topic) that were told as unreadable.
-        # None where samples have the time of arrival.
-        self._header_times = HeaderTimes() if header_times else None
+        self._header_times = header_times
         samplers = self._all_rows()
         # Those that can hold a value back.
         self._thinned = [row for row in samplers if row.sampler is not None]
@@ -156,6 +157,11 @@ class TopicPlan:
     def channel(self) -> int:
         """The number of the first signal's first channel."""
         return self._all_rows()[0].channel
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """The states of the first signal; none where it is no state."""
+        return self._all_rows()[0].signal.states
 
     def _all_rows(self) -> list[_Row]:
         return [*self._rows, *(row for rows in self._by_name.values() for row in rows)]
@@ -328,7 +334,7 @@ def plans_of(
     complain: Callable[[str, str], None],
     *,
     announce: Callable[[str, str, str], None] | None = None,
-    header_times: bool = False,
+    header_times: Callable[[], HeaderTimes] | None = None,
 ) -> list[TopicPlan]:
     """Make the plans of a scope; signals of one topic and type share one.
 
@@ -362,22 +368,28 @@ def plans_of(
             latest=latest,
             complain=complain,
             announce=announce,
-            header_times=header_times,
+            header_times=None if header_times is None else header_times(),
         )
         for (topic, type_name), read in rows.items()
     ]
 
 
 def make_live_plans(
-    scope: ConnectionScope, latest: dict[str, ChannelReading], reports: UnreadableReports
+    scope: ConnectionScope,
+    latest: dict[str, ChannelReading],
+    reports: UnreadableReports,
+    shift_us: Callable[[], int | None] | None = None,
 ) -> list[TopicPlan]:
-    """Make the plans of a robot that is heard now: timed by its stamps, its news reported."""
+    """Make the plans of a robot that is heard now: timed by its stamps, its news reported.
+
+    See `HeaderTimes` for ``shift_us``.
+    """
     return plans_of(
         scope,
         latest,
         reports.report_unreadable,
         announce=reports.report_new_sensor,
-        header_times=True,
+        header_times=lambda: HeaderTimes(shift_us),
     )
 
 
@@ -385,14 +397,30 @@ def parameter_plans_of(
     scope: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
 ) -> list[TopicPlan]:
     """Make a plan for each signal that is a parameter; its message has the value as ``data``."""
+    return _node_plans_of(scope, latest, complain, lambda source: source.parameter)
+
+
+def lifecycle_plans_of(
+    scope: ConnectionScope, latest: dict[str, ChannelReading], complain: Callable[[str, str], None]
+) -> list[TopicPlan]:
+    """Make a plan for each signal that is a node's state; its message has it as ``data``."""
+    return _node_plans_of(scope, latest, complain, lambda source: source.lifecycle)
+
+
+def _node_plans_of(
+    scope: ConnectionScope,
+    latest: dict[str, ChannelReading],
+    complain: Callable[[str, str], None],
+    name_in: Callable[[RosSource], str],
+) -> list[TopicPlan]:
     plans = []
     for device_id, device in scope.devices.items():
         for signal_id, signal in device.signals.items():
-            name = source_as(signal.source, RosSource).parameter
+            name = name_in(source_as(signal.source, RosSource))
             if not name:
                 continue
             address = f"{device_id}/{signal_id}"
-            # The message of a parameter holds nothing but its value.
+            # What a node answers holds nothing but the value.
             of_data = msgspec.structs.replace(signal, source=RosSource(field="data"))
             tapped = address in scope.guarded
             row = _plan_row(address, scope.channel[address], of_data, tapped=tapped)

@@ -8,8 +8,13 @@ old a value is goes by its arrival in any case.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from talaia.gateway.errors import FieldError
 from talaia.gateway.samples.source_stamps import stamp_ns_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["LATE_US", "HeaderTimes"]
 
@@ -29,10 +34,17 @@ class HeaderTimes:
 
     """
 
-    __slots__ = ("_doubted_us", "headless", "lag_us")
+    __slots__ = ("_doubted_us", "_shift_us", "headless", "lag_us")
 
-    def __init__(self) -> None:
-        """Believe the first stamp, if it can be true."""
+    def __init__(self, shift_us: Callable[[], int | None] | None = None) -> None:
+        """Believe the first stamp, if it can be true.
+
+        Args:
+            shift_us: of a robot that goes by a clock of its own (``/clock``): what is added to its
+                time to have ours (µs), none while that is not known. None: stamps are of our time.
+
+        """
+        self._shift_us = shift_us
         self.lag_us = 0
         self.headless: type | None = None
         # When a stamp came that could not be true (wall, µs); none for a topic without any.
@@ -58,6 +70,12 @@ class HeaderTimes:
             stamp_us = stamp_ns_of(getattr(header, "stamp", None), "header.stamp") // 1000
         except FieldError:
             return arrived_us
+        if self._shift_us is not None:
+            shift_us = self._shift_us()
+            if shift_us is None:
+                self.lag_us = 0
+                return arrived_us
+            stamp_us += shift_us
         late_us = arrived_us - stamp_us
         self.lag_us = 0
         # The robot's clock goes a little before ours; nothing is measured after it came.

@@ -20,10 +20,30 @@ if TYPE_CHECKING:
 
     from talaia.model.site import Command, Device, Signal
 
-__all__ = ["DIAGNOSTICS", "RosRules", "RosSource", "node_fits"]
+__all__ = [
+    "DIAGNOSTICS",
+    "LIFECYCLE_STATES",
+    "LIFECYCLE_TRANSITIONS",
+    "TRANSITION",
+    "RosRules",
+    "RosSource",
+    "node_fits",
+]
 
 # Names many parts of a robot, each with a level and words.
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
+# The states of a life-cycle node between its transitions, and what it can be asked for.
+LIFECYCLE_STATES = ("unconfigured", "inactive", "active", "finalized")
+# By transition: the states from which it leads on (design.ros2.org/articles/node_lifecycle.html).
+LIFECYCLE_TRANSITIONS = {
+    "configure": ("unconfigured",),
+    "activate": ("inactive",),
+    "deactivate": ("active",),
+    "cleanup": ("inactive",),
+    "shutdown": ("unconfigured", "inactive", "active"),
+}
+# What a life-cycle command fills.
+TRANSITION = "transition"
 # A whole FITS file, as a message.
 _FILES = "std_msgs/msg/UInt8MultiArray"
 _NODE = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
@@ -47,6 +67,7 @@ class RosSource(SourceShape, frozen=True, kw_only=True, tag="ros"):
         name: for a topic that carries many sensors by name (CloudConnect's ``/metric``, ROS's
             ``/diagnostics``): which. Of diagnostics a state is the level and a text the message.
         parameter: a parameter instead of a topic, asked for once a second: ``/node/name``.
+        lifecycle: ROS 2: a life-cycle node whose state it is, instead of a topic: ``/node``.
         stamp: the path of the value's own time, ``header.stamp``, which tells an old value that
             goes on arriving from a new one. Interlocks count a value from when its stamp last
             advanced.
@@ -60,6 +81,7 @@ class RosSource(SourceShape, frozen=True, kw_only=True, tag="ros"):
     field: str = ""
     name: str = ""
     parameter: str = ""
+    lifecycle: str = ""
     stamp: str = ""
     synchronized: bool = False
 
@@ -75,6 +97,8 @@ class RosRules(KindRules[ConnectionT, RosSource]):
     drives = True
     # Whether whole FITS files come as messages.
     files: ClassVar[bool] = True
+    # Whether nodes have a life cycle (`rclcpp_lifecycle`).
+    lifecycles: ClassVar[bool] = False
 
     def __init__(self, connection: ConnectionT) -> None:
         """Answer for this connection."""
@@ -84,11 +108,13 @@ class RosRules(KindRules[ConnectionT, RosSource]):
         """See `ConnectionRules`."""
         yield from stamp_fits(where, signal, source.stamp, synchronized=source.synchronized)
         judged = signal.type in (SignalType.NUMBER, SignalType.STATE)
-        if source.stamp and judged and (source.parameter or source.name):
-            what = "a parameter" if source.parameter else "a sensor by name"
+        if source.stamp and judged and (what := _without_stamp(source)):
             yield Finding(f"{where}.stamp", f"{what} has no stamp", "leave the stamp out")
         elif source.stamp and judged:
             yield from field_fits(f"{where}.stamp", source.stamp)
+        if source.lifecycle:
+            yield from self.lifecycle_fits(where, signal, source)
+            return
         # A parameter stands instead of a topic: no field and no type is asked for.
         if source.parameter:
             yield from self.parameter_fits(where, source)
@@ -105,6 +131,22 @@ class RosRules(KindRules[ConnectionT, RosSource]):
             yield Finding(f"{where}.parameter", problem, "write it as /node/name")
         if source.topic:
             yield Finding(f"{where}.parameter", "a topic is given, too", "leave one out")
+
+    def lifecycle_fits(self, where: str, signal: Signal, source: RosSource) -> Iterator[Finding]:
+        """Judge a signal that is the state of a life-cycle node."""
+        at = f"{where}.lifecycle"
+        if not self.lifecycles:
+            problem = f"a connection of kind {self.kind} has no life-cycle nodes"
+            yield Finding(at, problem, "take a topic")
+            return
+        yield from topic_fits(at, source.lifecycle)
+        if signal.type not in (SignalType.STATE, SignalType.TEXT):
+            problem = f"the state of a node is no {signal.type}"
+            states = ", ".join(LIFECYCLE_STATES)
+            yield Finding(at, problem, f"write: type: state, states: [{states}]")
+        if source.topic or source.parameter:
+            what = "topic" if source.topic else "parameter"
+            yield Finding(at, f"a {what} is given, too", "leave one out")
 
     def stream_fits(self, where: str, source: RosSource) -> Iterator[Finding]:
         """See `ConnectionRules`."""
@@ -133,7 +175,7 @@ class RosRules(KindRules[ConnectionT, RosSource]):
             problem = f"expected {_FILES}, found {source.type or 'nothing'}"
             yield Finding(f"{where}.type", problem, f"write: type: {_FILES}")
         # A file is taken as it is: nothing in it is looked up.
-        for key in ("field", "name", "parameter"):
+        for key in ("field", "name", "parameter", "lifecycle"):
             if getattr(source, key):
                 yield Finding(f"{where}.{key}", "the whole message is the file", "leave it out")
 
@@ -143,8 +185,37 @@ class RosRules(KindRules[ConnectionT, RosSource]):
         middle = _MIDDLE.get(command.kind)
         if middle is not None:
             yield from type_fits(f"{where}.type", command.type, middle)
+        if command.kind is CommandKind.LIFECYCLE:
+            yield from _transition_fits(where, command)
+            return
         for at, field in argument_fields(where, command):
             yield from field_fits(at, field)
+
+
+def _transition_fits(where: str, command: Command) -> Iterator[Finding]:
+    """Judge which transition a command asks a life-cycle node for."""
+    filled = {*command.fixed, *(argument.field for argument in command.arguments.values())}
+    for field in sorted(filled - {TRANSITION}):
+        problem = f"a life cycle has no field {field!r}"
+        yield Finding(where, problem, f"write: fixed: {{{TRANSITION}: activate}}")
+    if TRANSITION not in filled:
+        yield Finding(
+            where, "which transition is meant?", f"write: fixed: {{{TRANSITION}: activate}}"
+        )
+    asked = command.fixed.get(TRANSITION)
+    if asked is not None and asked not in LIFECYCLE_TRANSITIONS:
+        words = ", ".join(LIFECYCLE_TRANSITIONS)
+        problem = f"{asked!r} is no transition"
+        yield Finding(f"{where}.fixed.{TRANSITION}", problem, f"one of {words}")
+
+
+def _without_stamp(source: RosSource) -> str:
+    """Say what a source is that has no stamp; empty for one that may have one."""
+    if source.lifecycle:
+        return "a life cycle"
+    if source.parameter:
+        return "a parameter"
+    return "a sensor by name" if source.name else ""
 
 
 def node_fits(where: str, node: str) -> Iterator[Finding]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from talaia.model.base import Shape
 from talaia.model.checks.identifiers import Finding
+from talaia.model.closed_lists import CommandKind, LogLevel
 from talaia.model.connections.kinds import ConnectionKind
 from talaia.model.connections.ros import RosRules, node_fits
 
@@ -26,12 +27,16 @@ class Ros2Settings(Shape, frozen=True, kw_only=True):
         node: the gateway's node name.
         definitions: a folder with ``.msg`` files, or a recording, for message types that neither
             this machine nor the robot's nodes describe; relative to the description's folder.
+        log: lines of the robot's log (``/rosout``) from this level on stand in the logbook.
+        use_sim_time: the robot's nodes go by ``/clock``, and so do the stamps of their messages.
 
     """
 
     domain: int | None = None
     node: str = "talaia_gateway"
     definitions: str = ""
+    log: LogLevel = LogLevel.NONE
+    use_sim_time: bool = False
 
 
 class Ros2Connection(Ros2Settings, frozen=True, kw_only=True, tag_field="kind", tag="ros2"):
@@ -42,6 +47,8 @@ class Ros2Connection(Ros2Settings, frozen=True, kw_only=True, tag_field="kind", 
         node: the gateway's node name.
         definitions: a folder with ``.msg`` files, or a recording, for message types that neither
             this machine nor the robot's nodes describe; relative to the description's folder.
+        log: lines of the robot's log (``/rosout``) from this level on stand in the logbook.
+        use_sim_time: the robot's nodes go by ``/clock``, and so do the stamps of their messages.
 
     """
 
@@ -50,6 +57,8 @@ class Ros2Rules(RosRules[Ros2Connection]):
     """Checks what is described of a ROS 2 connection."""
 
     kind = ConnectionKind.ROS2
+    commands = RosRules.commands | {CommandKind.LIFECYCLE}
+    lifecycles = True
 
     def own_findings(self, where: str) -> Iterator[Finding]:
         """See `ConnectionRules`."""

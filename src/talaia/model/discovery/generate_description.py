@@ -14,10 +14,17 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import msgspec
 
 from talaia.model.checks.site_checks import check_site
+from talaia.model.closed_lists import LogLevel
 from talaia.model.connection import IndiConnection, Ros1Connection, RosSource
 from talaia.model.discovery.device_places import PICTURES, TWISTS, place_of, place_order
 from talaia.model.discovery.json_devices import connection_of, json_devices, json_left_out
 from talaia.model.discovery.opened_topics import topics_to_open
+from talaia.model.discovery.proposed_nodes import (
+    MAX_OF_A_NODE,
+    commands_of_node,
+    place_of_node,
+    signals_of_node,
+)
 from talaia.model.discovery.proposed_signals import MOTION_FIELDS, ProposedSignals
 from talaia.model.discovery.role_proposal import with_roles
 from talaia.model.discovery.ros_units import readable_name, word_of
@@ -47,6 +54,7 @@ if TYPE_CHECKING:
         ActionFound,
         FieldFound,
         Found,
+        NodeFound,
         ServiceFound,
         TopicFound,
     )
@@ -99,7 +107,7 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Propos
         site=site,
         name=name,
         zone=zone,
-        ros2=Ros2Settings(domain=found.domain) if found.protocol == "ros2" else None,
+        ros2=_ros2_of(found),
         connections=_connections_of(found),
         devices={
             name: with_roles(device)
@@ -123,6 +131,13 @@ def propose_description(found: Found, site: str, name: str, zone: str) -> Propos
         left_out += [str(finding) for finding in wrong]
         proposed = _leave_out_findings(proposed, [finding.where.split(".") for finding in wrong])
     return Proposal(proposed, tuple(left_out))
+
+
+def _ros2_of(found: Found) -> Ros2Settings | None:
+    """Say how ROS 2 is joined; its log is read from warnings on."""
+    if found.protocol != "ros2":
+        return None
+    return Ros2Settings(domain=found.domain, log=LogLevel.WARNING, use_sim_time=found.sim_time)
 
 
 def _connections_of(found: Found) -> dict[str, Connection]:
@@ -205,6 +220,8 @@ class _ProposedDevices:
             self._add_service(service)
         for action in self._found.actions:
             self._add_action(action)
+        for node in self._found.nodes:
+            self._add_node(node)
         # After what is published: a drive names the camera and the position to drive by.
         for topic in self._found.topics:
             if topic.subscribers and not topic.publishers:
@@ -292,6 +309,18 @@ class _ProposedDevices:
             # Nobody knows yet what it does; the owner takes the question away.
             confirm=True,
         )
+
+    def _add_node(self, node: NodeFound) -> None:
+        place = place_of_node(node, self._found.topics)
+        for word, signal in signals_of_node(node, place):
+            self._signals.add_signal(place, word, signal)
+        commands = self._commands.setdefault(place, {})
+        for word, command in commands_of_node(node, place):
+            commands[free_word(word, commands)] = command
+        self.left_out += [f"{node.node} {parameter}" for parameter in node.left_out]
+        more = len(node.parameters) - MAX_OF_A_NODE
+        if more > 0:
+            self.left_out.append(f"{node.node}: {more} more parameters")
 
     # ── what listens ──
 

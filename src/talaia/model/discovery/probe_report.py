@@ -18,7 +18,9 @@ __all__ = [
     "ElementFound",
     "FieldFound",
     "Found",
+    "NodeFound",
     "NotAProbe",
+    "ParameterFound",
     "PropertyFound",
     "ServiceFound",
     "TopicFound",
@@ -104,6 +106,44 @@ class ActionFound(msgspec.Struct, frozen=True, omit_defaults=True):
     problem: str = ""
 
 
+class ParameterFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A parameter of a node. Its value is left out: a file of a probe is passed around.
+
+    Attributes:
+        type: ``number``, ``integer``, ``boolean`` or ``text``.
+        read_only: the node never takes another value.
+        minimum: what the node takes at least; none where it says no range.
+
+    """
+
+    parameter: str
+    type: str
+    read_only: bool = False
+    minimum: float | None = None
+    maximum: float | None = None
+    description: str = ""
+
+
+class NodeFound(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A ROS 2 node that has a life cycle or parameters of its own.
+
+    Attributes:
+        node: absolute, with its name space.
+        lifecycle: it has a life cycle (``rclcpp_lifecycle``).
+        state: where it is in its life cycle; empty without one.
+        publishes: its topics.
+        left_out: parameters that are left out and why, in words.
+
+    """
+
+    node: str
+    lifecycle: bool = False
+    state: str = ""
+    publishes: tuple[str, ...] = ()
+    parameters: tuple[ParameterFound, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+
 class ElementFound(msgspec.Struct, frozen=True, omit_defaults=True):
     """One member of an INDI property.
 
@@ -171,6 +211,7 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
         where: which graph or server, in words.
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
+        sim_time: the robot has a clock of its own, as a simulator's (``/clock``).
         master: where the ROS 1 master answers; empty for other protocols.
         host: of the INDI server; empty for other protocols.
         port: of the INDI server.
@@ -187,9 +228,11 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     where: str
     seconds: float
     domain: int | None = None
+    sim_time: bool = False
     topics: tuple[TopicFound, ...] = ()
     services: tuple[ServiceFound, ...] = ()
     actions: tuple[ActionFound, ...] = ()
+    nodes: tuple[NodeFound, ...] = ()
     master: str = ""
     host: str = ""
     port: int = 0

@@ -109,6 +109,11 @@ class ProposedSignals:
             del self._signals[place]
         return bool(signals)
 
+    def add_signal(self, place: DevicePlace, word: str, signal: Signal) -> None:
+        """Add a signal that is no topic's."""
+        signals = self._signals.setdefault(place, {})
+        signals[free_word(word, signals)] = signal
+
     def choose_primary(self) -> None:
         """Leave at most a dozen primary: those people know first, then numbers with a unit."""
         ranked: list[tuple[int, int, DevicePlace, str]] = []
@@ -260,7 +265,7 @@ def _rank_of(signal: Signal) -> int | None:
     if key in _FIRST:
         return _FIRST.index(key)
     # Somebody gave it a topic or a name of its own, so it matters to them.
-    if source.name or source.field == "data":
+    if source.lifecycle or source.name or source.field == "data":
         return len(_FIRST)
     if signal.type is SignalType.STATE:
         return len(_FIRST) + 3

@@ -47,3 +47,35 @@ async def test_whoever_may_not_use_a_telescope_is_not_told_how_it_is_pointed(hub
     telescope = (await devices_of(hub, public, "guest"))["telescope"]
     assert telescope["slew"] is None
     assert telescope["commands"] == []
+
+
+LIFECYCLE = """
+talaia: 1
+site: agv
+name: Robot
+ros2: {}
+devices:
+  lidar:
+    name: Lidar
+    signals:
+      state:
+        name: State
+        type: state
+        states: [unconfigured, inactive, active, finalized]
+        source: {lifecycle: /lidar}
+    commands:
+      activate: {name: Activate, kind: lifecycle, target: /lidar, fixed: {transition: activate}}
+      other: {name: Other, kind: lifecycle, target: /other, fixed: {transition: activate}}
+"""
+
+
+async def test_a_transition_says_from_which_states_it_leads_on(hub) -> None:
+    """Of a node whose state is no signal here nobody can say."""
+    commands = (await devices_of(hub, LIFECYCLE))["lidar"]["commands"]
+    assert commands[0]["needs"] == {
+        "channel": "lidar/state",
+        "max_age": 5.0,
+        "states": ["unconfigured", "inactive", "active", "finalized"],
+        "among": ["inactive"],
+    }
+    assert commands[1]["needs"] is None

@@ -104,6 +104,7 @@ const WANDER: CommandShape = {
   confirm: false,
   timeout: 10,
   cancellable: false,
+  needs: null,
   arguments: [argument({ id: "active", name: "Active", type: "boolean", default: true })],
 };
 const SLEW: CommandShape = {
@@ -114,6 +115,7 @@ const SLEW: CommandShape = {
   confirm: true,
   timeout: 60,
   cancellable: true,
+  needs: null,
   arguments: [
     argument({ id: "az", name: "Azimuth", type: "number", unit: "°", minimum: 0, maximum: 360, default: 180 }),
     argument({ id: "alt", name: "Altitude", type: "number", unit: "°", minimum: 10, maximum: 90 }),

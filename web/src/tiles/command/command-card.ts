@@ -3,10 +3,12 @@
 import { css, html, LitElement, nothing, type TemplateResult } from "lit";
 import { customElement, property } from "lit/decorators.js";
 import type { CommandArguments, CommandClient } from "../../controllers/drive/command-client.js";
+import { LiveValuesController } from "../../controllers/live-values.js";
 import { ContextStoreController } from "../../controllers/context-store.js";
 import { StoreController } from "../../controllers/store-controller.js";
 import "../../elements/command/command-form.js";
 import { lockText } from "../../format/interlock-reason.js";
+import { stateWord } from "../../format/state-label.js";
 import { interlocksContext } from "../../state/contexts.js";
 import type { CommandShape, DeviceShape } from "../../generated/api.js";
 import { renderInterruptDialog } from "./interrupt-dialog.js";
@@ -28,9 +30,11 @@ export class CommandCard extends LitElement {
 
   private readonly interlocks = new ContextStoreController(this, interlocksContext);
   private readonly watched = new StoreController(this);
+  private readonly live = new LiveValuesController(this);
 
   override willUpdate(): void {
     this.watched.setStore(this.line);
+    this.live.observeChannels(this.site, this.command?.needs ? [this.command.needs.channel] : []);
   }
 
   override render(): TemplateResult | typeof nothing {
@@ -49,12 +53,19 @@ export class CommandCard extends LitElement {
       .command=${command}
       .asked=${asked}
       .online=${this.online}
-      .locked=${lock === null ? "" : lockText(lock)}
+      .locked=${lock === null ? this.stateText(command) : lockText(lock)}
       .allowed=${device.rights.includes("use")}
       @t-ask=${sendCommand}
       @t-cancel=${cancelCommand}
       ></t-command
       >${renderInterruptDialog([asked], this.line)}`;
+  }
+
+  /** Why a transition leads nowhere from the state that its node is in; empty where it does, or nobody knows. */
+  private stateText({ needs }: CommandShape): string {
+    if (!needs || this.live.freshnessOf(needs.channel, needs.max_age) !== "live") return "";
+    const word = stateWord(needs.states, this.live.readingOf(needs.channel)?.value ?? Number.NaN);
+    return needs.among.includes(word) ? "" : `Not possible now: it is ${word}`;
   }
 }
 

@@ -18,7 +18,7 @@ export function argument(id: string, more: Partial<ArgumentShape> = {}): Argumen
 }
 
 export function command(id: string, args: readonly ArgumentShape[] = [], more: Partial<CommandShape> = {}): CommandShape {
-  return { id, name: id, role: "none", description: "", confirm: false, timeout: 10, cancellable: false, arguments: args, ...more };
+  return { id, name: id, role: "none", description: "", confirm: false, timeout: 10, cancellable: false, needs: null, arguments: args, ...more };
 }
 
 export function device(

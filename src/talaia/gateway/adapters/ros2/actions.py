@@ -16,6 +16,7 @@ from action_msgs.srv import CancelGoal
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 
+from talaia.gateway.adapters.ros2.nodes.service_calls import ServiceCalls
 from talaia.gateway.adapters.ros2.requests import fill, outcome_of
 from talaia.gateway.errors import FieldError
 from talaia.gateway.ports import CommandOutcome
@@ -47,39 +48,6 @@ class ActionGoal:
         self.unwanted = False
 
 
-class _Calls:
-    """A service of an action, and who waits for its answers."""
-
-    def __init__(self, node: Any, kind: Any, name: str, thread: WaitThread) -> None:  # noqa: ANN401
-        self._node, self._thread = node, thread
-        self._entity = node.create_client(kind, name)
-        self._kind = kind
-        self._pending: dict[int, Callable[[Any], None]] = {}
-        thread.add_client(self._entity.handle, kind.Response, self._on_response)
-
-    @property
-    def ready(self) -> bool:
-        return bool(self._entity.service_is_ready())
-
-    def request(self) -> Any:  # noqa: ANN401
-        return self._kind.Request()
-
-    def send(self, request: Any, answer: Callable[[Any], None]) -> None:  # noqa: ANN401
-        if len(self._pending) >= MAX_GOALS:
-            self._pending.pop(next(iter(self._pending)))
-        self._pending[self._entity.handle.send_request(request)] = answer
-
-    def close(self) -> None:
-        self._thread.remove_client(self._entity.handle)
-        self._node.destroy_client(self._entity)
-        self._pending.clear()
-
-    def _on_response(self, number: int, response: object) -> None:
-        answer = self._pending.pop(number, None)
-        if answer is not None:
-            answer(response)
-
-
 class Ros2Action:
     """One command that is an action."""
 
@@ -88,9 +56,9 @@ class Ros2Action:
         self._command, self._node, self._thread = command, node, thread
         self._goals: dict[bytes, ActionGoal] = {}
         name = f"{command.target}/_action"
-        self._send = _Calls(node, kind.Impl.SendGoalService, f"{name}/send_goal", thread)
-        self._result = _Calls(node, kind.Impl.GetResultService, f"{name}/get_result", thread)
-        self._cancel = _Calls(node, CancelGoal, f"{name}/cancel_goal", thread)
+        self._send = ServiceCalls(node, kind.Impl.SendGoalService, f"{name}/send_goal", thread)
+        self._result = ServiceCalls(node, kind.Impl.GetResultService, f"{name}/get_result", thread)
+        self._cancel = ServiceCalls(node, CancelGoal, f"{name}/cancel_goal", thread)
         message = kind.Impl.FeedbackMessage
         self._progress = compile_getter(command.progress) if command.progress else None
 

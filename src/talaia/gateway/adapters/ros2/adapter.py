@@ -2,8 +2,8 @@
 
 It joins the parts: `participant_number` and `waitset` (how ROS is joined, and the thread),
 `subscriptions` and `listening` (what is heard), `services` and `actions` (commands), `motion`
-(driving and STOP), `parameters`, and `presence` (who is there). Long, because joining, serving
-and leaving share one node and must be read together.
+(driving and STOP), `nodes` (what they are and say), and `presence` (who is there). Long, because
+joining, serving and leaving share one node and must be read together.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from talaia.gateway.adapters.ros2.graph_node import join_graph, wait_sets_of
 from talaia.gateway.adapters.ros2.listening import Ros2Listening
 from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
 from talaia.gateway.adapters.ros2.motion import Ros2Motion
-from talaia.gateway.adapters.ros2.parameters import Ros2Parameters
+from talaia.gateway.adapters.ros2.nodes.robot_clock import RobotClock
+from talaia.gateway.adapters.ros2.nodes.robot_nodes import RobotNodes
 from talaia.gateway.adapters.ros2.participant_number import ParticipantNumber, domain_of
 from talaia.gateway.adapters.ros2.presence import Ros2Presence
 from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
@@ -89,6 +90,9 @@ class Ros2Adapter:
         self._latest: dict[str, ChannelReading] = {}
         # Samples of one turn of the wait set, until they go on as columns.
         self._gathered = SampleBuffer()
+        # Without `use_sim_time` the messages' stamps are taken as they are.
+        self._robot_clock = RobotClock(context.clock) if settings.use_sim_time else None
+        self._shift_us = None if self._robot_clock is None else self._robot_clock.shift_us
         # They outlive a `run`: what is held back of a signal goes on when ROS is joined anew.
         self._plans = self._plans_of(scope)
         # Streams that somebody looks at; replaced whole, so both threads may read it.
@@ -99,7 +103,7 @@ class Ros2Adapter:
         self._listening: Ros2Listening | None = None
         self._motion: Ros2Motion | None = None
         self._commands: Ros2Commands | None = None
-        self._parameters: Ros2Parameters | None = None
+        self._nodes: RobotNodes | None = None
         self._presence: Ros2Presence | None = None
         self._descriptions: RobotDescriptions | None = None
         self._types: TopicTypes | None = None
@@ -115,8 +119,6 @@ class Ros2Adapter:
         self._source = Ros2TopicSource(context.taps, self._clock, self._arrivals)
         # Outlives a `run`: joining anew is tried ever more seldom.
         self._deafness = Deafness()
-
-    # ── Adapter ──
 
     async def run(self) -> None:
         """See `Adapter.run`."""
@@ -226,14 +228,16 @@ class Ros2Adapter:
             missing=self._tell_missing,
             packageless=self._packageless,
         )
-        self._parameters = Ros2Parameters(
+        self._nodes = RobotNodes(
             scope=self._scope,
             node=self._node,
             thread=thread,
             clock=self._clock,
             gathered=self._gathered,
             latest=self._latest,
-            complain=self._unreadable.report_unreadable,
+            unreadable=self._unreadable,
+            events=self._events,
+            robot_clock=self._robot_clock,
         )
         self._presence = Ros2Presence(
             scope=self._scope,
@@ -279,7 +283,7 @@ class Ros2Adapter:
     def _leave(self, context: Any) -> None:  # noqa: ANN401
         thread, self._thread = self._thread, None
         # First nobody publishes any more, then the thread ends, then the node goes.
-        self._motion = self._commands = self._parameters = self._presence = None
+        self._motion = self._commands = self._nodes = self._presence = None
         if thread is not None:
             thread.end()
         self._rejoining.end_attempts()
@@ -307,14 +311,14 @@ class Ros2Adapter:
             del self._latest[address]
         if self._commands is not None:
             self._commands.redescribe(scope)
-        if self._parameters is not None:
-            self._parameters.redescribe(scope)
+        if self._nodes is not None:
+            self._nodes.redescribe(scope)
         if self._motion is not None:
             self._motion.redescribe(scope)
         self._update_subscriptions()
 
     def _plans_of(self, scope: ConnectionScope) -> list[TopicPlan]:
-        return make_live_plans(scope, self._latest, self._unreadable)
+        return make_live_plans(scope, self._latest, self._unreadable, self._shift_us)
 
     def _tell_missing(self, error: TypeMissing) -> None:
         if str(error) not in self._missing:
@@ -327,7 +331,7 @@ class Ros2Adapter:
     def _after(self) -> bool:
         now_us = self._clock.wall_ns() // 1000
         held = False
-        own = self._parameters.plans if self._parameters is not None else []
+        own = self._nodes.plans if self._nodes is not None else []
         for plan in (*self._plans, *own):
             if plan.thins:
                 held = plan.take_due(now_us, self._gathered) or held
@@ -341,8 +345,8 @@ class Ros2Adapter:
         self._turn += 1
         if self._turn % MARK_EVERY == 0:
             self._number.mark_used()
-        if self._parameters is not None and self._turn % 4 == 0:
-            self._parameters.ask()
+        if self._nodes is not None and self._turn % 4 == 0:
+            self._nodes.ask()
         if self._descriptions is not None:
             self._descriptions.ask_again()
         if self._turn % 2 == 0:
@@ -356,10 +360,7 @@ class Ros2Adapter:
         self._status.device(device, there=not why, why=why, sure=sure)
 
     def _rejoin(self, device: str, done: Callable[[CommandOutcome], None]) -> None:
-        """Make the subscriptions and clients of a device anew; its publishers of motion stay.
-
-        Topics that it scopes with other devices are taken anew for them, too.
-        """
+        """Make a device's subscriptions and clients anew; its publishers of motion stay."""
         commands, listening = self._commands, self._listening
         if commands is None or listening is None or device not in self._scope.devices:
             done(CommandOutcome(CommandPhase.FAILED, "there is no such device at the robot now"))

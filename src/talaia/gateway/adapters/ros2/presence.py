@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rcl_interfaces.srv import GetParameters
 
 from talaia.gateway.adapters.presence import Deafness, DeviceEndpoints, DevicePresence
-from talaia.model.connection import topic_of
+from talaia.model.connection import RosSource, source_as, topic_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
     from talaia.gateway.adapters.ros2.services import Ros2Commands
+    from talaia.model.connection import Source
 
 __all__ = ["Ros2Presence"]
 
@@ -57,6 +58,11 @@ class Ros2Presence:
             }
             for name, device in scope.devices.items()
         }
+        # The nodes that say what devices without a topic are like.
+        self._owners = {
+            name: frozenset(filter(None, (_owner_of(s.source) for s in device.signals.values())))
+            for name, device in scope.devices.items()
+        }
         self._clients: dict[str, Any] = {}
         self._offers: dict[str, DeviceEndpoints] = {}
         self._tell = tell
@@ -86,13 +92,17 @@ class Ros2Presence:
 
     def _offer(self, device: str) -> DeviceEndpoints:
         topics = self._topics[device]
-        if not topics:
+        if topics:
+            nodes = frozenset(
+                f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+                for topic in topics
+                for info in self._node.get_publishers_info_by_topic(topic)
+            )
+        elif owners := self._owners[device]:
+            found = self._node.get_node_names_and_namespaces()
+            nodes = owners & {f"{space.rstrip('/')}/{name}" for name, space in found}
+        else:
             return DeviceEndpoints(self._commands.offered(device))
-        nodes = frozenset(
-            f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-            for topic in topics
-            for info in self._node.get_publishers_info_by_topic(topic)
-        )
         return DeviceEndpoints(
             bool(nodes), nodes, frozenset(node for node in nodes if self._askable(node))
         )
@@ -111,3 +121,9 @@ class Ros2Presence:
 
             self._thread.add_client(client.handle, GetParameters.Response, on_answer)
         return bool(client.service_is_ready())
+
+
+def _owner_of(source: Source) -> str:
+    """Name the node that a parameter or a life cycle is of; empty for other sources."""
+    ros = source_as(source, RosSource)
+    return ros.lifecycle or ros.parameter.rpartition("/")[0]

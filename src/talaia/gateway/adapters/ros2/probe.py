@@ -1,6 +1,6 @@
-"""Looks at a live ROS 2 graph: topics with their fields and rates, services, actions.
+"""Looks at a live ROS 2 graph: topics with their fields and rates, services, actions, nodes.
 
-Listens only: it publishes nothing, calls nothing and offers nothing.
+Listens only: it publishes and offers nothing, and calls nothing but what nodes are read by.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from talaia.gateway.adapters.message_fields import ReadableFields, shape_of
 from talaia.gateway.adapters.named_sensors import NAMED_TYPES, names_in
 from talaia.gateway.adapters.ros2.graph_node import join_graph
 from talaia.gateway.adapters.ros2.made_types.made_message_class import forget_error, is_made
+from talaia.gateway.adapters.ros2.nodes.probed_nodes import ProbedNodes
 from talaia.gateway.adapters.ros2.probed_types import ProbedTypes, asked_of, request_of
 from talaia.gateway.adapters.ros2.qos import QosProfile, quality_for
 from talaia.gateway.adapters.ros2.type_definitions.definition_finder import DefinitionMismatch
@@ -118,6 +119,7 @@ class _Look:
         self._heard: dict[str, _Heard] = {}
         self._problems: dict[str, str] = {}
         self._types = ProbedTypes(node)
+        self._nodes = ProbedNodes(node)
         # When to stop listening (monotonic, s).
         self._until = 0.0
 
@@ -130,10 +132,11 @@ class _Look:
             if now >= look_at:
                 self._listen()
                 self._ask()
+                self._nodes.ask()
                 look_at = now + LOOK_AGAIN_S
             executor.spin_once(timeout_sec=min(0.1, self._until - now))
         answered_by = time.monotonic() + ANSWER_S
-        while self._types.waiting and time.monotonic() < answered_by:
+        while (self._types.waiting or self._nodes.waiting) and time.monotonic() < answered_by:
             executor.spin_once(timeout_sec=0.1)
         executor.shutdown(timeout_sec=1)
         domain = self._context.get_domain_id()
@@ -144,9 +147,11 @@ class _Look:
             where=f"ROS 2, domain {domain}",
             seconds=self._seconds,
             domain=domain,
+            sim_time=bool(self._node.get_publishers_info_by_topic("/clock")),
             topics=tuple(self._topics()),
             services=tuple(self._services()),
             actions=tuple(actions),
+            nodes=tuple(self._nodes.found()),
         )
 
     # ── listening ──

@@ -1,11 +1,12 @@
-"""Commands as ROS 2 service calls, publications and actions."""
+"""Commands as ROS 2 service calls, publications, actions and transitions of nodes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.ros2.actions import ActionGoal, Ros2Action
-from talaia.gateway.adapters.ros2.parameters import as_set, parameters_of
+from talaia.gateway.adapters.ros2.nodes.lifecycle import LifecycleTransition
+from talaia.gateway.adapters.ros2.nodes.parameters import as_set, parameters_of
 from talaia.gateway.adapters.ros2.requests import class_of, fill, outcome_of
 from talaia.gateway.errors import FieldError, TypeMissing
 from talaia.gateway.ports import CommandOutcome
@@ -58,6 +59,7 @@ class Ros2Commands:
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
         self._actions: dict[str, Ros2Action] = {}
+        self._transitions: dict[str, LifecycleTransition] = {}
         self._problems: dict[str, str] = {}
         self._commands: dict[str, Command] = {}
         for device_id, device in scope.devices.items():
@@ -66,6 +68,10 @@ class Ros2Commands:
 
     def _make(self, address: str, command: Command) -> None:
         self._commands[address] = command
+        if command.kind is CommandKind.LIFECYCLE:
+            transition = LifecycleTransition(command.target, self._node, self._thread)
+            self._transitions[address] = transition
+            return
         sets = command.kind is CommandKind.PARAMETER
         try:
             kind = class_of(_SET if sets else command.type, command.target)
@@ -122,6 +128,9 @@ class Ros2Commands:
         action = self._actions.pop(address, None)
         if action is not None:
             action.close(CommandOutcome(CommandPhase.UNKNOWN, _CUT))
+        transition = self._transitions.pop(address, None)
+        if transition is not None:
+            transition.close(CommandOutcome(CommandPhase.UNKNOWN, _CUT))
         client = self._clients.pop(address, None)
         if client is not None:
             self._thread.remove_client(client.entity.handle)
@@ -135,6 +144,8 @@ class Ros2Commands:
             address = f"{device}/{command_id}"
             if (action := self._actions.get(address)) is not None:
                 action.cut(CommandOutcome(CommandPhase.UNKNOWN, _GONE))
+            if (transition := self._transitions.get(address)) is not None:
+                transition.cut(CommandOutcome(CommandPhase.UNKNOWN, _GONE))
             if (client := self._clients.get(address)) is not None:
                 waiting = list(client.pending.values())
                 client.pending.clear()
@@ -152,6 +163,7 @@ class Ros2Commands:
         return any(
             (name in self._clients and self._clients[name].entity.service_is_ready())
             or (name in self._actions and self._actions[name].ready)
+            or (name in self._transitions and self._transitions[name].ready)
             for name in names
         )
 
@@ -167,6 +179,8 @@ class Ros2Commands:
                 absent.append(f"{command.target} (no such service now)")
             elif address in self._actions and not self._actions[address].ready:
                 absent.append(f"{command.target} (no such action now)")
+            elif address in self._transitions and not self._transitions[address].ready:
+                absent.append(f"{command.target} (no such life-cycle node now)")
         return absent
 
     @staticmethod
@@ -207,6 +221,8 @@ class Ros2Commands:
                 self._packageless.call_service(self._commands[address], fields, done)
             elif address in self._publishers:
                 done(self._publish(address, fields))
+            elif address in self._transitions:
+                self._transitions[address].act(fields, done)
             elif goal is not None:
                 self._actions[address].act(goal, fields)
             else:

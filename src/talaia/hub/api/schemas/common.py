@@ -28,6 +28,7 @@ from talaia.hub.api.schemas.observatory_schemas import (  # noqa: TC001 - pydant
     PointingShape,
     RuleShape,
     SlewShape,
+    StateNeed,
 )
 from talaia.hub.api.schemas.sighting_schemas import SeenShape  # noqa: TC001 - pydantic reads it
 from talaia.hub.auth.permissions import Right  # noqa: TC001 - pydantic reads it
@@ -234,7 +235,8 @@ class ArgumentShape(Schema):
 class CommandShape(Schema):
     """A one-shot command. ``timeout`` is in seconds; ``cancellable``: it can be ended early.
 
-    ``role``: what it does, as described or proposed.
+    ``role``: what it does, as described or proposed. ``needs``: a transition of a life cycle is
+    possible in some states of its node only.
     """
 
     id: str
@@ -245,6 +247,7 @@ class CommandShape(Schema):
     timeout: float
     cancellable: bool
     arguments: list[ArgumentShape]
+    needs: StateNeed | None
 
 
 class DriveShape(Schema):

@@ -22,6 +22,7 @@ __all__ = [
     "SkyList",
     "SkyObject",
     "SlewShape",
+    "StateNeed",
 ]
 
 
@@ -155,3 +156,15 @@ class SkyList(_Shape):
 
     available: bool
     objects: list[SkyObject]
+
+
+class StateNeed(_Shape):
+    """The state that a command leads on from: the signal's channel has to be ``among`` these.
+
+    ``states``: all of the signal's, in the order of its numbers; ``max_age`` (s) is its.
+    """
+
+    channel: str
+    max_age: float
+    states: list[str]
+    among: list[str]

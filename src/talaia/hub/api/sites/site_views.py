@@ -18,7 +18,8 @@ from talaia.hub.api.schemas.common import (
     SiteSummary,
     StreamShape,
 )
-from talaia.hub.api.schemas.observatory_schemas import SlewShape
+from talaia.hub.api.schemas.observatory_schemas import SlewShape, StateNeed
+from talaia.hub.api.sites.command_states import state_need
 from talaia.hub.api.sites.rule_views import (
     describe_enclosures,
     describe_place,
@@ -166,7 +167,12 @@ def _device_schema(
             if sees_stream(grants, site, device_id, stream_id)
         ],
         commands=[
-            _command_schema(command_id, command, roles.commands.get(command_id))
+            _command_schema(
+                command_id,
+                command,
+                roles.commands.get(command_id),
+                state_need(site, device_id, command, grants),
+            )
             for command_id, command in device.commands.items()
             # The gateway's business: sent by a person it would hide that nobody supervises.
             if uses and f"{device_id}/{command_id}" not in heartbeats
@@ -239,7 +245,9 @@ def _detect_schema(detect: Detect | None) -> DetectShape | None:
     return DetectShape(classes=list(detect.classes), confidence=detect.confidence)
 
 
-def _command_schema(command_id: str, command: Command, role: CommandRole | None) -> CommandShape:
+def _command_schema(
+    command_id: str, command: Command, role: CommandRole | None, needs: StateNeed | None
+) -> CommandShape:
     return CommandShape(
         id=command_id,
         name=command.name,
@@ -261,6 +269,7 @@ def _command_schema(command_id: str, command: Command, role: CommandRole | None)
             )
             for argument_id, argument in command.arguments.items()
         ],
+        needs=needs,
     )
 
 

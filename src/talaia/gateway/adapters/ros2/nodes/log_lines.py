@@ -1,0 +1,142 @@
+"""Which lines of a robot's log go on, so that a node that talks much costs little. Pure."""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple, TypeVar
+
+from talaia.clock import SECOND
+from talaia.model.closed_lists import LogLevel
+
+__all__ = ["LogBounds", "LogHead", "level_word", "read_head"]
+
+_Key = TypeVar("_Key")
+_Value = TypeVar("_Value")
+# Lines of one node, and of all: so many at once, and then one in so long (ns).
+_NODE_BURST, _NODE_EVERY_NS = 5, 10 * SECOND
+_ALL_BURST, _ALL_EVERY_NS = 20, 3 * SECOND
+# The same line of a node within so long is one.
+_SAME_NS = 60 * SECOND
+# What was left out is told at most so often.
+_TOLD_NS = 60 * SECOND
+# Nodes and lines that are remembered; the oldest go.
+_MOST = 500
+# rcl_interfaces/msg/Log: its levels.
+_LEVELS = {
+    LogLevel.DEBUG: 10,
+    LogLevel.INFO: 20,
+    LogLevel.WARNING: 30,
+    LogLevel.ERROR: 40,
+    LogLevel.FATAL: 50,
+}
+# Of a Log's bytes: the header of CDR, its stamp, the level, then the length of the node's name.
+_LEVEL_AT, _NAME_AT = 12, 16
+
+
+class LogHead(NamedTuple):
+    """What is read of a line before anything else: who says it, and how bad it is."""
+
+    level: int
+    node: str
+
+
+def read_head(raw: bytes) -> LogHead | None:
+    """Read the head of a serialized ``rcl_interfaces/msg/Log``; none of what is no such message."""
+    # The second byte of CDR says which end comes first.
+    order = "<" if len(raw) > 1 and raw[1] & 1 else ">"
+    try:
+        (length,) = struct.unpack_from(f"{order}I", raw, _NAME_AT)
+    except struct.error:
+        return None
+    name = raw[_NAME_AT + 4 : _NAME_AT + 4 + length]
+    # Cut short, or something else.
+    if len(name) < length:
+        return None
+    return LogHead(raw[_LEVEL_AT], name.rstrip(b"\0").decode("utf-8", "replace"))
+
+
+def level_word(level: int) -> LogLevel:
+    """Name a level of ROS; what lies between two is the lower one."""
+    reached = [word for word, number in _LEVELS.items() if number <= level]
+    return reached[-1] if reached else LogLevel.DEBUG
+
+
+class _Allowance:
+    """So many at once, and then one in so long."""
+
+    __slots__ = ("_at_ns", "_left")
+
+    def __init__(self, burst: int, now_ns: int) -> None:
+        self._left, self._at_ns = float(burst), now_ns  # Fractions grow with time.
+
+    def use(self, now_ns: int, burst: int, every_ns: int) -> bool:
+        """Take one, if there is one."""
+        grown = (now_ns - self._at_ns) / every_ns
+        self._left, self._at_ns = min(float(burst), self._left + grown), now_ns
+        # Nothing is owed: what came without room does not make the next one wait longer.
+        if self._left < 1:
+            return False
+        self._left -= 1
+        return True
+
+
+class LogBounds:
+    """Judges each line; times are monotonic (ns)."""
+
+    def __init__(self, least: LogLevel, now_ns: int) -> None:
+        """Let lines through from the level ``least`` on."""
+        self._least = _LEVELS[least]  # As ROS counts levels.
+        self._all = _Allowance(_ALL_BURST, now_ns)
+        # By node; and when a line came last, by node and text.
+        self._nodes: dict[str, _Allowance] = {}
+        self._said_ns: dict[tuple[str, str], int] = {}
+        # What was left out since it was told last: lines by node.
+        self._left_out: dict[str, int] = {}
+        self._told_ns = now_ns
+
+    def is_wanted(self, level: int) -> bool:
+        """Tell whether lines of this level go on at all; those that do not are no loss."""
+        return level >= self._least
+
+    def has_room(self, node: str, now_ns: int) -> bool:
+        """Tell whether a line of this node goes on; counts it if not."""
+        allowance = self._nodes.get(node)
+        if allowance is None:
+            allowance = self._nodes[node] = _Allowance(_NODE_BURST, now_ns)
+            _forget_oldest(self._nodes)
+        # Its own first: who talks much takes nothing from the others.
+        if allowance.use(now_ns, _NODE_BURST, _NODE_EVERY_NS) and self._all.use(
+            now_ns, _ALL_BURST, _ALL_EVERY_NS
+        ):
+            return True
+        self._left_out[node] = self._left_out.get(node, 0) + 1
+        return False
+
+    def is_new(self, node: str, text: str, now_ns: int) -> bool:
+        """Tell whether a node has not said just this within the last minute."""
+        # Taken out, so that what is said now is the youngest.
+        before_ns = self._said_ns.pop((node, text), None)
+        self._said_ns[node, text] = now_ns
+        _forget_oldest(self._said_ns)
+        if before_ns is None or now_ns - before_ns > _SAME_NS:
+            return True
+        self._left_out[node] = self._left_out.get(node, 0) + 1
+        return False
+
+    def left_out(self, now_ns: int) -> str:
+        """Say what was left out, at most once a minute; empty for nothing, or not yet."""
+        if not self._left_out or now_ns - self._told_ns < _TOLD_NS:
+            return ""
+        self._told_ns = now_ns
+        # Who said most comes first.
+        counts = sorted(self._left_out.items(), key=lambda item: -item[1])
+        # Begins anew; the allowances go on as they are.
+        total = sum(self._left_out.values())
+        self._left_out = {}
+        most = ", ".join(f"{count} of {node}" for node, count in counts[:3])
+        return f"{total} more lines of the robot's log were left out: {most}"
+
+
+def _forget_oldest(known: dict[_Key, _Value]) -> None:
+    while len(known) > _MOST:
+        del known[next(iter(known))]

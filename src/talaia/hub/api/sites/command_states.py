@@ -1,0 +1,42 @@
+"""From which states of a node a command leads on, for pages that show what is possible. Pure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from talaia.hub.api.schemas.observatory_schemas import StateNeed
+from talaia.hub.auth.permissions import Grants, sees_signal
+from talaia.model.connection import RosSource, source_as
+from talaia.model.connections.ros import LIFECYCLE_TRANSITIONS, TRANSITION
+from talaia.model.site import CommandKind, SignalType
+
+if TYPE_CHECKING:
+    from talaia.model.site import Command, Site
+
+__all__ = ["state_need"]
+
+
+def state_need(site: Site, device: str, command: Command, grants: Grants) -> StateNeed | None:
+    """Give which state a transition of a life cycle needs; none where no page could tell it.
+
+    The gateway asks the node itself: this is so that nobody has to try.
+    """
+    # An argument that the person chooses may be any of them.
+    leads_from = LIFECYCLE_TRANSITIONS.get(str(command.fixed.get(TRANSITION)))
+    if command.kind is not CommandKind.LIFECYCLE or leads_from is None:
+        return None
+    for signal_id, signal in site.devices[device].signals.items():
+        # The first one that tells this node's state.
+        said = source_as(signal.source, RosSource).lifecycle == command.target
+        if (
+            said
+            and signal.type is SignalType.STATE
+            and sees_signal(grants, site, device, signal_id)
+        ):
+            return StateNeed(
+                channel=f"{device}/{signal_id}",
+                max_age=signal.stale_after,
+                states=list(signal.states),
+                among=list(leads_from),
+            )
+    return None
