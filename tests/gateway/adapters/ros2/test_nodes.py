@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 import pytest_asyncio
-from conftest import peer_in
 from fake_hub import FakeHub, fake_hub
+from gateway.conftest import peer_in
 from gateway_bench import Peer, addresses_of, running
 from patience import PATIENCE_S
 
