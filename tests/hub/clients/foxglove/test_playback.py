@@ -18,7 +18,7 @@ from talaia.wire.foxglove.client_messages import FoxglovePlayback
 from talaia.wire.foxglove.codec import PlaybackStatus
 
 from ...everyone.world import NOW
-from .foxglove_peer import client_of, topics_of
+from .foxglove_peer import V1, client_of, topics_of
 
 SECOND = 1_000_000
 PLAYING, PAUSED, ENDED = PlaybackStatus.PLAYING, PlaybackStatus.PAUSED, PlaybackStatus.ENDED
@@ -131,6 +131,10 @@ async def test_window_that_is_none_is_told_and_played_by_nobody(world) -> None:
         client = await client_of(world, "driver", more=more)
         assert (await client.hear("status"))["message"]
         await client.hear("closed")
+    more = window_of(NOW, NOW + SECOND)
+    client = await client_of(world, "driver", more=more, subprotocol=V1)
+    assert "foxglove.sdk.v1 alone" in (await client.hear("status"))["message"]
+    await client.hear("closed")
 
 
 @pytest.mark.parametrize(

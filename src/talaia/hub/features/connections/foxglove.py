@@ -11,7 +11,7 @@ from talaia.hub.clients.foxglove.playback_position import read_window
 from talaia.hub.clients.foxglove.playback_session import PlaybackSession
 from talaia.hub.clients.foxglove.session import FoxgloveSession
 from talaia.hub.features.feature import Feature
-from talaia.wire.foxglove.codec import SUBPROTOCOLS
+from talaia.wire.foxglove.codec import SDK_SUBPROTOCOL, SUBPROTOCOLS
 
 if TYPE_CHECKING:
     from starlette.websockets import WebSocket
@@ -59,6 +59,11 @@ class FoxgloveFeature(Feature):
         site, clock = connection.live.name, self._core.clock
         window = read_window(socket.query_params, clock.wall_ns() // 1000)
         if window is not None:
+            # As the socket was accepted: the first that the client offers counts. The older one
+            # has no word for playing, and would wait for ever.
+            offered = [name for name in socket.scope["subprotocols"] if name in SUBPROTOCOLS]
+            if offered[0] != SDK_SUBPROTOCOL:
+                window = f"the past is played by {SDK_SUBPROTOCOL} alone, not by {offered[0]}"
             return PlaybackSession(
                 socket, connection, window=window, history=self._history, clock=clock
             )
