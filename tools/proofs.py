@@ -79,6 +79,21 @@ JOBS = (
         "docs/properties-table.md",
         minutes=120,
     ),
+    # These two ask the index that pip is set up with; nothing of arm64 runs.
+    Job(
+        "images",
+        "what the images' recipes install comes from the index into clean environments, and works",
+        (*PYTEST, "tests/deploy/test_image_recipes.py"),
+        "docs/images-table.md",
+        minutes=5,
+    ),
+    Job(
+        "arm64",
+        "each locked package of a gateway has a wheel for arm64, for each Python",
+        ("-m", "deploy.arm64_wheels", "--table", "{table}"),
+        "docs/arm64-table.md",
+        minutes=3,
+    ),
     # Two hours are run by `make soak`, which writes docs/soak-table.md; 24 before a release.
     Job(
         "soak",

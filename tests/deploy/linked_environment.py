@@ -18,7 +18,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-__all__ = ["make_linked_environment"]
+__all__ = ["make_linked_environment", "needed_packages"]
 
 _PROGRAMS = "../../../bin/"
 
@@ -36,23 +36,35 @@ def make_linked_environment(place: Path, wheel: Path, wanted: str) -> None:
         [sys.executable, "-m", "venv", "--without-pip", str(place)], check=True, timeout=60
     )
     packages = place / f"lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
-    for found in _needed(wheel, Requirement(wanted)):
-        _link(found, packages)
-
-
-def _needed(wheel: Path, wanted: Requirement) -> list[Distribution]:
-    """Give what is needed, followed through the packages' own words."""
     with zipfile.ZipFile(wheel) as packed:
         (name,) = (each for each in packed.namelist() if each.endswith(".dist-info/METADATA"))
         words = Parser().parsestr(packed.read(name).decode()).get_all("Requires-Dist", [])
-    itself = canonicalize_name(wanted.name)
+    for found in needed_packages(words, wanted):
+        _link(found, packages)
+
+
+def needed_packages(
+    words: list[str], wanted: str, machine: dict[str, str] | None = None
+) -> list[Distribution]:
+    """Give what is needed, followed through the packages' own words.
+
+    Args:
+        words: what Talaia itself asks for, as its wheel says it.
+        wanted: see `make_linked_environment`.
+        machine: markers of another machine (``platform_machine``); those of this one for the rest.
+
+    """
+    asked = Requirement(wanted)
+    itself = canonicalize_name(asked.name)
     found: dict[str, Distribution] = {}
     seen: set[tuple[str, frozenset[str]]] = set()
 
     def follow(requires: list[str], extras: set[str]) -> None:
         for requirement in map(Requirement, requires):
             marker = requirement.marker
-            if marker and not any(marker.evaluate({"extra": extra}) for extra in extras | {""}):
+            if marker and not any(
+                marker.evaluate({**(machine or {}), "extra": extra}) for extra in extras | {""}
+            ):
                 continue
             key = canonicalize_name(requirement.name)
             if (key, frozenset(requirement.extras)) in seen:
@@ -68,7 +80,7 @@ def _needed(wheel: Path, wanted: Requirement) -> list[Distribution]:
                 continue
             follow(found[key].requires or [], requirement.extras)
 
-    follow([str(wanted)], set())
+    follow([str(asked)], set())
     return list(found.values())
 
 

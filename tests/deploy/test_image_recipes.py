@@ -112,6 +112,10 @@ def test_the_install_steps_of_an_image_work_in_a_clean_environment(
     assert run(program, "--version").strip() == f"talaia {__version__}"
     assert "usage: talaia" in run(program, *words)
     assert run(*pip, "check").startswith("No broken requirements")
+    if table := os.environ.get("TALAIA_PROOF_TABLE"):
+        came = run(*pip, "list", "--format", "freeze").replace("\n", "\n- ").rstrip("- \n")
+        with Path(table).open("w" if image == "hub" else "a") as file:
+            file.write(f"## What came for `{install[-1]}`\n\n- {came}\n\n")
 
 
 def test_a_gateways_image_has_what_its_connections_need(tmp_path: Path) -> None:

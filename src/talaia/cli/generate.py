@@ -13,6 +13,7 @@ from talaia import __version__
 from talaia.cli.errors import CliError
 from talaia.deploy.containers import DatabaseKind
 from talaia.deploy.project import DeployOptions, File, make_deployment
+from talaia.deploy.ros_image import ROS_DISTROS
 from talaia.model.checks.site_checks import raise_first
 from talaia.model.yaml_text.load import read_site
 
@@ -35,6 +36,11 @@ def main(argv: Sequence[str]) -> int:
             raise CliError(f"{where}: expected an absolute path, found {path!r}")
     if not 1 <= options.port <= 65535:
         raise CliError(f"--port: expected 1 to 65535, found {options.port}")
+    if options.arch == "arm64" and not options.ros_distro and site.ros2 is not None:
+        raise CliError(
+            "--arch arm64: there are no wheels of ROS 2 for it; add --ros-distro "
+            f"({', '.join(ROS_DISTROS)})"
+        )
     if options.phpmyadmin and options.database != DatabaseKind.MARIADB:
         raise CliError(f"--phpmyadmin: knows mariadb only, not {options.database}")
     if options.wheel is not None and not options.wheel.is_file():
@@ -47,6 +53,8 @@ def main(argv: Sequence[str]) -> int:
         version=__version__,
         program=options.program,
         setup=options.ros_setup,
+        ros_distro=options.ros_distro,
+        arch=options.arch,
     )
     # The text as it is, with its comments: the copy is what a person goes on to edit.
     files = make_deployment(
@@ -94,6 +102,19 @@ def _parse_options(argv: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument(
         "--ros-setup", default="", metavar="FILE", help="setup.bash of the ROS installation there"
+    )
+    parser.add_argument(
+        "--ros-distro",
+        choices=ROS_DISTROS,
+        default="",
+        help="make the gateway's image from this distribution's own (ros:DISTRO), which is there "
+        "for arm64, too; without it ROS 2 comes from wheels, for amd64 only",
+    )
+    parser.add_argument(
+        "--arch",
+        choices=("amd64", "arm64"),
+        default="",
+        help="of the gateway's machine (that of whoever builds the image)",
     )
     parser.add_argument("--wheel", type=Path, help="Talaia's own wheel, to build the images from")
     parser.add_argument(

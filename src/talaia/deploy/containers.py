@@ -16,7 +16,7 @@ import yaml
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-__all__ = ["DatabaseKind", "write_compose_file", "write_dockerfile"]
+__all__ = ["USER", "DatabaseKind", "write_compose_file", "write_dockerfile"]
 
 # By minor version: to build anew brings the fixes of what lies below.
 PYTHON_IMAGE = "python:3.12-slim-bookworm"
@@ -75,6 +75,7 @@ def write_compose_file(
     hosts: Iterable[str],
     ros_domain: int | None,
     phpmyadmin: bool = False,
+    arch: str = "",
 ) -> str:
     """Write ``compose.yaml``.
 
@@ -85,6 +86,7 @@ def write_compose_file(
         hosts: names under which the dashboard is reached, beside the machine's own.
         ros_domain: the ROS domain; none leaves it to the description.
         phpmyadmin: with MariaDB, a page that shows its tables.
+        arch: of the gateway's machine, ``arm64``; empty is the builder's own.
 
     """
     services: dict[str, object] = {}
@@ -123,7 +125,7 @@ def write_compose_file(
             service["environment"] = {"TALAIA_DATABASE_URL_FILE": "/run/secrets/database_url"}
             service["secrets"] = ["database_url"]
         hub["depends_on"] = {"database": {"condition": "service_healthy"}}
-    services |= {"hub": hub, "enrol": enrol, "gateway": _gateway_service(ros_domain)}
+    services |= {"hub": hub, "enrol": enrol, "gateway": _gateway_service(ros_domain, arch)}
     project: dict[str, object] = {"services": services, "volumes": volumes}
     if secrets:
         project["secrets"] = secrets
@@ -174,7 +176,7 @@ def _hub_service(port: int, hosts: Iterable[str]) -> dict[str, object]:
     )
 
 
-def _gateway_service(ros_domain: int | None) -> dict[str, object]:
+def _gateway_service(ros_domain: int | None, arch: str) -> dict[str, object]:
     words = ["gateway", "/etc/talaia/site.yaml", "--key-file", "/link/gateway.key"]
     words += ["--data", "/data"]
     if ros_domain is not None:
@@ -182,6 +184,7 @@ def _gateway_service(ros_domain: int | None) -> dict[str, object]:
     return _base_service(
         {
             "build": {"context": ".", "dockerfile": "gateway.Dockerfile"},
+            **({"platform": f"linux/{arch}"} if arch else {}),
             "command": words,
             # DDS finds robots by multicast and speaks through shared memory: both need the host's.
             "network_mode": "host",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from talaia.deploy.containers import DatabaseKind, write_compose_file, write_dockerfile
 from talaia.deploy.readme import write_readme
+from talaia.deploy.ros_image import message_packages, write_ros_dockerfile
 from talaia.deploy.systemd import gateway_unit, hub_unit
 from talaia.model.connection import Ros1Connection, Ros2Connection
 from talaia.model.detection import DetectAt
@@ -47,6 +48,8 @@ class DeployOptions(NamedTuple):
         program: absolute path of ``talaia`` on a robot's own computer.
         setup: absolute path of a ROS installation's ``setup.bash``; empty for none.
         phpmyadmin: with MariaDB, its tables can be looked at on a page.
+        ros_distro: the distribution whose image the gateway's is made from; empty takes the wheels.
+        arch: of the gateway's machine as Docker calls it (``arm64``); empty is the builder's own.
 
     """
 
@@ -57,6 +60,8 @@ class DeployOptions(NamedTuple):
     program: str
     setup: str = ""
     phpmyadmin: bool = False
+    ros_distro: str = ""
+    arch: str = ""
 
 
 def make_deployment(
@@ -92,11 +97,12 @@ def make_deployment(
                 port=choice.port,
                 hosts=choice.hosts,
                 ros_domain=domain,
+                arch=choice.arch,
                 phpmyadmin=choice.phpmyadmin,
             )
         ),
         "hub.Dockerfile": File(write_dockerfile(extras, choice.version)),
-        "gateway.Dockerfile": File(_gateway_image(site, choice.version)),
+        "gateway.Dockerfile": File(_gateway_image(site, choice)),
         # Keeps the folder, which the images' COPY needs.
         "wheels/.keep": File(""),
         # Neither passwords nor units go to the builder.
@@ -119,11 +125,12 @@ def make_deployment(
     return files
 
 
-def _gateway_image(site: Site, version: str) -> str:
+def _gateway_image(site: Site, choice: DeployOptions) -> str:
     """Write the recipe of a gateway that has what the site's connections need."""
     links = site.links().values()
     extras = ["gateway"]
-    if any(isinstance(link, Ros2Connection) for link in links):
+    # In a distribution's image the ROS 2 is there, and of another Python.
+    if not choice.ros_distro and any(isinstance(link, Ros2Connection) for link in links):
         extras.append("ros2")
     if site.recording is not None:
         extras.append("recording")
@@ -132,5 +139,17 @@ def _gateway_image(site: Site, version: str) -> str:
         extras.append("objects")
     if site.filmed_cameras():
         extras.append("camera")
+    if choice.ros_distro:
+        types = [
+            named
+            for device in site.devices.values()
+            for named in (
+                *(command.type for command in device.commands.values()),
+                *(getattr(signal.source, "type", "") for signal in device.signals.values()),
+            )
+            if named
+        ]
+        packages = message_packages(types)
+        return write_ros_dockerfile(choice.ros_distro, extras, choice.version, packages)
     old = any(isinstance(link, Ros1Connection) for link in links)
-    return write_dockerfile(extras, version, ROS1_PACKAGES if old else ())
+    return write_dockerfile(extras, choice.version, ROS1_PACKAGES if old else ())

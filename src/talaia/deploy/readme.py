@@ -39,11 +39,10 @@ def write_readme(site: Site, database: DatabaseKind, port: int, setup: str, *, t
     ros = (
         "The unit reads `" + setup.replace("`", "") + "` first.\n"
         if setup
-        else "Where ROS 2 is installed on the robot's computer, generate again with "
-        "`--ros-setup /opt/ros/…/setup.bash`, and make the environment with "
-        "`--system-site-packages` so that it sees the system's rclpy. This is the way on "
-        "arm64 (Jetson, Raspberry Pi), for "
-        "which there are no ROS 2 wheels.\n"
+        else "A ROS 2 of the system's is found below `/opt/ros` and used by its own Python, "
+        "whatever Python the environment has: `talaia doctor` says which. This is the way on "
+        "arm64 (Jetson, Raspberry Pi), for which there are no ROS 2 wheels. Where a workspace has "
+        "messages of your own, generate again with `--ros-setup /path/to/install/setup.bash`.\n"
     )
     return f"""\
 # {_plain_text(site.name)}

@@ -1,0 +1,71 @@
+"""A gateway's image on a distribution's own ROS 2, for arm64 as well: `ros:<distro>`.
+
+The gateway has a Python of its own there, and uses the image's ROS 2 by a process of that ROS's
+Python. So one recipe serves Humble (3.10) and Jazzy (3.12), and nothing of the two mixes.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import TYPE_CHECKING
+
+from talaia.deploy.containers import USER
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+__all__ = ["ROS_DISTROS", "message_packages", "write_ros_dockerfile"]
+
+# Those that are kept up, oldest first; each has images for amd64 and arm64.
+ROS_DISTROS = ("humble", "jazzy", "kilted", "rolling")
+# What every gateway may publish or call with; `ros-base` has some of them.
+_USUAL = ("geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs", "std_srvs")
+# Packages of the workspace alone are not in the distribution: their names would end the build.
+_KNOWN = re.compile(r"[a-z][a-z0-9_]*_(?:msgs|srvs|interfaces)\Z")
+_PYTHON = "3.12"
+
+
+def message_packages(types: Iterable[str]) -> list[str]:
+    """Name the packages of messages of a distribution that these types are in, and the usual."""
+    named = {name.split("/", 1)[0] for name in types}
+    return sorted({*_USUAL, *(name for name in named if _KNOWN.match(name))})
+
+
+def write_ros_dockerfile(
+    distro: str, extras: Iterable[str], version: str, packages: Iterable[str]
+) -> str:
+    """Write the recipe.
+
+    Args:
+        distro: of `ROS_DISTROS`.
+        extras: of Talaia; those of ROS's wheels are not wanted.
+        version: of Talaia, if ``wheels/`` does not hold a wheel.
+        packages: of messages, by their ROS names.
+
+    """
+    debian = " ".join(f"ros-{distro}-{name.replace('_', '-')}" for name in packages)
+    wanted = f"talaia[{','.join(extras)}]=={version}"
+    uv, home = "/opt/uv/bin/uv", "/opt/talaia"
+    install = ["--python", f"{home}/bin/python", "--no-cache", "--find-links", "/wheels", wanted]
+    # The distribution's Python only brings uv, which brings the gateway's.
+    steps = (
+        ["python3", "-m", "venv", "/opt/uv"],
+        ["/opt/uv/bin/pip", "install", "--no-cache-dir", "uv"],
+        [uv, "venv", "--python", _PYTHON, "--python-preference", "only-managed", home],
+        [uv, "pip", "install", *install],
+    )
+    run = "\n".join(f"RUN {json.dumps(step)}" for step in steps)
+    return f"""\
+FROM ros:{distro}-ros-base
+RUN apt-get update && apt-get install -y --no-install-recommends python3-venv {debian} \\
+    && rm -rf /var/lib/apt/lists/*
+COPY wheels/ /wheels/
+ENV UV_PYTHON_INSTALL_DIR=/opt/python
+{run}
+RUN groupadd --gid 10001 talaia && useradd --uid 10001 --gid 10001 --no-create-home talaia \\
+    && install -d -o talaia -g talaia -m 0700 /data /link
+USER {USER}
+ENV PYTHONUNBUFFERED=1 ROS_LOG_DIR=/tmp
+ENTRYPOINT ["/opt/talaia/bin/talaia"]
+"""
