@@ -85,12 +85,18 @@ class RosbridgePublish(_RosbridgeSaid, frozen=True, kw_only=True, tag="publish")
 
 
 class RosbridgeCall(_RosbridgeSaid, frozen=True, kw_only=True, tag="call_service"):
-    """Call a service; ``args`` is an object, or a list in the order of the request's fields."""
+    """Call a service; ``args`` is an object, or a list in the order of the request's fields.
+
+    Attributes:
+        timeout: how long its answer may take (s); None: as long as it does.
+
+    """
 
     service: _RosName
     args: Raw = Raw(b"{}")
     fragment_size: _Number | None = None
     compression: _Word | None = None
+    timeout: _Number | None = None
 
 
 class RosbridgeGoal(_RosbridgeSaid, frozen=True, kw_only=True, tag="send_action_goal"):

@@ -253,6 +253,28 @@ async def test_nonsense_is_named_and_giant_messages_end_the_connection(shared_wo
     assert await client.hear("closed") == 1009
 
 
+async def test_call_is_answered_within_the_time_that_its_client_gives_it(shared_world) -> None:
+    gateway = shared_world.gateways["agv"]
+    client = await raw_client(shared_world, "operator")
+    # What is no time gives all the time there is.
+    answers = {}
+    for timeout in (0, -1, None, 0.05):
+        await client.say(
+            "call_service", service="/talaia/base/turn", id=f"t{timeout}", timeout=timeout
+        )
+        answers[timeout] = await gateway.hear(frames.CommandRequest)
+    late = await client.hear("service_response")
+    assert (late["id"], late["result"]) == ("t0.05", False)
+    assert "no answer within 0.05 s" in late["values"]
+    # What comes of it afterwards is no second answer.
+    for timeout in (0.05, 0, -1, None):
+        await end_command(gateway, answers[timeout], CommandPhase.SUCCEEDED, "ok")
+    for timeout in (0, -1, None):
+        said = await client.hear("service_response")
+        assert (said["id"], said["result"]) == (f"t{timeout}", True)
+    await client.close()
+
+
 async def test_fragments_that_never_end_end_the_connection(shared_world) -> None:
     client = await raw_client(shared_world, "operator")
     for number in range(3):

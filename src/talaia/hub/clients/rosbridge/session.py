@@ -12,6 +12,7 @@ import msgspec
 from talaia.hub.auth.tokens import new_token
 from talaia.hub.clients.key_velocity import read_key
 from talaia.hub.clients.published_velocity import read_velocity
+from talaia.hub.clients.rosbridge.call_timeouts import CallTimeouts
 from talaia.hub.clients.rosbridge.offer import RosbridgeOffer, full_type, make_rosbridge_offer
 from talaia.hub.clients.rosbridge.output import RosbridgeOutput
 from talaia.hub.clients.rosbridge.rosapi import ROSAPI, NoSuchThing, Rosapi
@@ -86,6 +87,7 @@ class RosbridgeSession:
         # By the command's or STOP's id; and by the client's id of a goal: the command's.
         self._waiting: dict[str, _Waiting] = {}
         self._goals: dict[str | int, str] = {}
+        self._timeouts = CallTimeouts(self._expire_call)
         # What the person was told last of why it does not drive: each message would repeat it.
         self._told = ""
 
@@ -100,6 +102,7 @@ class RosbridgeSession:
             )
         finally:
             self._topics.end_delivery()
+            self._timeouts.end_all()
         for result in results:
             if isinstance(result, Exception):
                 raise result
@@ -252,9 +255,18 @@ class RosbridgeSession:
         if problem is not None:
             del self._waiting[number]
             return problem.message
-        if isinstance(message, said.RosbridgeGoal) and message.id is not None:
+        if isinstance(message, said.RosbridgeCall):
+            self._timeouts.start_call(number, message.timeout)
+        elif message.id is not None:
             self._goals[message.id] = number
         return ""
+
+    async def _expire_call(self, number: str, after_s: float) -> None:
+        waiting = self._waiting.pop(number, None)
+        if waiting is not None and isinstance(waiting.asked, said.RosbridgeCall):
+            # It was sent to the robot, and nothing calls it back.
+            why = f"no answer within {after_s:g} s; what was asked may still be done"
+            await self._output.send_response(waiting.asked, why, good=False)
 
     async def _cancel_goal(self, message: said.RosbridgeCancel) -> None:
         number = self._goals.get(message.id) if message.id is not None else None
@@ -317,6 +329,7 @@ class RosbridgeSession:
                 await self._output.send_answer(feedback, asked)
             return
         del self._waiting[message.id]
+        self._timeouts.end_call(message.id)
         text = message.message
         if isinstance(asked, said.RosbridgeGoal):
             if asked.id is not None:
