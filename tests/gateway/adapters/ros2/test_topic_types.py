@@ -111,6 +111,16 @@ devices:
         target: /add
         type: diagnostic_msgs/srv/AddDiagnostics
         arguments: {space: {type: text, field: load_namespace, max_length: 2000}}
+      order:
+        name: Order
+        kind: topic
+        target: /own/orders
+        type: test_msgs/msg/MultiNested
+        arguments:
+          word: {type: text, field: "array_of_arrays[1].string_values[2]"}
+          count: {type: integer, field: "array_of_arrays[1].int32_values[0]"}
+      unheard: {name: Unheard, kind: topic, target: /nobody, type: test_msgs/msg/Nested}
+      misheard: {name: Misheard, kind: topic, target: /own/orders, type: test_msgs/msg/Nested}
       silent:
         name: Silent
         target: /silent/add
@@ -343,6 +353,29 @@ async def test_a_service_of_a_type_that_is_not_installed_is_called(bench: Bench)
         good = CommandPhase.SUCCEEDED if space.startswith("/") else CommandPhase.FAILED
         assert (ended.phase, ended.message) == (good, f"asked for {space[:20]}")
         assert bench.peer.heard("added")[-1] == space
+
+
+async def test_a_message_of_a_type_that_is_not_installed_is_published(bench: Bench) -> None:
+    for number, word in enumerate(("begin", "añ✓😀")):
+        ended = await ask(bench, "order", number, word=word, count=-7)
+        assert (ended.phase, ended.message) == (CommandPhase.SUCCEEDED, "published")
+        await bench.peer.until(lambda number=number: len(bench.peer.heard("order")) > number)
+    assert bench.peer.heard("order") == [["begin", -7, False], ["añ✓😀", -7, False]]
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("unheard", "nobody on the robot listens to /nobody"),
+        ("misheard", "/own/orders is listened to as test_msgs/msg/MultiNested, not as"),
+    ],
+)
+async def test_a_message_that_nobody_could_read_is_not_published(
+    bench: Bench, name: str, why: str
+) -> None:
+    ended = await ask(bench, name, 0)
+    assert ended.phase is CommandPhase.REFUSED
+    assert why in ended.message
 
 
 @pytest.mark.parametrize(

@@ -54,8 +54,17 @@ class Peer:
                 BoundedSequences, "/own/undescribed", latched
             ),
         }
+        self.node.create_subscription(
+            MultiNested, "/own/orders", lambda got: say(order=self.words_of(got)), 10
+        )
         self.node.create_service(AddDiagnostics, "/add", self.add)
         self.silent.create_service(AddDiagnostics, "/silent/add", self.add)
+
+    @staticmethod
+    def words_of(message: MultiNested) -> list[object]:
+        """Give what an order says: of an array within an array, and what nobody set."""
+        inner = message.array_of_arrays[1]
+        return [inner.string_values[2], int(inner.int32_values[0]), inner.bool_values[1]]
 
     def add(
         self, request: AddDiagnostics.Request, response: AddDiagnostics.Response

@@ -84,8 +84,7 @@ class Ros2Adapter:
         self._domain = settings.domain if context.domain is None else context.domain
         self._node_name = settings.node
         self._definitions = context.folder / settings.definitions if settings.definitions else None
-        self._raw = context.raw
-        self._files = context.files
+        self._raw, self._files = context.raw, context.files
         # Newest readings of guarded signals by address: written by the thread, read by the loop.
         self._latest: dict[str, ChannelReading] = {}
         # Samples of one turn of the wait set, until they go on as columns.
@@ -221,12 +220,21 @@ class Ros2Adapter:
         self._packageless = PackagelessServices(
             node=self._node_name, domain=context.get_domain_id(), named=self._definitions
         )
+        self._descriptions = RobotDescriptions(self._node, thread, self._clock)
+        self._types = TopicTypes(
+            named=self._definitions,
+            descriptions=self._descriptions,
+            soon=thread.run_soon,
+            missing=self._tell_missing,
+            mismatched=self._unreadable.report_once,
+        )
         self._commands = Ros2Commands(
             scope=self._scope,
             node=self._node,
             thread=thread,
             missing=self._tell_missing,
             packageless=self._packageless,
+            types=self._types,
         )
         self._nodes = RobotNodes(
             scope=self._scope,
@@ -249,14 +257,6 @@ class Ros2Adapter:
             tell=self._on_presence,
             deafness=self._deafness,
             rejoin=lambda why: fail(AdapterLost(why)),
-        )
-        self._descriptions = RobotDescriptions(self._node, thread, self._clock)
-        self._types = TopicTypes(
-            named=self._definitions,
-            descriptions=self._descriptions,
-            soon=thread.run_soon,
-            missing=self._tell_missing,
-            mismatched=self._unreadable.report_once,
         )
         self._listening = Ros2Listening(
             scope=self._scope,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from talaia.gateway.adapters.ros2.actions import ActionGoal, Ros2Action
+from talaia.gateway.adapters.ros2.made_types.packageless_publisher import PackagelessPublisher
 from talaia.gateway.adapters.ros2.nodes.lifecycle import LifecycleTransition
 from talaia.gateway.adapters.ros2.nodes.parameters import as_set, parameters_of
 from talaia.gateway.adapters.ros2.requests import class_of, fill, outcome_of
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from talaia.gateway.adapters.connection_scope import ConnectionScope
     from talaia.gateway.adapters.ros2.made_types.packageless_services import PackagelessServices
     from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import WaitThread
+    from talaia.gateway.adapters.ros2.topic_types import TopicTypes
     from talaia.model.site import Command
     from talaia.wire.frames import Scalar
 
@@ -50,11 +52,15 @@ class Ros2Commands:
         thread: WaitThread,
         missing: Callable[[TypeMissing], None],
         packageless: PackagelessServices,
+        types: TopicTypes,
     ) -> None:
         """Make a client or publisher for each command, so that they are known before they act."""
         # Calls services whose type has no package here; and the commands that go through it.
         self._packageless = packageless
         self._without_package: set[str] = set()
+        # Finds the types of messages that are published without their package; and who does so.
+        self._types = types
+        self._bare_publishers: dict[str, PackagelessPublisher] = {}
         self._scope, self._node, self._thread, self._missing = scope, node, thread, missing
         self._clients: dict[str, _Client] = {}
         self._publishers: dict[str, tuple[Any, Any]] = {}
@@ -78,6 +84,10 @@ class Ros2Commands:
         except TypeMissing as error:
             if command.kind is CommandKind.SERVICE and self._packageless.knows_type(command.type):
                 self._without_package.add(address)
+                return
+            if command.kind is CommandKind.TOPIC:
+                bare = PackagelessPublisher(command, self._node, self._thread, self._types)
+                self._bare_publishers[address] = bare
                 return
             self._problems[address] = str(error)
             self._missing(error)
@@ -122,6 +132,9 @@ class Ros2Commands:
     def _close(self, address: str) -> None:
         self._problems.pop(address, None)
         self._without_package.discard(address)
+        bare = self._bare_publishers.pop(address, None)
+        if bare is not None:
+            bare.close()
         publisher, _ = self._publishers.pop(address, (None, None))
         if publisher is not None:
             self._node.destroy_publisher(publisher)
@@ -219,6 +232,8 @@ class Ros2Commands:
         try:
             if address in self._without_package:
                 self._packageless.call_service(self._commands[address], fields, done)
+            elif address in self._bare_publishers:
+                self._bare_publishers[address].publish_fields(fields, done)
             elif address in self._publishers:
                 done(self._publish(address, fields))
             elif address in self._transitions:

@@ -54,11 +54,13 @@ class TopicType(NamedTuple):
         decode: gives a message's fields; raises `FieldError` for what is no such message.
         schema: the definition's text for a recording; empty of an installed package, whose text
             the recorder knows.
+        definition: by which messages are written; none of an installed package.
 
     """
 
     decode: Callable[[bytes], object]
     schema: str
+    definition: TypeDefinition | None = None
 
 
 class TopicTypes:
@@ -94,6 +96,8 @@ class TopicTypes:
         # Why no classes can be made; None until it has been tried.
         self._problem: str | None = None
         self._trying = False
+        # What waits for that to be known.
+        self._untried: list[Callable[[], None]] = []
         # By type and hash.
         self._known: dict[tuple[str, str], TopicType] = {}
 
@@ -134,6 +138,19 @@ class TopicTypes:
                 self._problem = str(error)
         self._missing(TypeMissing(type_name, used_by, self._problem))
         return None
+
+    def when_tried(self, job: Callable[[], None]) -> None:
+        """Run something when it is known whether classes can be made: then `class_for` answers."""
+        self._untried.append(job)
+        if self._problem is None:
+            self._try_making()
+        if self._problem is not None:
+            self._run_untried()
+
+    def _run_untried(self) -> None:
+        jobs, self._untried = self._untried, []
+        for job in jobs:
+            job()
 
     def find(
         self, topic: str, type_name: str, spoken: str, done: Callable[[TopicType | None], None]
@@ -199,6 +216,7 @@ class TopicTypes:
         if problem:
             log.warning("types that are not installed cannot be read: %s", problem)
         self._problem = problem
+        self._run_untried()
 
     # ── on the worker ──
 
@@ -218,7 +236,7 @@ class TopicTypes:
             definition = self._finder.find(type_name, spoken, topic, described)
             log.info("%s: %s is read by %s", topic, type_name, definition.source)
             decode = decoder_of(definition, proven=bool(spoken))
-            return TopicType(decode, definition_text(definition))
+            return TopicType(decode, definition_text(definition), definition)
         except (DefinitionMismatch, TypeMissing, BadDefinition) as error:
             return error
         except Exception as error:

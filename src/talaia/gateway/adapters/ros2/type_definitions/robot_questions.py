@@ -97,7 +97,11 @@ class RobotDescriptions:
                 self._close(name)
 
     def _owner(self, question: _Question) -> str:
-        infos = self._node.get_publishers_info_by_topic(question.topic)
+        # Who listens knows the type as well: a command may be published to it.
+        infos = [
+            *self._node.get_publishers_info_by_topic(question.topic),
+            *self._node.get_subscriptions_info_by_topic(question.topic),
+        ]
         return next((node_of(info) for info in infos if hash_of(info) == question.type_hash), "")
 
     def _send(self, question: _Question) -> bool:
