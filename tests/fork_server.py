@@ -227,6 +227,18 @@ def fork_program(
     return _servers[-1].fork(words, environment, output, errors)
 
 
+def open_program(words: list[str]) -> tuple[ForkedProcess | subprocess.Popen[bytes], IO[bytes]]:
+    """Run ``python WORDS`` in this process's environment; give it and what it prints."""
+    output, theirs = os.pipe()
+    with os.fdopen(theirs, "wb") as out, os.fdopen(os.dup(2), "wb") as errors:
+        if is_used():
+            process = fork_program(words, dict(os.environ), out, errors)
+            return process, os.fdopen(output, "rb")
+        pipe = subprocess.PIPE
+        started = subprocess.Popen([sys.executable, *words], stdin=pipe, stdout=out, stderr=errors)
+        return started, os.fdopen(output, "rb")
+
+
 def cpu_time() -> float:
     """Give the CPU time of what was forked for this process and has ended (s)."""
     return sum(server.cpu_time() for server in _servers if server.owner == os.getpid())

@@ -9,7 +9,7 @@ import io
 import json
 import math
 import os
-import selectors
+import select
 import signal
 import subprocess
 import sys
@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import pytest
 from astropy.io import fits
 from fake_hub import fake_hub
+from fork_server import ForkedProcess, open_program
 from gateway_bench import addresses_of, running
 from msgspec.structs import replace
 from observatory_site import as_ros1
@@ -43,6 +44,7 @@ from talaia.wire.frames import (
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from typing import IO
 
     from fake_hub import FakeHub
 
@@ -97,12 +99,8 @@ def ledger(ros: str, tmp_path: Path) -> Iterator[Path]:
     log = tmp_path / "ledger.jsonl"
     words = ["-m", "talaia", "sim", "observatory", "--speed", "10", "--log", str(log)]
     words += ["--ros1"] if ros == "ros1" else ["--domain", os.environ["ROS_DOMAIN_ID"]]
-    process = subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    with selectors.DefaultSelector() as selector:
-        selector.register(process.stdout, selectors.EVENT_READ)
-        heard = selector.select(45)
-    line = process.stdout.readline() if heard else ""
+    process, printed = open_program(words)
+    line = printed.readline() if select.select([printed], [], [], PATIENCE_S)[0] else b""
     try:
         assert json.loads(line)["ready"] is True
         yield log
@@ -110,7 +108,7 @@ def ledger(ros: str, tmp_path: Path) -> Iterator[Path]:
         process.send_signal(signal.SIGCONT)
         process.terminate()
         assert process.wait(20) == 0
-        process.stdout.close()
+        close_pipes(process, printed)
 
 
 def asked(ledger: Path) -> list[tuple[str, str, str]]:
@@ -334,13 +332,21 @@ def whole(hub: FakeHub) -> list[bytes]:
     return [data for name, data in hub.files.items() if len(data) == sizes[name]]
 
 
-def simulator(ros: str, log: Path, *more: str) -> subprocess.Popen[str]:
+def close_pipes(process: ForkedProcess | subprocess.Popen[bytes], printed: IO[bytes]) -> None:
+    assert process.stdin is not None
+    process.stdin.close()
+    printed.close()
+
+
+Simulator = "tuple[ForkedProcess | subprocess.Popen[bytes], IO[bytes]]"
+
+
+def simulator(ros: str, log: Path, *more: str) -> Simulator:
     words = ["-m", "talaia", "sim", "observatory", "--log", str(log), *more]
     words += ["--ros1"] if ros == "ros1" else ["--domain", os.environ["ROS_DOMAIN_ID"]]
-    process = subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, text=True)
-    assert process.stdout is not None
-    assert json.loads(process.stdout.readline())["ready"]
-    return process
+    process, printed = open_program(words)
+    assert json.loads(printed.readline())["ready"]
+    return process, printed
 
 
 async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_back_by_itself(
@@ -356,16 +362,16 @@ async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_bac
     telescope = replace(site.devices["telescope"], signals=patient)
     devices = {**site.devices, "telescope": telescope}
     site = replace(site, devices=devices, interlocks={}, enclosures={}, alarms={})
-    started: list[subprocess.Popen[str]] = []
+    started: list[Simulator] = []
 
-    def start(*devices: str) -> subprocess.Popen[str]:
+    def start(*devices: str) -> Simulator:
         only = [word for device in devices for word in ("--only", device)]
         started.append(simulator(ros, tmp_path / f"{devices[0]}.jsonl", *only))
         return started[-1]
 
     try:
         start("dome", "weather", "camera")
-        server = start("telescope")
+        server, _ = start("telescope")
         text = dump_site(as_ros1(site) if ros == "ros1" else site)
         async with fake_hub(addresses_of) as hub, running(hub.url, tmp_path / "data", text):
             await seen(hub, lambda: hub.values("telescope/state"), "the telescope")
@@ -393,11 +399,10 @@ async def test_a_server_killed_in_mid_slew_is_unknown_within_two_seconds_and_bac
             assert {each.device for each in hub.of(DeviceState)} == {"telescope"}
             assert (await do(hub, "telescope", "unpark")).phase == "succeeded"
     finally:
-        for process in reversed(started):
+        for process, printed in reversed(started):
             process.terminate()
             process.wait(10)
-            assert process.stdout is not None
-            process.stdout.close()
+            close_pipes(process, printed)
 
 
 def away(hub: FakeHub) -> list[str]:
