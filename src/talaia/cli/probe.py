@@ -1,10 +1,14 @@
-"""``talaia probe``: what is out there, for people to read or as JSON for `talaia init`."""
+"""``talaia probe``: what is out there, for people to read or as JSON for `talaia init`.
+
+Long, because what is asked for, what is looked at and what is told of it belong together.
+"""
 
 from __future__ import annotations
 
 import argparse
 import os
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
@@ -94,6 +98,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_server_options(parser)
     parser.add_argument("--domain", type=int, help="ROS 2 domain (default: ROS_DOMAIN_ID, or 0)")
     parser.add_argument(
+        "--definitions",
+        type=Path,
+        metavar="PATH",
+        help="ROS 2: a folder with .msg files (a workspace's src) or a recording, for types that "
+        "are not installed and that their nodes do not describe",
+    )
+    parser.add_argument(
         "--connect",
         action="store_true",
         help="INDI: tell drivers to connect to their hardware first, as the gateway does; before "
@@ -133,21 +144,28 @@ def probe_robot(options: argparse.Namespace) -> Found:
     if master is None and not options.ros2 and options.domain is None:
         master = _answering_master()
     return (
-        _look_at_ros2(options.domain, seconds) if master is None else _look_at_ros1(master, seconds)
+        _look_at_ros2(options.domain, seconds, options.definitions)
+        if master is None
+        else _look_at_ros1(master, seconds)
     )
 
 
-def _look_at_ros2(domain: int | None, seconds: float) -> Found:
+def _look_at_ros2(domain: int | None, seconds: float, definitions: Path | None) -> Found:
     # Above 232, DDS's ports would be beyond 65535.
     if domain is not None and not 0 <= domain <= 232:
         raise CliError(f"--domain: expected a ROS domain id from 0 to 232, found {domain}")
+    if definitions is not None:
+        if not definitions.exists():
+            raise CliError(f"--definitions {definitions}: there is no such folder or recording")
+        # As it goes into a description, which may lie elsewhere.
+        definitions = definitions.resolve()
     try:
         # Here, not at the top: the other protocols can be looked at without ROS.
         from talaia.gateway.adapters.ros2.probe import probe_graph
     except ImportError as error:
         raise PartMissing("talaia probe", error.name or "rclpy", "ros2") from error
     _print_listening(seconds)
-    return probe_graph(domain, seconds)
+    return probe_graph(domain, seconds, definitions)
 
 
 def _answering_master() -> str | None:

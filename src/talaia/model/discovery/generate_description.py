@@ -137,7 +137,13 @@ def _ros2_of(found: Found) -> Ros2Settings | None:
     """Say how ROS 2 is joined; its log is read from warnings on."""
     if found.protocol != "ros2":
         return None
-    return Ros2Settings(domain=found.domain, log=LogLevel.WARNING, use_sim_time=found.sim_time)
+    return Ros2Settings(
+        domain=found.domain,
+        # The gateway has to read the same.
+        definitions=found.definitions,
+        log=LogLevel.WARNING,
+        use_sim_time=found.sim_time,
+    )
 
 
 def _connections_of(found: Found) -> dict[str, Connection]:

@@ -211,6 +211,7 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
         where: which graph or server, in words.
         seconds: how long was looked (s).
         domain: the ROS domain id; none for other protocols.
+        definitions: folder or recording that definitions of types were read from, if there was one.
         sim_time: the robot has a clock of its own, as a simulator's (``/clock``).
         master: where the ROS 1 master answers; empty for other protocols.
         host: of the INDI server; empty for other protocols.
@@ -228,6 +229,7 @@ class Found(msgspec.Struct, frozen=True, omit_defaults=True):
     where: str
     seconds: float
     domain: int | None = None
+    definitions: str = ""
     sim_time: bool = False
     topics: tuple[TopicFound, ...] = ()
     services: tuple[ServiceFound, ...] = ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import shutil
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -170,11 +171,11 @@ def definition_hash(name: str) -> str:
     return next(each["hash_string"] for each in told["type_hashes"] if each["type_name"] == name)
 
 
-def look(seconds: float) -> Found:
+def look(seconds: float, definitions: Path | None = None) -> Found:
     """Probe the graph; not at the top, for it joins ROS when it is imported."""
     from talaia.gateway.adapters.ros2.probe import probe_graph
 
-    return probe_graph(None, seconds)
+    return probe_graph(None, seconds, definitions)
 
 
 class Bench(NamedTuple):
@@ -296,6 +297,29 @@ async def test_a_probe_describes_what_only_the_robot_knows(bench: Bench) -> None
     )
     assert mode.max_age == 0
     assert not [finding for finding in check_site(site) if "$" in finding.where]
+
+
+async def test_a_probe_reads_types_by_the_definitions_that_are_named(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from talaia.gateway.adapters.ros2.type_definitions import definition_finder
+
+    # As where nothing of the robot's is installed, not even its files.
+    monkeypatch.setattr(definition_finder, "ros_prefixes", list)
+    for package in ("test_msgs", "builtin_interfaces"):
+        shutil.copytree(Path(sys.prefix, "share", package), tmp_path / package)
+    problems = []
+    for definitions in (None, tmp_path):
+        found = await asyncio.to_thread(look, 1.5, definitions)
+        (topic,) = (each for each in found.topics if each.topic == "/own/undescribed")
+        problems.append(topic.problem)
+    assert "test_msgs/msg/BoundedSequences" in problems[0]
+    assert problems[1] == ""
+    assert "alignment_check" in {field.path for field in topic.fields}
+    # The gateway has to read the same.
+    ros2 = propose_description(found, "robot", "Robot", "UTC").site.ros2
+    assert ros2 is not None
+    assert ros2.definitions == str(tmp_path)
 
 
 async def test_a_topic_of_another_type_than_described_is_named(bench: Bench) -> None:

@@ -33,6 +33,7 @@ from talaia.model.discovery.probe_report import FORMAT, ActionFound, Found, Serv
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable
+    from pathlib import Path
 
 __all__ = ["probe_graph"]
 
@@ -91,8 +92,10 @@ class _Heard:
         self.names = tuple(sorted(names))
 
 
-def probe_graph(domain: int | None, seconds: float) -> Found:
+def probe_graph(domain: int | None, seconds: float, definitions: Path | None = None) -> Found:
     """Join the graph, listen for so many seconds (s) and tell what is there.
+
+    ``definitions``: a folder or a recording with definitions of types that are not installed.
 
     Raises:
         AdapterLost: ROS 2 cannot be joined.
@@ -105,7 +108,7 @@ def probe_graph(domain: int | None, seconds: float) -> Found:
         rclpy.try_shutdown(context=context)
         raise AdapterLost(f"ROS 2 cannot be joined: {error}") from error
     try:
-        return _Look(node, context, seconds).found()
+        return _Look(node, context, seconds, definitions).found()
     finally:
         node.destroy_node()
         rclpy.try_shutdown(context=context)
@@ -114,11 +117,18 @@ def probe_graph(domain: int | None, seconds: float) -> Found:
 class _Look:
     """One look at the graph."""
 
-    def __init__(self, node: Any, context: Any, seconds: float) -> None:  # noqa: ANN401
+    def __init__(
+        self,
+        node: Any,  # noqa: ANN401 - rclpy ships no types
+        context: Any,  # noqa: ANN401
+        seconds: float,
+        definitions: Path | None,
+    ) -> None:
         self._node, self._context, self._seconds = node, context, seconds
+        self._definitions = definitions
         self._heard: dict[str, _Heard] = {}
         self._problems: dict[str, str] = {}
-        self._types = ProbedTypes(node)
+        self._types = ProbedTypes(node, definitions)
         self._nodes = ProbedNodes(node)
         # When to stop listening (monotonic, s).
         self._until = 0.0
@@ -147,6 +157,7 @@ class _Look:
             where=f"ROS 2, domain {domain}",
             seconds=self._seconds,
             domain=domain,
+            definitions=str(self._definitions or ""),
             sim_time=bool(self._node.get_publishers_info_by_topic("/clock")),
             topics=tuple(self._topics()),
             services=tuple(self._services()),

@@ -36,6 +36,7 @@ from talaia.gateway.errors import TypeMissing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
+    from pathlib import Path
 
     from talaia.gateway.adapters.message_fields import RosMessageType
     from talaia.gateway.adapters.ros2.type_definitions.message_definition import TypeDefinition
@@ -60,8 +61,9 @@ class ProbedType(NamedTuple):
 class ProbedTypes:
     """Asks the nodes of one graph for their types; its node must be spun."""
 
-    def __init__(self, node: Any) -> None:  # noqa: ANN401 - rclpy ships no types
-        """Take the probe's node."""
+    def __init__(self, node: Any, definitions: Path | None) -> None:  # noqa: ANN401 - rclpy ships no types
+        """Take the probe's node, and a folder or recording with definitions, if there is one."""
+        self._named = definitions
         self._node = node
         self._finder: DefinitionFinder | None = None
         # What nodes said, by type and hash; and the questions that are under way.
@@ -160,7 +162,7 @@ class ProbedTypes:
 
     def _known_finder(self) -> DefinitionFinder:
         if self._finder is None:
-            self._finder = DefinitionFinder(None)
+            self._finder = DefinitionFinder(self._named)
         return self._finder
 
 
