@@ -22,7 +22,7 @@ from geometry_msgs.msg import Twist
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import Image, PointCloud2
 from std_msgs.msg import Float64
 
 import talaia.sim
@@ -37,6 +37,7 @@ def main() -> int:
     parser.add_argument("--camera", action="store_true")
     parser.add_argument("--cameras", type=int, default=0, help="numbered ones, 10 pictures/s each")
     parser.add_argument("--film", type=int, default=0, help="a moving scene at 30 Hz; its noise")
+    parser.add_argument("--clouds", type=float, default=0, help="1 MB each, so many a second")
     parser.add_argument("--listen", type=Path)
     options = parser.parse_args()
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
@@ -52,6 +53,8 @@ def main() -> int:
     ]
     if options.listen:
         listen(node, options.listen)
+    if options.clouds:
+        publish_clouds(node, options.clouds)
     print("ready", flush=True)
     message = Float64()
     picture = Image(width=640, height=480, encoding="rgb8", step=1920)
@@ -103,6 +106,24 @@ def film_of(noise: int = 4) -> list[Image]:
         message.data = array.array("B", np.clip(view, 0, 255).astype(np.uint8).tobytes())
         film.append(message)
     return film
+
+
+def publish_clouds(node: rclpy.node.Node, rate: float) -> None:
+    """Publish a point cloud of 1 MB at a rate, stamped with the moment of its publication."""
+    publisher = node.create_publisher(PointCloud2, "/bench/cloud", QoSProfile(depth=10))
+    message = PointCloud2(height=1, width=62_500, point_step=16, row_step=1_000_000, is_dense=True)
+    message.data = array.array("B", bytes(1_000_000))
+
+    def publish() -> None:
+        due = time.monotonic()
+        while True:
+            due += 1 / rate
+            time.sleep(max(0.0, due - time.monotonic()))
+            sec, nanosec = divmod(time.time_ns(), 10**9)
+            message.header.stamp.sec, message.header.stamp.nanosec = sec, nanosec
+            publisher.publish(message)
+
+    threading.Thread(target=publish, daemon=True).start()
 
 
 def listen(node: rclpy.node.Node, target: Path) -> None:

@@ -4,7 +4,7 @@
     make bench ARGS="load page"  only some parts: load, people, idle, page, drive, drive-demo, size,
                                  demo, history, history-page, signin, press, many, spool, storm,
                                  load-description, camera, camera-slow, camera-crowd,
-                                 objects, objects-drive
+                                 objects, objects-drive, taps, taps-cloud, taps-drive
 
 The limits are those of the first slice. A figure over its limit is marked, and the exit code is
 then 1; a shared or busy machine makes single runs noisy, so look twice before you believe one.
@@ -32,6 +32,7 @@ import objects
 import pages
 import signin
 import stack
+import taps
 
 TOPICS, RATE = 20, 100.0
 PEOPLE = 50
@@ -398,13 +399,94 @@ async def signin_() -> list[Figure]:
     ]
 
 
+async def taps_() -> list[Figure]:
+    """20 × 100 Hz raw to a Foxglove client, in turn with a foxglove-sdk server; about a minute."""
+    names = [f"/bench/s{number}" for number in range(TOPICS)]
+    async with stack.running(0, tapped=True) as here, stack.publisher(here, TOPICS, RATE):
+        asked_for = await asyncio.to_thread(taps.subscriptions, here, names)
+        found = await taps.side_by_side(here, TOPICS, rounds=2, seconds=8)
+    (ours, ages), (theirs, their_ages) = found["talaia"], found["foxglove-sdk"]
+    return [
+        Figure("subscriptions on the robot without takers", asked_for, 0, ""),
+        Figure("CPU of gateway and hub for 20 × 100 Hz raw", ours, math.inf, "% of a core"),
+        Figure("CPU of foxglove-sdk with rclpy", theirs, math.inf, "% of a core"),
+        Figure("the former beside the latter", ours / theirs, 1, "times"),
+        *percentiles("ROS → Foxglove client", ages, 5, 10),
+        *percentiles("the same of foxglove-sdk", their_ages, math.inf, math.inf),
+        Figure("messages that did not come", 100 - ages.size / (16 * TOPICS * RATE) * 100, 2, "%"),
+    ]
+
+
+async def taps_cloud() -> list[Figure]:
+    """A 1 MB cloud at 10 Hz to three Foxglove clients, then one of them at 1 Mbit/s."""
+    async with stack.running(0, tapped=True) as here, stack.publisher(here, 0, 1, "--clouds", "10"):
+        address, trust, cloud = await taps.open_door(here), stack.context(here), {"/bench/cloud"}
+        async with contextlib.AsyncExitStack() as open_now:
+            two = [
+                await open_now.enter_async_context(taps.taking(address, cloud, trust=trust))
+                for _ in range(2)
+            ]
+            async with taps.taking(address, cloud, trust=trust) as third:
+                await asyncio.sleep(3)
+                everyone = [*two, third]
+                for heard in everyone:
+                    heard.clear()
+                before = taps.line_bytes(here)
+                used = await stack.cpu_percent(here.hub, 10)
+                copies = (taps.line_bytes(here) - before) / max(one.bytes for one in everyone)
+                alone = np.array([age for one in everyone for age in one.ages_ms])
+            async with cameras.throttled(here.port, 1e6) as port:
+                memory = taps.memory_mib(here.hub.process.pid)
+                async with taps.taking(address, cloud, trust=trust, port=port):
+                    await asyncio.sleep(3)
+                    for heard in two:
+                        heard.clear()
+                    await asyncio.sleep(12)
+                    grown = taps.memory_mib(here.hub.process.pid) - memory
+                    # Before the slow one says good-bye, which takes it a while.
+                    beside = np.array([age for heard in two for age in heard.ages_ms])
+    later = float(np.percentile(beside, 95) - np.percentile(alone, 95))
+    return [
+        Figure("copies on the gateway's line", copies, 1.05, "times"),
+        Figure("CPU of the hub, three takers of 10 MB/s", used, 15, "% of a core"),
+        *percentiles("a cloud's age at the client", alone, math.inf, math.inf),
+        Figure("clouds that the others miss beside one at 1 Mbit/s",
+               100 - beside.size / 240 * 100, 5, "%"),
+        Figure("p95 of the others later by", later, 10, "ms"),
+        Figure("the hub grew by", grown, 8, "MiB"),
+    ]  # fmt: skip
+
+
+async def taps_drive() -> list[Figure]:
+    """Driving while 20 MB/s of taps run, in turn with none."""
+    ages: dict[bool, list[np.ndarray]] = {False: [], True: []}
+    async with stack.running(1, tapped=True) as here:
+        target = here.folder / "driven.txt"
+        more = ("--listen", str(target), "--clouds", "20")
+        async with stack.publisher(here, 1, 20.0, *more):
+            session, address = await clients.cookie(here), await taps.open_door(here)
+            for _ in range(2):
+                ages[False].append(await link.driven(here, session, target, 150))
+                async with taps.taking(address, {"/bench/cloud"}, trust=stack.context(here)):
+                    await asyncio.sleep(2)
+                    ages[True].append(await link.driven(here, session, target, 150))
+    without, with_taps = (np.concatenate(ages[tapped]) for tapped in (False, True))
+    later = float(np.percentile(with_taps, 99) - np.percentile(without, 99))
+    return [
+        *percentiles("page's socket → cmd_vel, no taps", without, 8, 20),
+        *percentiles("the same, 20 MB/s of taps", with_taps, 8, 20),
+        Figure("p99 later by", later, 2, "ms"),
+    ]
+
+
 PARTS = {
     "load": load, "people": people, "idle": idle, "page": page, "drive": drive,
     "drive-demo": drive_demo, "size": size, "demo": demo, "history": history,
     "history-large": history_large, "history-page": history_page, "signin": signin_,
     "load-description": load_description, "camera": camera, "camera-slow": camera_slow,
     "camera-crowd": camera_crowd, "objects": see, "objects-drive": see_and_drive, "press": press,
-    "many": many, "spool": spool, "storm": storm,
+    "many": many, "spool": spool, "storm": storm, "taps": taps_, "taps-cloud": taps_cloud,
+    "taps-drive": taps_drive,
 }  # fmt: skip
 
 

@@ -41,8 +41,18 @@ class Stack(NamedTuple):
         return f"https://localhost:{self.port}"
 
 
-def site_text(topics: int, *, camera: bool = False, cameras: int = 0, detect: str = "") -> str:
-    """Write the description of the publisher's site; ``detect`` is what its camera is to see."""
+def site_text(
+    topics: int,
+    *,
+    camera: bool = False,
+    cameras: int = 0,
+    detect: str = "",
+    tapped: bool = False,
+) -> str:
+    """Write the description of the publisher's site.
+
+    ``detect`` is what its camera is to see; with ``tapped`` its topics may be had raw.
+    """
     signals = "\n".join(
         f"      s{each}: {{name: Signal {each}, source: {{topic: /bench/s{each},"
         " type: std_msgs/msg/Float64, field: data}}"
@@ -64,9 +74,10 @@ def site_text(topics: int, *, camera: bool = False, cameras: int = 0, detect: st
         stream = f"    streams: {{{listed}}}\n"
     return (
         "talaia: 1\nsite: bench\nname: Bench\nros2: {}\ndevices:\n  base:\n    name: Base\n"
-        f"    kind: vehicle\n{stream}    signals:\n{signals}\n"
+        f"    kind: vehicle\n{stream}    signals:{chr(10) + signals if signals else ' {}'}\n"
         "    drive: {topic: /cmd_vel, max_speed: 1.0, max_turn: 1.0, max_acceleration: 1000,"
         " max_turn_acceleration: 1000}\n"
+        + ("topics:\n  - {pattern: /bench/**, right: view}\n" if tapped else "")
     )
 
 
@@ -84,6 +95,7 @@ async def running(
     camera: bool = False,
     cameras: int = 0,
     detect: str = "",
+    tapped: bool = False,
     before: Callable[[Settings], Awaitable[None]] | None = None,
 ) -> AsyncIterator[Stack]:
     """Run a hub and a gateway for a site with so many topics; ``before`` is done before both."""
@@ -96,7 +108,7 @@ async def running(
         await accounts.create_user(settings, "admin", PASSWORD, "admin")
         (folder / "key").write_text(await accounts.create_gateway(settings, "bench"))
         (folder / "site.yaml").write_text(
-            site_text(topics, camera=camera, cameras=cameras, detect=detect)
+            site_text(topics, camera=camera, cameras=cameras, detect=detect, tapped=tapped)
         )
         if before is not None:
             await before(settings)

@@ -183,3 +183,11 @@ async def test_spool_that_is_new_has_no_run_before_it_and_later_it_has(tmp_path:
         folder=tmp_path, head=SegmentHead("boot-d", "cat", []), bound=LARGE
     ).former == ProgressMark("boot-c", 10, 0, 0, 9000, 0.0, 0, "")
     await asyncio.sleep(0)
+
+
+def test_first_run_watches_nobody_for_nobody_missed_anything_before_it() -> None:
+    heard = FirstHeard(0)
+    heard.end_watching()
+    for at in (SECOND, 2 * SECOND):
+        heard.add_batch(np.array([3], np.uint16), at)
+    assert heard.settle_watching() == 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import pytest
@@ -74,3 +75,25 @@ def test_stamps_of_a_robot_with_a_clock_of_its_own_are_moved_to_our_time() -> No
     assert times.lag_us == 500_000
     # From before the simulation was begun anew.
     assert times.time_of(stamped(900_000_000), NOW_US) == NOW_US
+
+
+def test_a_class_without_a_header_is_told_and_one_that_holds_anything_never() -> None:
+    @dataclass
+    class Plain:
+        data: float
+
+    @dataclass
+    class Stamped:
+        header: object
+
+    times = HeaderTimes()
+    # What rosbridge sends has one class for all messages.
+    times.time_of(SimpleNamespace(data=1.0), NOW_US)
+    assert times.headless is None
+    assert times.time_of(Stamped(None), NOW_US) == NOW_US
+    assert times.headless is None
+    assert times.time_of(Plain(1.0), NOW_US) == NOW_US
+    assert times.headless is Plain
+    # Another version of the type, by another publisher, has one.
+    late = stamped(NOW_US - 250_000).header
+    assert times.time_of(Stamped(late), NOW_US) == NOW_US - 250_000

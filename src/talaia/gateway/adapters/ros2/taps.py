@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy
 
+from talaia.gateway.adapters.ros2.rclpy_bridge.waitset import PACE_S
 from talaia.gateway.adapters.ros2.subscriptions import Ros2Subscriptions
 from talaia.gateway.adapters.ros2.type_definitions.definition_text import definition_text
 from talaia.gateway.adapters.ros2.type_definitions.installed_package import installed_definition
@@ -33,6 +34,8 @@ _DEPTH = 100
 _AGAIN_EVERY = 8
 # The graph is read at every so manieth turn, and publishers of what is heard at every so manieth.
 _GRAPH_EVERY, _PUBLISHERS_EVERY = 2, 4
+# Of the thread's turns while something is tapped (s): who looks on wants it soon.
+_TAPPED_PACE_S = 0.002
 
 
 class Ros2TopicSource:
@@ -94,8 +97,9 @@ class Ros2TopicSource:
             self._turn += 1
 
     def _update(self, *, everything: bool = True) -> None:
-        if self._taps is not None:
-            self._taps.want_topics(self._wanted, everything=everything)
+        if self._taps is not None and self._thread is not None:
+            heard = self._taps.want_topics(self._wanted, everything=everything)
+            self._thread.pace_s = _TAPPED_PACE_S if heard else PACE_S
 
 
 class Ros2Taps:
@@ -153,8 +157,8 @@ class Ros2Taps:
             self._listed = listed
             self._sink.list_topics(list(listed.values()))
 
-    def want_topics(self, topics: frozenset[str], *, everything: bool = True) -> None:
-        """Hear these of the topics that are there, and no others.
+    def want_topics(self, topics: frozenset[str], *, everything: bool = True) -> bool:
+        """Hear these of the topics that are there, and no others; give whether there are any.
 
         Args:
             topics: absolute names.
@@ -178,6 +182,7 @@ class Ros2Taps:
                     reader=_TapReader(listed, self._hand_on),
                 )
         self._subscriptions.match_publishers(everything=everything)
+        return bool(self._heard)
 
     def define_type(self, type_name: str, done: Callable[[TopicDefinition | str], None]) -> None:
         """See `TopicSource.define_type`."""

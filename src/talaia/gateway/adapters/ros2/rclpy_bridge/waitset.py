@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["WaitThread"]
+__all__ = ["PACE_S", "WaitThread"]
 
 log = logging.getLogger(__name__)
 PACE_S = 0.010
@@ -29,6 +29,10 @@ HELD_NS = 50_000_000
 
 class WaitThread:
     """Waits, takes, and calls.
+
+    Attributes:
+        pace_s: from one turn that took something to the next (s); longer turns cost less. On the
+            thread.
 
     Order of a turn: jobs, wait, take until each ready subscription is empty, answers of services,
     ``after`` once. An exception in any of the callbacks ends the thread and reaches ``failed``.
@@ -63,6 +67,7 @@ class WaitThread:
         self._subscriptions: dict[int, tuple[Any, Any, Callable[[bytes, Any], None]]] = {}
         self._clients: dict[int, tuple[Any, Any, Callable[[int, Any], None]]] = {}
         self._ended = False
+        self.pace_s = PACE_S
         self._thread = threading.Thread(target=self._run, name="talaia-ros2", daemon=True)
 
     # ── any thread ──
@@ -139,7 +144,7 @@ class WaitThread:
                 held = self._after()
             if taken:
                 # Let a few more come before the next turn: waking costs more than taking.
-                rest = PACE_S - (time.monotonic() - woke)
+                rest = self.pace_s - (time.monotonic() - woke)
                 if rest > 0:
                     time.sleep(rest)
         if wait_set is not None:
