@@ -8,7 +8,7 @@ import ssl
 
 from talaia.wire.certificate_der import public_key_of
 
-__all__ = ["has_fingerprint", "trust_only"]
+__all__ = ["has_fingerprint", "hash_of_key", "trust_only"]
 
 
 def has_fingerprint(certificate: bytes, fingerprint: str) -> bool:
@@ -23,8 +23,18 @@ def has_fingerprint(certificate: bytes, fingerprint: str) -> bool:
     known = {hashlib.sha256(certificate).hexdigest()}
     # One that we cannot read must be known by its own hash.
     with contextlib.suppress(ValueError):
-        known.add(hashlib.sha256(public_key_of(certificate)).hexdigest())
+        known.add(hash_of_key(certificate))
     return fingerprint in known
+
+
+def hash_of_key(certificate: bytes) -> str:
+    """Give the SHA-256 (hex) of the public key in a certificate (DER).
+
+    Raises:
+        ValueError: it cannot be read.
+
+    """
+    return hashlib.sha256(public_key_of(certificate)).hexdigest()
 
 
 def trust_only(certificate: bytes) -> ssl.SSLContext:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import hashlib
 import http.client
 import json
 import platform
@@ -18,12 +17,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import urlsplit
 
+from talaia.certificate_pin import hash_of_key
 from talaia.errors import TalaiaError
 from talaia.gateway.errors import EnrolRefused, HubUnreachable
 from talaia.gateway.key_file import KeyFile, KeyPlace
 from talaia.gateway.settings import HubAddress
 from talaia.gateway.uplink.tls import HubTrust
-from talaia.wire.certificate_der import public_key_of
 from talaia.wire.enrolment import read_code
 
 if TYPE_CHECKING:
@@ -151,7 +150,7 @@ def _key_hash(hub: HubAddress, code: EnrolmentCode) -> str:
     """Give the hash of the key the hub shows, if it is the one that the code names."""
     shown = asyncio.run(HubTrust(hub).shown())
     try:
-        found = hashlib.sha256(public_key_of(shown)).hexdigest()
+        found = hash_of_key(shown)
     except ValueError as error:
         raise HubUnreachable(f"{hub.url} shows a certificate that cannot be read") from error
     # Before the request: an impostor is never told the code.
