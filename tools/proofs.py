@@ -102,6 +102,14 @@ JOBS = (
         "docs/soak-20-minutes.md",
         minutes=20,
     ),
+    # It needs other versions of what we use, so it has an environment of its own.
+    Job(
+        "home-assistant",
+        "Home Assistant's own schemas take every discovery message of every example",
+        ("tools/home_assistant.py", "{table}"),
+        "docs/home-assistant-table.md",
+        minutes=2,
+    ),
 )
 
 
