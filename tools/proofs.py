@@ -94,6 +94,13 @@ JOBS = (
         "docs/arm64-table.md",
         minutes=3,
     ),
+    Job(
+        "bridge",
+        "a gateway does all with the ROS 2 of Python 3.10, and its robot stops when it dies",
+        ("-m", "gateway.adapters.ros2.system_ros_proof", "--table", "{table}"),
+        "docs/bridge-table.md",
+        minutes=6,
+    ),
     # Two hours are run by `make soak`, which writes docs/soak-table.md; 24 before a release.
     Job(
         "soak",

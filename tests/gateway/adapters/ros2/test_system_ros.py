@@ -24,6 +24,7 @@ from patience import PATIENCE_S
 from websockets.protocol import State
 
 from talaia.gateway.adapters.ros2.rclpy_bridge.velocities import STALE_NS, VelocityPublisher
+from talaia.model.discovery.probe_report import found_from
 from talaia.wire.frames import CommandPhase, DriveState, StopRequest, StopState
 
 if TYPE_CHECKING:
@@ -36,11 +37,15 @@ SOURCES = Path(__file__).parents[4] / "src/talaia/gateway/adapters/ros2"
 OTHER_PYTHON = os.environ.get("TALAIA_TEST_ROS_PYTHON", sys.executable)
 
 
+def bridged_environment() -> dict[str, str]:
+    paths = [str(each) for each in (HERE.parents[1], HERE.parents[2], SOURCES.parents[3])]
+    changed = {"TALAIA_ROS_PYTHON": OTHER_PYTHON, "PYTHONPATH": os.pathsep.join(paths)}
+    return {**os.environ, **changed}
+
+
 @asynccontextmanager
 async def bridged(url: str, data: Path) -> AsyncIterator[asyncio.subprocess.Process]:
-    paths = [str(each) for each in (HERE.parents[1], HERE.parents[2], SOURCES.parents[3])]
-    environment = {**os.environ, "TALAIA_ROS_PYTHON": OTHER_PYTHON}
-    environment["PYTHONPATH"] = os.pathsep.join(paths)
+    environment = bridged_environment()
     gateway = await asyncio.create_subprocess_exec(
         sys.executable, str(HERE / "bridged_gateway.py"), url, str(data),
         stdin=asyncio.subprocess.PIPE, env=environment,
@@ -129,6 +134,22 @@ async def test_all_that_a_gateway_does_with_ros2_goes_through_the_other_python(
                 await asyncio.sleep(0.1)
         done = await command(hub, "wander", "again", active=True)
         assert done.phase is CommandPhase.SUCCEEDED
+
+
+@pytest.mark.robot
+async def test_a_probe_sees_a_robot_through_the_other_python(peer: Peer) -> None:
+    probe = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "talaia", "probe", "--ros2", "--seconds", "4", "--json",
+        stdout=asyncio.subprocess.PIPE, env=bridged_environment(),
+    )  # fmt: skip
+    said, _ = await asyncio.wait_for(probe.communicate(), PATIENCE_S)
+    found = found_from(said, "the probe")
+    fields = {topic.topic: {field.path for field in topic.fields} for topic in found.topics}
+    assert fields["/number"] == {"data"}
+    assert "twist.twist.linear.x" in fields["/odom"]
+    assert {service.service for service in found.services} >= {"/wander", "/fail"}
+    assert [field.path for action in found.actions for field in action.fields] == ["order"]
+    assert peer.heard("cmd") == []
 
 
 @pytest.mark.robot

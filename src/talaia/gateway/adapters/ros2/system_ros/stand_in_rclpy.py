@@ -6,6 +6,7 @@ bridge process (`entities`).
 
 from __future__ import annotations
 
+import functools
 from contextlib import suppress
 from enum import IntEnum
 from types import SimpleNamespace
@@ -124,7 +125,7 @@ def deserialize_message(raw: bytes, kind: RemoteMessage) -> Any:  # noqa: ANN401
 
 def get_action_names_and_types(node: Node) -> Any:  # noqa: ANN401
     """Name the actions that are offered."""
-    return [(name, types) for name, types in node.ask_graph("get_action_names_and_types")]
+    return node.ask_graph("get_action_names_and_types")
 
 
 class Node:
@@ -188,31 +189,19 @@ class Node:
     # ── the graph ──
 
     def ask_graph(self, question: str, *words: object) -> Any:  # noqa: ANN401
-        """Ask rclpy's node in the bridge."""
-        return self._process.ask(
+        """Ask rclpy's node in the bridge; rows and endpoints come as rclpy has them."""
+        told = self._process.ask(
             "graph", node=self._context.number, question=question, words=list(words)
         )
+        if question.endswith("_info_by_topic"):
+            return [_endpoint(one) for one in told]
+        return [tuple(row) for row in told] if isinstance(told, list) else told
 
-    def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
-        """Give who publishes a topic."""
-        return [_endpoint(told) for told in self.ask_graph("get_publishers_info_by_topic", topic)]
-
-    def get_subscriptions_info_by_topic(self, topic: str) -> list[Any]:
-        """Give who listens to a topic."""
-        told = self.ask_graph("get_subscriptions_info_by_topic", topic)
-        return [_endpoint(one) for one in told]
-
-    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
-        """Name all topics."""
-        return [(name, types) for name, types in self.ask_graph("get_topic_names_and_types")]
-
-    def get_service_names_and_types(self) -> list[tuple[str, list[str]]]:
-        """Name all services."""
-        return [(name, types) for name, types in self.ask_graph("get_service_names_and_types")]
-
-    def count_publishers(self, topic: str) -> int:
-        """Count who publishes a topic."""
-        return int(self.ask_graph("count_publishers", topic))
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        """Give what asks the graph: ``get_topic_names_and_types``, ``count_publishers``."""
+        if not name.startswith(("get_", "count_")):
+            raise AttributeError(f"a node by a bridge has no {name}")
+        return functools.partial(self.ask_graph, name)
 
 
 class _WaitSet:
