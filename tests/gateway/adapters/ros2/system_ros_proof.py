@@ -23,24 +23,25 @@ PACKAGES = (
 )  # fmt: skip
 
 
-def run_tests(file: str, **more: str) -> list[str]:
-    """Run a file of tests; give a row for each, and stop where one fails twice."""
-    words = [sys.executable, "-m", "pytest", "-v", "-p", "no:cacheprovider", str(FOLDER / file)]
+def run_tests(file: str, cache: str, **more: str) -> list[str]:
+    """Run a file of tests, those that failed once more; give the name of each."""
     # Its messages come by a longer way: who publishes once, just when discovery ends, is too early.
+    words = [sys.executable, "-m", "pytest", "-v", "-o", f"cache_dir={cache}", str(FOLDER / file)]
+    said, code = "", 1
     for again in ([], ["--last-failed"]):
-        cache = ["-o", f"cache_dir={more['TALAIA_CACHE']}", "-p", "cacheprovider"]
-        kept = [word for word in words if word not in ("-p", "no:cacheprovider")]
         done = subprocess.run(
-            [*kept, *cache, *again], env={**os.environ, **more}, capture_output=True, text=True,
+            [*words, *again],
+            env={**os.environ, **more},
+            capture_output=True,
+            text=True,
             check=False,
-        )  # fmt: skip
-        print(done.stdout[-3000:])
-        if not again:
-            first = done.stdout
-        if done.returncode == 0:
+        )
+        said, code = said or done.stdout, done.returncode
+        sys.stdout.write(done.stdout[-2000:])
+        if code == 0:
             break
-    assert done.returncode == 0, f"{file}: see above"
-    return sorted(set(re.findall(rf"{file}::(\S+)(?: \[.*)? (?:PASSED|FAILED)", first)))
+    assert code == 0, f"{file}: see above"
+    return sorted(set(re.findall(r"::(test_\w+)\S* (?:PASSED|FAILED)", said)))
 
 
 def main() -> None:
@@ -51,11 +52,14 @@ def main() -> None:
         subprocess.run([old, "-m", "venv", folder], check=True)
         python = f"{folder}/bin/python"
         subprocess.run([python, "-m", "pip", "install", "--quiet", *PACKAGES], check=True)
-        which = "import sys, importlib.metadata as m; print(sys.version.split()[0], m.version('ros-rclpy'))"
+        which = (
+            "import sys, importlib.metadata as m\n"
+            "print(sys.version.split()[0], m.version('ros-rclpy'))"
+        )
         said = subprocess.run([python, "-c", which], capture_output=True, text=True, check=True)
-        cache = {"TALAIA_CACHE": f"{folder}/cache"}
-        rows = run_tests("test_system_ros.py", TALAIA_TEST_ROS_PYTHON=python, **cache)
-        rows += run_tests("test_adapter.py", TALAIA_ROS_PYTHON=python, **cache)
+        cache = f"{folder}/cache"
+        rows = run_tests("test_system_ros.py", cache, TALAIA_TEST_ROS_PYTHON=python)
+        rows += run_tests("test_adapter.py", cache, TALAIA_ROS_PYTHON=python)
     version, rclpy = said.stdout.split()
     mine = ".".join(map(str, sys.version_info[:3]))
     text = "\n".join(f"- {row.removeprefix('test_').replace('_', ' ')}" for row in rows)
