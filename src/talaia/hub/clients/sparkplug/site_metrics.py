@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from talaia.wire.browser import ToBrowser
     from talaia.wire.sparkplug.payloads import ReadMetric
 
-__all__ = ["SiteMetrics"]
+__all__ = ["SiteMetrics", "command_payload"]
 
 # Names of topics are not used here: Sparkplug has its own.
 _NO_TREE = TopicTree("")
@@ -97,7 +97,7 @@ class SiteMetrics:
         if not metric.value and not (control.command and isinstance(metric.value, str)):
             return
         asked = CommandTopic(self._live.name, _device_of(device), control.command)
-        payload = _command_payload(control, metric)
+        payload = command_payload(control, metric)
         message = InboundMessage(asked, f"{topic} {metric.name}", payload, retained, b"")
         self._relay.receive_message(message, self._publication)
 
@@ -126,7 +126,7 @@ def _device_of(device: DeviceMetrics) -> str:
     return device.name.split(".", 1)[1]
 
 
-def _command_payload(control: ControlMetric, metric: ReadMetric) -> bytes:
+def command_payload(control: ControlMetric, metric: ReadMetric) -> bytes:
     """Write a command as the topics under the prefix have it, so that the same rules judge it."""
     said: dict[str, object] = {}
     # Without one it is refused, as everywhere: when it was asked for is not known.
@@ -134,5 +134,10 @@ def _command_payload(control: ControlMetric, metric: ReadMetric) -> bytes:
         said["time"] = metric.time_ms / 1000
     text = metric.value if isinstance(metric.value, str) else ""
     if control.command and text:
-        said["args"] = msgspec.Raw(text.encode())
+        try:
+            # Read here: what is put in as it stands could bring keys of its own with it.
+            said["args"] = msgspec.json.decode(text)
+        except (msgspec.DecodeError, RecursionError):
+            # No arguments; it is refused as such.
+            said["args"] = text
     return msgspec.json.encode(said)
